@@ -1,0 +1,1 @@
+"""Lost motion of industrial actuators."""

@@ -1,0 +1,107 @@
+"""What can go wrong, and what to do about it.
+
+Exceptions are for the door, where a caller hands in something that cannot be used. Inside batch work a
+failure is a value: a :class:`Status`, whose text says what was found, why, and what to do.
+
+::
+
+    LostMotionError
+    ├── InputError (ValueError)       something handed in cannot be used
+    │   ├── ParameterError            a model parameter or a setting outside its domain
+    │   └── DataError                 a record that cannot be used: too short, constant, NaN, gaps
+    │       ├── ColumnError           a column is missing, unknown or not numeric
+    │       └── TimeError             a time column that is unsorted, repeated or contradicts dt
+    └── FileAccessError (OSError)     a file that is absent, unreadable, or already there
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from enum import Enum
+from typing import Self
+
+
+class LostMotionError(Exception):
+    """Base of every error that lostmotion raises on purpose."""
+
+
+class InputError(LostMotionError, ValueError):
+    """Something handed in cannot be used."""
+
+    @classmethod
+    def expected(cls, expected: str, got: object, remedy: str) -> Self:
+        """Build the message "expected X, got Y; do Z".
+
+        Examples
+        --------
+        >>> raise InputError.expected("dt > 0", -1.0, "give the sampling time in seconds")
+        Traceback (most recent call last):
+        ...
+        lostmotion.errors.InputError: expected dt > 0, got -1.0; give the sampling time in seconds
+        """
+        return cls(f"expected {expected}, got {got}; {remedy}")
+
+
+class ParameterError(InputError):
+    """A model parameter or a setting is outside its domain."""
+
+
+class DataError(InputError):
+    """A record cannot be used as it is."""
+
+
+class ColumnError(DataError):
+    """A column is missing, unknown or not numeric."""
+
+    @classmethod
+    def missing(cls, wanted: str, available: Iterable[str], remedy: str) -> Self:
+        """Name the column that is missing, what is there, and the nearest name."""
+        names = list(available)
+        lower = {name.lower(): name for name in names}
+        near = difflib.get_close_matches(wanted.lower(), list(lower), n=1, cutoff=0.6)
+        hint = f" (did you mean {lower[near[0]]!r}?)" if near else ""
+        return cls(f"expected a column {wanted!r}, got {names}{hint}; {remedy}")
+
+
+class TimeError(DataError):
+    """A time column is unsorted, repeats, has gaps, or contradicts the sampling time."""
+
+
+class FileAccessError(LostMotionError, OSError):
+    """A file is absent, unreadable, or would be overwritten."""
+
+
+class Status(Enum):
+    """Outcome of an identification; the value is the sentence that a report prints."""
+
+    OK = "Converged; the record shows the nonlinearity clearly."
+    NOT_SEEN = (
+        "No lost motion can be seen: a linear model explains the record as well. "
+        "If you suspect less than the bound given here, record moves of OP that cross it many times."
+    )
+    ONE_SIDED = (
+        "Only one side of the dead zone is visited by OP, so the other break point is unknown. "
+        "Record a stretch, or make a test, in which OP moves through the whole dead zone."
+    )
+    MISFIT = (
+        "Converged, but the residuals still depend on OP: the real actuator is not quite of this shape. "
+        "Read the numbers as the nearest dead zone and compare other kinds (jump at break-away, backlash, stiction)."
+    )
+    COLOURED = (
+        "Converged, but the residuals are not white, so the intervals are too narrow. "
+        "Leave noise='auto' or give a higher noise order."
+    )
+    CANNOT_TELL = (
+        "The record does not tell: OP hardly moves the measurement, or the feedback is an exact function of it. "
+        "Use a longer record with set-point moves, or a test."
+    )
+    NOT_CONVERGED = (
+        "The likelihood has no interior maximum that the search could reach; the numbers are the best point seen. "
+        "Try fewer orders, a longer record, or nonlinearity='none' to see whether a linear model fits at all."
+    )
+
+    @property
+    def ok(self) -> bool:
+        """True where the numbers and their intervals can be used."""
+        return self in (Status.OK, Status.MISFIT)

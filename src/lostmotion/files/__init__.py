@@ -1,0 +1,1 @@
+"""Files and data frames -> LoopRecord: the only place that knows formats."""

@@ -1,0 +1,136 @@
+"""LoopRecord: the samples of one control loop, and what is known about them."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.errors import DataError, ParameterError
+
+FloatArray = npt.NDArray[np.float64]
+_SIGNALS = ("op", "pv", "sp", "position")
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRecord:
+    """Samples of one loop on a uniform time grid.
+
+    Parameters
+    ----------
+    op, pv : array_like, shape (n,)
+        Controller output (the command to the actuator) and measurement. NaN marks a missing sample.
+    sp, position : array_like, shape (n,), optional
+        Set point and measured position of the actuator.
+    dt : float
+        Sampling time in seconds.
+    op_span, pv_span : (float, float), optional
+        Engineering limits (low, high), for results in % of span. None: unknown.
+    tag, source : str
+        Name of the loop and where the record came from.
+    gaps : tuple of int
+        Rows before which time is missing (the sample there does not follow its predecessor by dt).
+
+    Raises
+    ------
+    DataError
+        Lengths differ, fewer than two samples, or infinite values.
+    ParameterError
+        dt is not positive and finite, or a span is empty.
+
+    Examples
+    --------
+    >>> LoopRecord(op=[1, 2, 3], pv=[0, 1, 2], dt=0.5, tag="FIC-101")
+    LoopRecord('FIC-101': 3 samples of OP, PV every 0.5 s, 1.5 s)
+    """
+
+    op: FloatArray
+    pv: FloatArray
+    sp: FloatArray | None = None
+    position: FloatArray | None = None
+    dt: float = field(kw_only=True)
+    op_span: tuple[float, float] | None = None
+    pv_span: tuple[float, float] | None = None
+    tag: str = ""
+    source: str = ""
+    gaps: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.dt) and self.dt > 0):
+            raise ParameterError.expected("dt > 0", self.dt, "give the sampling time in seconds")
+        for name in _SIGNALS:
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _as_signal(value, name))
+        n = len(self.op)
+        for name in _SIGNALS[1:]:
+            value = getattr(self, name)
+            if value is not None and len(value) != n:
+                raise DataError.expected(
+                    f"{name} with {n} samples as op", f"{len(value)}", "cut both to the same rows"
+                )
+        if n < 2:
+            raise DataError.expected("at least 2 samples", n, "check that the right file was read")
+        for name in ("op_span", "pv_span"):
+            span = getattr(self, name)
+            if span is not None and not span[0] < span[1]:
+                raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    def __repr__(self) -> str:
+        names = ", ".join(name.upper() for name in _SIGNALS if getattr(self, name) is not None)
+        seconds = len(self) * self.dt
+        gaps = f", {len(self.gaps)} gaps" if self.gaps else ""
+        return f"LoopRecord({self.tag!r}: {len(self)} samples of {names} every {self.dt:g} s, {seconds:g} s{gaps})"
+
+    @cached_property
+    def missing(self) -> npt.NDArray[np.bool_]:
+        """Rows in which OP or PV is missing, shape (n,)."""
+        return np.isnan(self.op) | np.isnan(self.pv)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """First 16 hex digits of the SHA-256 of OP, PV and dt: the same data, the same fingerprint."""
+        digest = hashlib.sha256()
+        for part in (self.op, self.pv, np.array([self.dt])):
+            digest.update(np.ascontiguousarray(part).tobytes())
+        return digest.hexdigest()[:16]
+
+    def cut(self, start: int, stop: int) -> LoopRecord:
+        """Rows start to stop (exclusive) as a record of its own."""
+        rows = slice(start, stop)
+        parts = {name: getattr(self, name) for name in _SIGNALS}
+        cut = {name: None if value is None else value[rows] for name, value in parts.items()}
+        inside = tuple(row - start for row in self.gaps if start < row < stop)
+        return replace(self, **cut, gaps=inside)
+
+    def split(self, shortest: int = 2) -> list[LoopRecord]:
+        """Contiguous pieces without missing samples or gaps, none shorter than `shortest` samples."""
+        edges = {0, len(self), *self.gaps}
+        change = np.flatnonzero(np.diff(self.missing.astype(np.int8))) + 1
+        edges.update(int(row) for row in change)
+        ordered = sorted(edges)
+        return [
+            self.cut(start, stop)
+            for start, stop in zip(ordered[:-1], ordered[1:], strict=True)
+            if not self.missing[start] and stop - start >= max(shortest, 2)
+        ]
+
+
+def _as_signal(value: npt.ArrayLike, name: str) -> FloatArray:
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError.expected(f"{name} as numbers", type(value).__name__, "convert it to floats") from error
+    if array.ndim != 1:
+        raise DataError.expected(f"{name} of one dimension", f"shape {array.shape}", "pass one column")
+    if np.isinf(array).any():
+        row = int(np.flatnonzero(np.isinf(array))[0])
+        raise DataError.expected(f"finite {name}", f"{array[row]} in row {row}", "mark missing samples as NaN")
+    array.setflags(write=False)
+    return array
