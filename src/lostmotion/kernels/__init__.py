@@ -1,1 +1,4 @@
-"""."""
+"""Numba functions on arrays and scalars only: pure, without objects or I/O.
+
+Each has a slow, obvious twin in ``tests/naive``; ``NUMBA_DISABLE_JIT=1`` runs them as plain Python.
+"""

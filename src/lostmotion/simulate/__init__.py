@@ -1,1 +1,1 @@
-"""."""
+"""Simulated signals, plants and loops."""

@@ -1,0 +1,68 @@
+"""Dead zone and its inverse, sample by sample and over arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def forward(u, left, right, left_slope, right_slope):
+    """Internal variable x of one input u (paper, eq 4)."""
+    if u > right:
+        return right_slope * (u - right)
+    if u < left:
+        return left_slope * (u - left)
+    return 0.0 * u  # keeps NaN
+
+
+@njit(cache=True)
+def inverse(v, left, right, left_slope, right_slope, at_zero):
+    """Input u that makes the dead zone give v (paper, eqs 8-11); `at_zero` is the answer to v = 0."""
+    if v > 0.0:
+        return v / right_slope + right
+    if v < 0.0:
+        return v / left_slope + left
+    return at_zero + v  # keeps NaN
+
+
+@njit(cache=True)
+def forward_run(u, left, right, left_slope, right_slope):
+    """Internal variable over an array."""
+    x = np.empty(u.size)
+    for k in range(u.size):
+        x[k] = forward(u[k], left, right, left_slope, right_slope)
+    return x
+
+
+@njit(cache=True)
+def inverse_run(v, left, right, left_slope, right_slope, at_zero):
+    """Inverse over an array."""
+    u = np.empty(v.size)
+    for k in range(v.size):
+        u[k] = inverse(v[k], left, right, left_slope, right_slope, at_zero)
+    return u
+
+
+@njit(cache=True)
+def sensitivities(u, left, right, log_ratio, x, dx):
+    """Internal variable with right slope 1, and its derivatives.
+
+    `x` (n,) and `dx` (n, 3) are filled; the columns of `dx` belong to left, right and the logarithm of the
+    slope ratio left/right.
+    """
+    ratio = np.exp(log_ratio)
+    for k in range(u.size):
+        over = u[k] - right
+        under = u[k] - left
+        dx[k, 0] = 0.0
+        dx[k, 1] = 0.0
+        dx[k, 2] = 0.0
+        x[k] = 0.0
+        if over > 0.0:
+            x[k] = over
+            dx[k, 1] = -1.0
+        elif under < 0.0:
+            x[k] = ratio * under
+            dx[k, 0] = -ratio
+            dx[k, 2] = x[k]

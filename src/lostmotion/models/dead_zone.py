@@ -1,0 +1,107 @@
+"""Dead zone of an actuator and its inverse."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy.typing as npt
+
+from lostmotion.errors import ParameterError
+from lostmotion.kernels import dead_zone as kernel
+from lostmotion.models._arguments import FloatArray, elementwise, finite, positive
+
+
+@dataclass(frozen=True)
+class DeadZone:
+    """Static dead zone (paper, eq 4).
+
+    ``x = right_slope (u - right)`` above `right`, 0 between, ``left_slope (u - left)`` below `left`.
+
+    Parameters
+    ----------
+    left, right : float
+        Break points in units of u, left <= right. They need not straddle zero: with a free output offset they
+        are absolute positions of the actuator's command.
+    left_slope, right_slope : float
+        Slopes in units of x per unit of u, positive.
+
+    Raises
+    ------
+    ParameterError
+        left > right, a slope that is not positive, or a value that is not finite.
+
+    Examples
+    --------
+    >>> valve = DeadZone(left=-1.0, right=1.0, left_slope=3.0, right_slope=3.0)
+    >>> valve([-2.0, 0.5, 2.0]).tolist()
+    [-3.0, 0.0, 3.0]
+    >>> valve(valve.inverse()(0.6))
+    0.6000000000000001
+    """
+
+    left: float
+    right: float
+    left_slope: float = 1.0
+    right_slope: float = 1.0
+
+    kind = "dead zone"
+
+    def __post_init__(self) -> None:
+        for name in ("left", "right"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
+        for name in ("left_slope", "right_slope"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        if self.left > self.right:
+            raise ParameterError.expected(
+                "left <= right", f"left={self.left}, right={self.right}", "swap the break points"
+            )
+
+    @property
+    def width(self) -> float:
+        """Full width right - left in units of u."""
+        return self.right - self.left
+
+    def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
+        """Internal variable x for u, scalar or any shape; NaN stays NaN."""
+        return elementwise(
+            lambda array: kernel.forward_run(array, self.left, self.right, self.left_slope, self.right_slope), u
+        )
+
+    def inverse(self) -> DeadZoneInverse:
+        """The inverse: ``dead_zone(dead_zone.inverse()(v)) == v`` for every v (Lemma 1)."""
+        return DeadZoneInverse(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+        return {"kind": self.kind, **asdict(self)}
+
+
+@dataclass(frozen=True)
+class DeadZoneInverse:
+    """Inverse of a dead zone (paper, eqs 8-11).
+
+    ``u = v / right_slope + right`` for v > 0 and ``v / left_slope + left`` for v < 0. At v = 0 every u in
+    [left, right] gives x = 0; the point nearest to zero is returned (the paper's 0 where zero lies inside).
+    """
+
+    dead_zone: DeadZone
+
+    @property
+    def at_zero(self) -> float:
+        """Answer to v = 0: the point of [left, right] nearest to zero."""
+        return min(max(0.0, self.dead_zone.left), self.dead_zone.right)
+
+    def __call__(self, v: npt.ArrayLike) -> float | FloatArray:
+        """Command u that makes the dead zone give v, scalar or any shape."""
+        zone = self.dead_zone
+        return elementwise(
+            lambda array: kernel.inverse_run(
+                array, zone.left, zone.right, zone.left_slope, zone.right_slope, self.at_zero
+            ),
+            v,
+        )
+
+    def inverse(self) -> DeadZone:
+        """The dead zone itself."""
+        return self.dead_zone

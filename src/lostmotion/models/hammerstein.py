@@ -1,0 +1,67 @@
+"""Hammerstein model: an actuator in front of a linear process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.models._arguments import FloatArray, finite, signal
+from lostmotion.models.linear import LinearModel
+
+
+@runtime_checkable
+class Nonlinearity(Protocol):
+    """What every actuator model offers: a kind, a call, and a description."""
+
+    kind: str
+
+    def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
+        """Internal variable x for the command u."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+
+
+@dataclass(frozen=True)
+class Hammerstein:
+    """``y = q^-d B/A x + offset`` with ``x = nonlinearity(u)`` (paper, figure 1).
+
+    Parameters
+    ----------
+    nonlinearity : Nonlinearity
+        Actuator, e.g. :class:`DeadZone`.
+    linear : LinearModel
+        Process.
+    offset : float
+        Output where x is zero at rest, in units of y.
+
+    Examples
+    --------
+    >>> from lostmotion.models import DeadZone
+    >>> valve = DeadZone(-1, 1)
+    >>> Hammerstein(valve, LinearModel(a=[-0.5], b=[0.5], delay=1)).simulate([3.0, 0.5, 0.5]).tolist()
+    [0.0, 1.0, 0.5]
+    """
+
+    nonlinearity: Nonlinearity
+    linear: LinearModel
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "offset", finite("offset", self.offset))
+
+    def simulate(self, u: npt.ArrayLike) -> FloatArray:
+        """Noise-free output for the command u, shape (n,), from rest (x = 0 before the first sample)."""
+        x = np.asarray(self.nonlinearity(signal("u", u)))
+        return self.linear.simulate(x) + self.offset
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+        return {
+            "nonlinearity": self.nonlinearity.to_dict(),
+            "linear": self.linear.to_dict(),
+            "offset": self.offset,
+        }

@@ -1,0 +1,36 @@
+"""Identity: an actuator without fault, x = u."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.models._arguments import FloatArray, elementwise
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Actuator that does what it is told: x = u.
+
+    Examples
+    --------
+    >>> Identity()(2.5)
+    2.5
+    """
+
+    kind = "none"
+
+    def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
+        """Internal variable x = u, scalar or any shape."""
+        return elementwise(np.copy, u)
+
+    def inverse(self) -> Identity:
+        """Itself."""
+        return self
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+        return {"kind": self.kind}

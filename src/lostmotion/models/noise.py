@@ -1,0 +1,37 @@
+"""Noise at the output: white noise through 1/D(q)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lostmotion.models._arguments import coefficients, finite
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Autoregressive noise ``v(k) = e(k) - d1 v(k-1) - .. - dp v(k-p)``.
+
+    Parameters
+    ----------
+    d : array_like, shape (p,)
+        d1 .. dp; empty for white noise (the paper's Output Error case).
+    variance : float
+        Variance of the white e, in units of y squared.
+    """
+
+    d: tuple[float, ...] = ()
+    variance: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "d", coefficients("d", self.d))
+        object.__setattr__(self, "variance", finite("variance", self.variance))
+
+    @property
+    def order(self) -> int:
+        """Order p; 0 is white."""
+        return len(self.d)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+        return {"d": list(self.d), "variance": self.variance}
