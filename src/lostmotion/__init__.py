@@ -1,1 +1,53 @@
-"""Lost motion of industrial actuators."""
+"""lostmotion finds the lost motion of industrial actuators in the records of their control loops.
+
+The main job in one line: record -> identify -> compensate -> simulate -> export.
+
+>>> import lostmotion as lm
+>>> valve = lm.DeadZone(left=-1.0, right=1.0, left_slope=3.0, right_slope=3.0)
+>>> valve(2.0)
+3.0
+"""
+
+from lostmotion import compensate as _compensate
+from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.errors import (
+    ColumnError,
+    DataError,
+    FileAccessError,
+    InputError,
+    LostMotionError,
+    ParameterError,
+    Status,
+    TimeError,
+)
+from lostmotion.identify import HammersteinFit, identify
+from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
+from lostmotion.records import LoopRecord
+from lostmotion.simulate import PI, LoopResponse, platforms, signals, simulate_loop
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "PI",
+    "ColumnError",
+    "DataError",
+    "DeadZone",
+    "DeadZoneCompensator",
+    "FileAccessError",
+    "Hammerstein",
+    "HammersteinFit",
+    "Identity",
+    "InputError",
+    "LinearModel",
+    "LoopRecord",
+    "LoopResponse",
+    "LostMotionError",
+    "NoiseModel",
+    "ParameterError",
+    "Status",
+    "TimeError",
+    "identify",
+    "platforms",
+    "signals",
+    "simulate_loop",
+]

@@ -1,0 +1,189 @@
+"""From arrays or records to the scaled segments that the estimators work on."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.models._arguments import FloatArray, positive
+from lostmotion.records import LoopRecord
+
+FEWEST_SAMPLES = 60  # below this a dead zone and first-order dynamics cannot be told from noise
+
+
+@dataclass(frozen=True)
+class IdentificationData:
+    """Segments in engineering units and what is known about them.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (n,)
+        Command and output, segments one after the other.
+    segments : ndarray, shape (s, 2)
+        Start and stop rows.
+    dt : float
+        Sampling time in seconds.
+    notes : tuple of str
+        What was assumed.
+    """
+
+    u: FloatArray
+    y: FloatArray
+    segments: npt.NDArray[np.int64]
+    dt: float
+    tag: str = ""
+    source: str = ""
+    op_span: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def u_centre(self) -> float:
+        """Median of u."""
+        return float(np.median(self.u))
+
+    @property
+    def u_scale(self) -> float:
+        """Standard deviation of u."""
+        return float(np.std(self.u))
+
+    @property
+    def y_centre(self) -> float:
+        """Mean of y."""
+        return float(np.mean(self.y))
+
+    @property
+    def y_scale(self) -> float:
+        """Standard deviation of y."""
+        return float(np.std(self.y))
+
+    @property
+    def shortest(self) -> int:
+        """Samples of the shortest segment."""
+        return int((self.segments[:, 1] - self.segments[:, 0]).min())
+
+    @property
+    def fingerprint(self) -> str:
+        """First 16 hex digits of the SHA-256 of u, y, segments and dt."""
+        digest = hashlib.sha256()
+        for part in (self.u, self.y, self.segments, np.array([self.dt])):
+            digest.update(np.ascontiguousarray(part).tobytes())
+        return digest.hexdigest()[:16]
+
+
+def collect(
+    first: npt.ArrayLike | LoopRecord | Sequence[LoopRecord], y: npt.ArrayLike | None, dt: float | None
+) -> IdentificationData:
+    """Check what was handed to ``identify`` and make one data set of it.
+
+    Raises
+    ------
+    DataError
+        Lengths differ, too short, missing or infinite values (named by row and time), constant u or y.
+    ParameterError
+        No dt with arrays, a dt beside records, or records with different dt.
+    """
+    if isinstance(first, LoopRecord):
+        first = [first]
+    if isinstance(first, Sequence) and first and isinstance(first[0], LoopRecord):
+        if y is not None:
+            raise ParameterError.expected("records alone", "records and y", "pass identify(record)")
+        data = _from_records(first, dt)
+    else:
+        data = _from_arrays(first, y, dt)
+    _check_moves(data)
+    return data
+
+
+def _from_arrays(u: object, y: npt.ArrayLike | None, dt: float | None) -> IdentificationData:
+    if y is None:
+        raise ParameterError.expected("u and y, or a LoopRecord", "one array", "pass identify(u, y, dt=..)")
+    if dt is None:
+        raise ParameterError.expected("dt in seconds", None, "pass identify(u, y, dt=..)")
+    arrays = []
+    for name, value in (("u", u), ("y", y)):
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise DataError.expected(f"{name} as numbers", repr(value)[:40], "convert it to floats") from error
+        if array.ndim != 1:
+            raise DataError.expected(f"{name} of one dimension", f"shape {array.shape}", "pass one signal")
+        arrays.append(array)
+    if arrays[0].size != arrays[1].size:
+        raise DataError.expected(
+            "u and y of one length", f"{arrays[0].size} and {arrays[1].size}", "cut both to the same rows"
+        )
+    dt = positive("dt", dt)
+    for name, array in zip("uy", arrays, strict=True):
+        _refuse_missing(name, array, dt, "split the record there: identify takes a list of LoopRecords")
+    segments = np.array([[0, arrays[0].size]])
+    _check_length(segments)
+    return IdentificationData(arrays[0], arrays[1], segments, dt)
+
+
+def _from_records(records: Sequence[LoopRecord], dt: float | None) -> IdentificationData:
+    times = sorted({record.dt for record in records})
+    if len(times) > 1:
+        raise ParameterError.expected("records with one dt", times, "resample them first")
+    if dt is not None and abs(dt - times[0]) > 1e-9 * times[0]:
+        raise ParameterError.expected(f"dt={times[0]} as in the record", dt, "leave dt out")
+    split = "use record.split() and pass the list, or remove these rows"
+    for record in records:
+        _refuse_missing("OP", record.op, record.dt, split)
+        _refuse_missing("PV", record.pv, record.dt, split)
+        if record.gaps:
+            row = record.gaps[0]
+            raise DataError.expected(
+                "samples without gaps", f"a gap before row {row} (t = {row * record.dt:g} s)", split
+            )
+    stops = np.cumsum([len(record) for record in records])
+    segments = np.column_stack([np.concatenate([[0], stops[:-1]]), stops]).astype(np.int64)
+    keep = segments[:, 1] - segments[:, 0] >= min(FEWEST_SAMPLES, int(stops[-1]))
+    kept = [record for record, wanted in zip(records, keep, strict=True) if wanted]
+    dropped = len(records) - len(kept)
+    notes = tuple(note for record in records for note in getattr(record, "notes", ()))
+    if dropped:
+        notes += (f"{dropped} pieces shorter than {FEWEST_SAMPLES} samples were left out.",)
+    if not kept:
+        raise DataError.expected(f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record")
+    stops = np.cumsum([len(record) for record in kept])
+    segments = np.column_stack([np.concatenate([[0], stops[:-1]]), stops]).astype(np.int64)
+    _check_length(segments)
+    return IdentificationData(
+        np.concatenate([record.op for record in kept]),
+        np.concatenate([record.pv for record in kept]),
+        segments,
+        times[0],
+        records[0].tag,
+        records[0].source,
+        records[0].op_span,
+        notes,
+    )
+
+
+def _refuse_missing(name: str, array: FloatArray, dt: float, remedy: str) -> None:
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        row = int(bad[0])
+        raise DataError.expected(
+            f"finite {name}", f"{array[row]} in row {row} (t = {row * dt:g} s), {bad.size} such rows", remedy
+        )
+
+
+def _check_length(segments: npt.NDArray[np.int64]) -> None:
+    n = int((segments[:, 1] - segments[:, 0]).sum())
+    if n < FEWEST_SAMPLES:
+        raise DataError.expected(f"at least {FEWEST_SAMPLES} samples", n, "use a longer record")
+
+
+def _check_moves(data: IdentificationData) -> None:
+    for name, array in (("OP (u)", data.u), ("PV (y)", data.y)):
+        spread = float(np.ptp(array))
+        if spread <= 1e-12 * max(float(np.abs(array).max()), 1e-300):
+            raise DataError.expected(
+                f"{name} that moves", f"the constant {array[0]:g}", "use a record in which the loop works"
+            )

@@ -1,0 +1,282 @@
+"""``identify``: one call from a record to a Hammerstein model with uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.errors import ParameterError, Status
+from lostmotion.identify.data import IdentificationData, collect
+from lostmotion.identify.families import DeadZoneFamily, LinearFamily
+from lostmotion.identify.misfit import residual_tests
+from lostmotion.identify.noise_order import autoregressions
+from lostmotion.identify.parameters import Scaling, name_parameters
+from lostmotion.identify.profile import Lags, profile
+from lostmotion.identify.result import Evidence, HammersteinFit
+from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
+from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
+from lostmotion.models._arguments import FloatArray
+from lostmotion.records import LoopRecord
+
+KINDS = ("dead zone", "none", "auto")
+OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
+FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
+
+
+def identify(
+    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
+    y: npt.ArrayLike | None = None,
+    dt: float | None = None,
+    *,
+    nonlinearity: str = "dead zone",
+    orders: str | tuple[int, int, int] = "auto",
+    noise: str | int = "auto",
+    gain: float | None = None,
+) -> HammersteinFit:
+    """Identify a Hammerstein model from commands and measurements, in open or closed loop.
+
+    The break points are found by a global search over high-order ARX models, the whole model is then refined by
+    maximum likelihood with an autoregressive noise model. No start values are needed.
+
+    Parameters
+    ----------
+    u : array_like (n,), LoopRecord or list of LoopRecord
+        Command to the actuator (OP), or the record(s) of a loop. A list is fitted as one data set, each piece
+        with its own initial state.
+    y : array_like (n,), optional
+        Measurement (PV), with arrays only.
+    dt : float, optional
+        Sampling time in seconds, required with arrays.
+    nonlinearity : {"dead zone", "none", "auto"}
+        Kind of actuator. "auto" returns the linear model where the record does not support a dead zone.
+    orders : "auto" or (na, nb, delay)
+        Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
+        and delays from 1.
+    noise : "auto", "white" or int
+        Order of the AR noise at the output; "white" is the Output Error model of the paper.
+    gain : float, optional
+        Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
+        and the product stays in the linear part.
+
+    Returns
+    -------
+    HammersteinFit
+        With `status`: look at it before the numbers.
+
+    Raises
+    ------
+    DataError
+        Missing, infinite or constant data, lengths that differ, too few samples for the orders.
+    ParameterError
+        Unknown settings, or a gain that contradicts the record.
+
+    Notes
+    -----
+    The likelihood is conditional on the first `delay + noise order` samples of each segment; initial states are
+    estimated. Intervals are from the Fisher information at the optimum. Method: Ljung, *System Identification*,
+    2nd ed., chapters 7 and 10; key idea of the profile in the module ``identify.profile``.
+
+    Examples
+    --------
+    >>> import numpy as np, lostmotion as lm
+    >>> tank = lm.platforms.level_tank()
+    >>> u = lm.signals.prs(2000, -5, 5, hold=10, seed=1)
+    >>> y = tank.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=2000)
+    >>> fit = lm.identify(u, y, dt=0.1, orders=(3, 2, 3), gain=tank.linear.gain)
+    >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
+    ('OK', [-1.0, 1.0, 3.0])
+    """
+    _check_choice("nonlinearity", nonlinearity, KINDS)
+    orders_given = _orders(orders)
+    noise_given = _noise(noise)
+    if gain is not None and not (np.isfinite(gain) and gain != 0):
+        raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
+    data = collect(u, y, dt)
+    _check_length(data, orders_given, noise_given)
+    settings: dict[str, Any] = {
+        "nonlinearity": nonlinearity,
+        "orders": list(orders_given) if orders_given else "auto",
+        "noise": noise,
+        "gain": gain,
+    }
+    scaling = Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale)
+    scaled = ScaledData(
+        (data.u - scaling.u_centre) / scaling.u_scale, (data.y - scaling.y_centre) / scaling.y_scale, data.segments
+    )
+    linear = best_fit(scaled, LinearFamily(), [np.zeros(0)], orders_given, noise_given)
+    linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
+    if nonlinearity == "none":
+        return linear_result
+    zone = _fit_dead_zone(scaled, orders_given, noise_given)
+    result = replace(
+        _package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result
+    )
+    if nonlinearity == "auto" and result.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+        return linear_result
+    return result
+
+
+def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None) -> Fitted:
+    low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
+    if orders is None:
+        lags = Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
+    else:
+        lags = Lags.for_record(data.shortest, orders[2])
+    candidates, _ = profile(data.u, data.y, data.segments, lags, low, high)
+    etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
+    family = DeadZoneFamily(float(data.u.min()), float(data.u.max()))
+    return best_fit(data, family, etas, orders, noise)
+
+
+def _package(
+    data: IdentificationData,
+    scaled: ScaledData,
+    scaling: Scaling,
+    fitted: Fitted,
+    linear: Fitted,
+    settings: dict[str, Any],
+    gain: float | None,
+) -> HammersteinFit:
+    """Result in engineering units with status."""
+    named = name_parameters(fitted, scaling, gain)
+    model = _model(named.values, fitted, data.dt)
+    simulated, errors = fitted.problem.predict(fitted.fit.theta)
+    s = fitted.problem.structure
+    d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
+    evidence = _evidence(scaled, fitted, linear, named.values, data)
+    tests = residual_tests(fitted)
+    return HammersteinFit(
+        status=_status(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance),
+        model=model,
+        noise=NoiseModel(tuple(d), fitted.variance * scaling.y_scale**2),
+        parameters=named.values,
+        covariance=named.covariance,
+        residuals=np.concatenate(errors) * scaling.y_scale,
+        simulated=_on_rows(simulated, scaled.segments, s.first, data.y.size, scaling),
+        fit_percent=_fit_percent(scaled, simulated, s.first),
+        tests=tests,
+        evidence=evidence,
+        settings={**settings, "chosen": {"na": s.na, "nb": s.nb, "delay": s.delay, "noise_order": s.noise_order}},
+        data=data,
+    )
+
+
+def _model(values: dict[str, float], fitted: Fitted, dt: float) -> Hammerstein:
+    s = fitted.problem.structure
+    linear = LinearModel(
+        tuple(values[f"a{i + 1}"] for i in range(s.na)), tuple(values[f"b{i}"] for i in range(s.nb + 1)), s.delay, dt
+    )
+    actuator: Nonlinearity = Identity()
+    if fitted.problem.family.kind == "dead zone":
+        actuator = DeadZone(
+            min(values["left"], values["right"]), values["right"], values["left_slope"], values["right_slope"]
+        )
+    return Hammerstein(actuator, linear, values["offset"])
+
+
+def _on_rows(
+    simulated: list[FloatArray], segments: npt.NDArray[np.int64], first: int, n: int, scaling: Scaling
+) -> FloatArray:
+    """Simulated output in engineering units on the rows of the data; NaN before the first simulated row."""
+    rows = np.full(n, np.nan)
+    for (start, stop), z in zip(segments, simulated, strict=True):
+        rows[start + first : stop] = scaling.y_centre + scaling.y_scale * z
+    return rows
+
+
+def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> float:
+    y = np.concatenate([data.y[start + first : stop] for start, stop in data.segments])
+    miss = y - np.concatenate(simulated)
+    return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
+
+
+def _bic(fitted: Fitted, floor: float) -> float:
+    """Information criterion per row times the common number of rows; `floor` is the rounding of the data."""
+    n = fitted.problem.errors
+    return float(n * np.log(max(fitted.fit.cost / n, floor)) + fitted.parameters * np.log(n))
+
+
+def _evidence(
+    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData
+) -> Evidence:
+    floor = 1e-26
+    n = min(fitted.problem.errors, linear.problem.errors)
+    per_row = _bic(linear, floor) / linear.problem.errors - _bic(fitted, floor) / fitted.problem.errors
+    models, variances, rows = autoregressions(
+        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments]
+    )
+    alone = min(
+        float(np.log(max(value, floor)) + (d.size + 1) * np.log(rows) / rows)
+        for d, value in zip(models, variances, strict=True)
+    )
+    below = int(np.sum(data.u < values["left"])) if "left" in values else 0
+    above = int(np.sum(data.u > values["right"])) if "right" in values else 0
+    return Evidence(
+        n * per_row if fitted is not linear else 0.0,
+        n * (alone - _bic(linear, floor) / linear.problem.errors),
+        below,
+        above,
+    )
+
+
+def _status(
+    fitted: Fitted, evidence: Evidence, coloured: bool, misfit: bool, values: dict[str, float], covariance: FloatArray
+) -> Status:
+    """First thing that the reader must know."""
+    if not fitted.fit.converged:
+        return Status.NOT_CONVERGED
+    if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
+        return Status.CANNOT_TELL
+    if "width" in values:
+        names = list(values)
+        error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
+        if evidence.gain_over_linear <= 0 or values["width"] <= 1.96 * error:
+            return Status.NOT_SEEN
+        if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
+            return Status.ONE_SIDED
+    if misfit:
+        return Status.MISFIT
+    return Status.COLOURED if coloured else Status.OK
+
+
+def _check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "see the docstring")
+
+
+def _orders(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
+    if isinstance(orders, str):
+        _check_choice("orders", orders, ("auto",))
+        return None
+    try:
+        na, nb, delay = (int(value) for value in orders)
+        whole = (na, nb, delay) == tuple(orders)
+    except (TypeError, ValueError):
+        whole = False
+    if not whole or min(na, nb, delay) < 0:
+        raise ParameterError.expected("orders as (na, nb, delay), whole and >= 0", orders, "e.g. (3, 2, 3)")
+    return na, nb, delay
+
+
+def _noise(noise: str | int) -> int | None:
+    if isinstance(noise, str):
+        _check_choice("noise", noise, ("auto", "white"))
+        return 0 if noise == "white" else None
+    if isinstance(noise, bool) or int(noise) != noise or noise < 0:
+        raise ParameterError.expected('noise as "auto", "white" or an order >= 0', noise, "e.g. noise=4")
+    return int(noise)
+
+
+def _check_length(data: IdentificationData, orders: tuple[int, int, int] | None, noise: int | None) -> None:
+    na, nb, delay = orders or (3, 2, 1)
+    needed = 3 * (na + nb + delay + (noise or 0)) + 30
+    if data.shortest < needed:
+        raise ParameterError.expected(
+            f"at least {needed} samples in every segment for orders {(na, nb, delay)}",
+            f"{data.shortest}",
+            "use lower orders or longer records",
+        )

@@ -1,0 +1,107 @@
+"""Do the residuals still hold something: correlation in time, or a shape that the model does not have?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from lostmotion.identify.search import Fitted
+from lostmotion.kernels import likelihood as kernel
+from lostmotion.models._arguments import FloatArray
+
+WHITENESS_LAGS = 25
+SHAPE_KNOTS = 5
+LEVEL = 1e-3  # of both tests: a report is read daily, so a false alarm must be rare
+SHARE = 0.01  # a misfit that explains less of the residual variance is real but without consequence
+
+
+@dataclass(frozen=True)
+class ResidualTests:
+    """p-values of whiteness and of shape, and the share of the residual variance that a better shape explains."""
+
+    whiteness_p: float
+    shape_p: float
+    shape_share: float
+
+    @property
+    def coloured(self) -> bool:
+        """Residuals are not white."""
+        return self.whiteness_p < LEVEL
+
+    @property
+    def misfit(self) -> bool:
+        """The actuator has another shape, and it matters."""
+        return self.shape_p < LEVEL and self.shape_share > SHARE
+
+
+def autocorrelation(errors: list[FloatArray], lags: int) -> FloatArray:
+    """Residual autocorrelation at lags 0 .. lags, pooled over segments."""
+    sums = np.zeros(lags + 1)
+    for part in errors:
+        for lag in range(min(lags, part.size - 1) + 1):
+            sums[lag] += part[lag:] @ part[: part.size - lag]
+    return np.asarray(sums / max(sums[0], 1e-300))
+
+
+def whiteness(errors: list[FloatArray], fitted_orders: int) -> float:
+    """p-value of the Ljung-Box test."""
+    n = sum(part.size for part in errors)
+    lags = min(WHITENESS_LAGS + fitted_orders, n // 4)
+    r = autocorrelation(errors, lags)[1:]
+    statistic = n * (n + 2) * float(np.sum(r**2 / (n - np.arange(1, lags + 1))))
+    return float(stats.chi2.sf(statistic, max(lags - fitted_orders, 1)))
+
+
+def shape(fitted: Fitted) -> tuple[float, float]:
+    """Score test against other static shapes: p-value, and share of the residual variance explained.
+
+    The alternatives are hinges at quantiles of u and jumps at the break points, each seen through the fitted
+    dynamics (Rao's score test; the model is not fitted again).
+    """
+    problem, theta = fitted.problem, fitted.fit.theta
+    s = problem.structure
+    eta = theta[problem.eta_at : problem.noise_at]
+    x, dx = np.empty(problem.u.size), np.empty((problem.u.size, eta.size))
+    problem.family.evaluate(eta, problem.u, x, dx)
+    extra = _other_shapes(problem.u, eta)
+    wide = np.ascontiguousarray(np.column_stack([dx, extra]))
+    longer = np.concatenate([theta[: problem.noise_at], np.zeros(extra.shape[1]), theta[problem.noise_at :]])
+    hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
+    cost = kernel.normal_equations(
+        longer, s.na, s.nb, wide.shape[1], s.noise_order, s.delay, s.first, problem.segments, x, wide,
+        problem.y, hessian, gradient,
+    )  # fmt: skip
+    index = np.arange(longer.size)
+    new = (index >= problem.noise_at) & (index < problem.noise_at + extra.shape[1])
+    scale = np.sqrt(np.diag(hessian))
+    scale[scale == 0] = 1.0
+    hessian, gradient = hessian / np.outer(scale, scale), gradient / scale
+    old = hessian[np.ix_(~new, ~new)] + 1e-11 * np.eye(int((~new).sum()))
+    cross = hessian[np.ix_(new, ~new)] @ np.linalg.inv(old)
+    block = hessian[np.ix_(new, new)] - cross @ hessian[np.ix_(~new, new)]
+    score = gradient[new] - cross @ gradient[~new]
+    values, vectors = np.linalg.eigh(block)
+    seen = values > 1e-8
+    statistic = float(np.sum((vectors[:, seen].T @ score) ** 2 / values[seen])) / max(fitted.variance, 1e-300)
+    share = statistic * fitted.variance / max(cost, 1e-300)
+    return float(stats.chi2.sf(statistic, max(int(seen.sum()), 1))), min(share, 1.0)
+
+
+def _other_shapes(u: FloatArray, eta: FloatArray) -> FloatArray:
+    knots = np.unique(np.quantile(u, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
+    columns = [np.maximum(u - knot, 0.0) for knot in knots]
+    if eta.size >= 2:
+        columns += [(u > eta[1]).astype(float), (u < eta[0]).astype(float)]
+    return np.column_stack(columns)
+
+
+def residual_tests(fitted: Fitted) -> ResidualTests:
+    """Both tests."""
+    if fitted.fit.cost <= 1e-20 * float(fitted.problem.y @ fitted.problem.y):
+        return ResidualTests(1.0, 1.0, 0.0)  # noise-free: nothing is left to test
+    _, errors = fitted.problem.predict(fitted.fit.theta)
+    s = fitted.problem.structure
+    p_shape, share = shape(fitted)
+    return ResidualTests(whiteness(errors, s.noise_order), p_shape, share)

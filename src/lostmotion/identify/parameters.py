@@ -1,0 +1,109 @@
+"""From the scaled parameter vector to named parameters in engineering units, with their covariance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.errors import ParameterError
+from lostmotion.identify.search import Fitted
+from lostmotion.models._arguments import FloatArray
+
+CUTOFF = 1e-13  # relative eigenvalue below which a direction of the information matrix is empty
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """u = u_centre + u_scale * scaled, y likewise."""
+
+    u_centre: float
+    u_scale: float
+    y_centre: float
+    y_scale: float
+
+
+@dataclass(frozen=True)
+class Named:
+    """Parameters in engineering units and their covariance, both in the order of `values`."""
+
+    values: dict[str, float]
+    covariance: FloatArray
+
+
+def information_inverse(hessian: FloatArray, size: int) -> FloatArray:
+    """Covariance (up to the residual variance) of the first `size` parameters, the others marginalised.
+
+    Directions without information get infinite variance only where they touch a parameter.
+    """
+    scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
+    scale[scale == 0] = 1.0
+    values, vectors = np.linalg.eigh(hessian / np.outer(scale, scale))
+    seen = values > CUTOFF * values[-1]
+    root = vectors[:, seen] / np.sqrt(values[seen])
+    covariance = root @ root.T
+    blind = np.sum(vectors[:, ~seen] ** 2, axis=1) > 1e-6
+    covariance[blind, blind] = np.inf
+    return np.asarray((covariance / np.outer(scale, scale))[:size, :size])
+
+
+def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Named:
+    """Named parameters by the chain rule (complex step, exact).
+
+    Raises
+    ------
+    ParameterError
+        The known gain has the other sign than the record, or is zero.
+    """
+    problem = fitted.problem
+    theta = fitted.fit.theta[: problem.initial_at]
+    s = problem.structure
+    names, values = _transform(theta, problem.family.kind, s.na, s.nb, scaling, gain)
+    jacobian = np.empty((len(names), theta.size))
+    for column in range(theta.size):
+        shifted = theta.astype(complex)
+        shifted[column] += 1e-30j
+        _, moved = _transform(shifted, problem.family.kind, s.na, s.nb, scaling, gain)
+        jacobian[:, column] = np.imag(moved) / 1e-30
+    raw = fitted.variance * information_inverse(fitted.fit.hessian, theta.size)
+    open_ended = ~np.isfinite(np.diag(raw))
+    finite = np.where(np.isfinite(raw), raw, 0.0)
+    covariance = jacobian @ finite @ jacobian.T
+    unknown = np.any(np.abs(jacobian[:, open_ended]) > 0, axis=1)
+    covariance[unknown, unknown] = np.inf
+    return Named(dict(zip(names, np.real(values).tolist(), strict=True)), covariance)
+
+
+def _transform(
+    theta: np.ndarray, kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
+) -> tuple[list[str], np.ndarray]:
+    """Names and values of all parameters for one scaled vector (real or complex)."""
+    a, b = theta[:na], theta[na : na + nb + 1] * (scaling.y_scale / scaling.u_scale)
+    product = b.sum() / (1.0 + a.sum())
+    offset = scaling.y_centre + scaling.y_scale * theta[na + nb + 1]
+    names: list[str] = []
+    values: list[complex] = []
+    if kind == "dead zone":
+        left, right, log_ratio = theta[na + nb + 2 : na + nb + 5]
+        slope = 1.0 + 0.0 * product if gain is None else _right_slope(product, gain)
+        left, right = (scaling.u_centre + scaling.u_scale * value for value in (left, right))
+        ratio = np.exp(log_ratio)
+        names += ["left", "right", "left_slope", "right_slope", "width", "slope_ratio"]
+        values += [left, right, ratio * slope, slope, right - left, ratio]
+        b, product = b / slope, product / slope
+    else:
+        offset = offset - product * scaling.u_centre
+    names += ["gain", "offset", *(f"a{i + 1}" for i in range(na)), *(f"b{i}" for i in range(nb + 1))]
+    values += [product, offset, *a, *b]
+    return names, np.array(values)
+
+
+def _right_slope(product: complex, gain: float) -> complex:
+    slope = product / gain
+    if slope.real <= 0:
+        raise ParameterError.expected(
+            f"a gain with the sign of the record (product of gain and slope = {product.real:.4g})",
+            gain,
+            "turn its sign, or leave gain out",
+        )
+    return slope

@@ -1,0 +1,164 @@
+"""Global search: profile of the residual variance over the break points, by high-order ARX.
+
+A high-order ARX needs no orders, no noise model and no start values, and is consistent in closed loop. The two
+sides of the dead zone are inputs of their own, so the slope ratio is free. All grid points share one Gram matrix
+of lagged hinge functions, from which past outputs are eliminated once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.kernels.lagged import lagged_gram
+from lostmotion.models._arguments import FloatArray
+
+OUTPUT_LAGS = 15
+INPUT_LAGS = 12
+KNOTS = 16  # 136 pairs; a local search from the nearest knot converges for widths of a tenth of the range
+ZOOM_KNOTS = 9
+RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
+MOST_STARTS = 3
+START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A minimum of the profile: break points, log of left/right gain, residual sum of squares."""
+
+    left: float
+    right: float
+    log_ratio: float
+    rss: float
+
+
+@dataclass(frozen=True)
+class Lags:
+    """Past outputs and inputs of the ARX, and the delay before its first input."""
+
+    outputs: int
+    inputs: int
+    delay: int
+
+    @classmethod
+    def for_record(cls, shortest: int, delay: int, outputs: int = OUTPUT_LAGS, inputs: int = INPUT_LAGS) -> Lags:
+        """As many as a record of `shortest` samples carries."""
+        room = max((shortest - delay) // 10, 2)
+        return cls(min(outputs, room), min(inputs, room), delay)
+
+    @property
+    def head(self) -> int:
+        """Rows without a complete past."""
+        return max(self.outputs, self.inputs - 1) + self.delay
+
+
+def profile(
+    u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, low: float, high: float
+) -> tuple[list[Candidate], int]:
+    """Minima of the residual sum of squares over left <= right in [low, high], best first.
+
+    Returns
+    -------
+    candidates : list of Candidate
+        At most three, within reach of the best.
+    samples : int
+        Rows that entered the sums.
+    """
+    knots = np.linspace(low, high, KNOTS)
+    coarse, samples = _scan(u, y, segments, lags, knots, knots)
+    spacing = knots[1] - knots[0]
+    found: list[Candidate] = []
+    for row, column in _minima(coarse[0], samples)[:MOST_STARTS]:
+        left = _around(knots[row], spacing, low, high)
+        right = _around(knots[column], spacing, low, high)
+        (rss, ratio), _ = _scan(u, y, segments, lags, left, right)
+        i, j = np.unravel_index(np.argmin(rss), rss.shape)
+        found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
+    return sorted(found, key=lambda candidate: candidate.rss), samples
+
+
+def _around(centre: float, spacing: float, low: float, high: float) -> FloatArray:
+    return np.linspace(max(centre - spacing, low), min(centre + spacing, high), ZOOM_KNOTS)
+
+
+def _minima(rss: FloatArray, samples: int) -> list[tuple[int, int]]:
+    """Grid points with no better neighbour, within the margin of the best, best first."""
+    padded = np.pad(rss, 1, constant_values=np.inf)
+    n, m = rss.shape
+    shifts = [(i, j) for i in (0, 1, 2) for j in (0, 1, 2) if (i, j) != (1, 1)]
+    neighbours = np.min([padded[i : i + n, j : j + m] for i, j in shifts], axis=0)
+    limit = rss.min() * (1.0 + 2.0 * START_MARGIN / samples)
+    rows, columns = np.nonzero((rss <= neighbours) & (rss <= limit))
+    order = np.argsort(rss[rows, columns])
+    return [(int(rows[k]), int(columns[k])) for k in order]
+
+
+def _scan(
+    u: FloatArray,
+    y: FloatArray,
+    segments: npt.NDArray[np.int64],
+    lags: Lags,
+    left: FloatArray,
+    right: FloatArray,
+) -> tuple[tuple[FloatArray, FloatArray], int]:
+    """Residual sum of squares and log gain ratio for every pair (left, right); inf where left > right."""
+    under = np.minimum(u[:, None] - left, 0.0)
+    over = np.maximum(u[:, None] - right, 0.0)
+    gram, samples = arx_gram(np.column_stack([under, over]), y, segments, lags)
+    inner, cross, total = eliminate_past(gram, lags, under.shape[1] + over.shape[1])
+    rss = np.full((left.size, right.size), np.inf)
+    ratio = np.zeros_like(rss)
+    pairs = [(i, j) for i in range(left.size) for j in range(right.size) if left[i] <= right[j]]
+    signals = left.size + right.size
+    steps = np.arange(lags.inputs) * signals
+    index = np.array([np.concatenate([steps + i, steps + left.size + j]) for i, j in pairs])
+    blocks = inner[index[:, :, None], index[:, None, :]]
+    slopes = cross[index]
+    diagonal = np.einsum("kii->ki", blocks)
+    diagonal += RIDGE * (diagonal.max(axis=1, keepdims=True) + np.finfo(float).tiny)
+    gains = np.linalg.solve(blocks, slopes[:, :, None])[:, :, 0]
+    values = np.maximum(total - np.einsum("ki,ki->k", gains, slopes), 0.0)
+    side = gains.reshape(len(pairs), 2, lags.inputs).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log_ratio = np.log(np.abs(side[:, 0] / side[:, 1]))
+    rows, columns = np.array(pairs).T
+    rss[rows, columns] = values
+    ratio[rows, columns] = np.where(np.isfinite(log_ratio), np.clip(log_ratio, -2.0, 2.0), 0.0)
+    return (rss, ratio), samples
+
+
+def arx_gram(
+    inputs: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags
+) -> tuple[FloatArray, int]:
+    """Gram matrix of [y, 1, inputs] at lags 0 .. max, inputs advanced by the delay; and the rows used."""
+    length = max(lags.outputs + 1, lags.inputs)
+    total, samples = None, 0
+    for start, stop in segments:
+        rows = stop - start - lags.delay
+        signals = np.column_stack(
+            [y[start + lags.delay : stop], np.ones(rows), inputs[start : stop - lags.delay]]
+        )
+        gram = lagged_gram(np.ascontiguousarray(signals), length, length - 1, rows)
+        total = gram if total is None else total + gram
+        samples += rows - length + 1
+    assert total is not None  # noqa: S101  there is always a segment
+    return total, samples
+
+
+def eliminate_past(gram: FloatArray, lags: Lags, inputs: int) -> tuple[FloatArray, FloatArray, float]:
+    """Gram of the input columns, their products with y, and y'y, with past outputs and constant projected out.
+
+    Input columns are ordered lag by lag.
+    """
+    m = inputs + 2
+    past = np.concatenate([[1], m * np.arange(1, lags.outputs + 1)])
+    columns = (m * np.arange(lags.inputs)[:, None] + 2 + np.arange(inputs)).ravel()
+    block = gram[np.ix_(past, past)]
+    block = block + RIDGE * np.diag(np.diag(block) + np.finfo(float).tiny)
+    wanted = np.concatenate([columns, [0]])
+    rest = gram[np.ix_(wanted, wanted)] - gram[np.ix_(wanted, past)] @ np.linalg.solve(
+        block, gram[np.ix_(past, wanted)]
+    )
+    return rest[:-1, :-1], rest[:-1, -1], float(rest[-1, -1])

@@ -1,0 +1,184 @@
+"""HammersteinFit: what an identification found, how sure it is, and on what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import stats
+
+from lostmotion import _verbs
+from lostmotion.errors import ParameterError, Status
+from lostmotion.identify.misfit import ResidualTests
+from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity
+from lostmotion.models._arguments import FloatArray
+
+if TYPE_CHECKING:
+    from lostmotion.identify.data import IdentificationData
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Comparison of the models that were fitted to the same rows.
+
+    Attributes
+    ----------
+    gain_over_linear : float
+        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit.
+    gain_over_no_input : float
+        BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
+    samples_left, samples_right : int
+        Rows in which OP is beyond the break points.
+    """
+
+    gain_over_linear: float
+    gain_over_no_input: float
+    samples_left: int
+    samples_right: int
+
+
+@dataclass(frozen=True, eq=False)
+class HammersteinFit:
+    """Result of :func:`identify`. Frozen; prints, draws and writes itself.
+
+    Attributes
+    ----------
+    status : Status
+        Outcome; its value is a sentence with the remedy.
+    model : Hammerstein
+        Actuator, process and offset in engineering units.
+    noise : NoiseModel
+        Output noise.
+    parameters : dict of float
+        Named parameters: left, right, left_slope, right_slope, width, slope_ratio, gain, offset, a1 .., b0 ...
+        With an unknown gain right_slope is 1 by convention and the gain stays in the linear part.
+    covariance : ndarray, shape (len(parameters), len(parameters))
+        Covariance in the order of `parameters`, from the Fisher information (noise model, offset and initial
+        states included). width, slope_ratio and gain depend on the others, so it is singular.
+    residuals : ndarray
+        Prediction errors, white where the model is right; simulated : output of the model from its input alone.
+    """
+
+    status: Status
+    model: Hammerstein
+    noise: NoiseModel
+    parameters: dict[str, float]
+    covariance: FloatArray
+    residuals: FloatArray
+    simulated: FloatArray
+    fit_percent: float
+    tests: ResidualTests
+    evidence: Evidence
+    settings: dict[str, Any]
+    data: IdentificationData = field(repr=False)
+    linear_alternative: HammersteinFit | None = field(default=None, repr=False)
+
+    @property
+    def nonlinearity(self) -> Nonlinearity:
+        """Actuator model."""
+        return self.model.nonlinearity
+
+    @property
+    def linear(self) -> LinearModel:
+        """Linear part."""
+        return self.model.linear
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """One standard error of each parameter, same keys as `parameters`."""
+        errors = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return dict(zip(self.parameters, errors.tolist(), strict=True))
+
+    @property
+    def preferred(self) -> str:
+        """Kind of the model that the record supports: this one's, or "none" where a linear model does as well."""
+        seen = self.status not in (Status.NOT_SEEN, Status.CANNOT_TELL)
+        return self.nonlinearity.kind if seen else "none"
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Confidence interval of a parameter.
+
+        Parameters
+        ----------
+        name : str
+            Key of `parameters`.
+        level : float
+            Confidence in (0, 1).
+
+        Returns
+        -------
+        (float, float)
+            Lower and upper end. Where no dead zone is seen its break points and slope ratio can be anywhere, so
+            their interval is the whole line, and that of the width begins at 0.
+
+        Raises
+        ------
+        ParameterError
+            Unknown name or a level outside (0, 1).
+        """
+        if name not in self.parameters:
+            raise ParameterError.expected(f"one of {list(self.parameters)}", repr(name), "see fit.parameters")
+        if not 0 < level < 1:
+            raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
+        reach = float(stats.norm.ppf(0.5 + level / 2)) * self.standard_errors[name]
+        low, high = self.parameters[name] - reach, self.parameters[name] + reach
+        if name == "width":
+            low = max(low, 0.0)
+        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind == "dead zone":
+            if name == "width":
+                return 0.0, high
+            if name in ("left", "right", "slope_ratio", "left_slope"):
+                return -np.inf, np.inf
+        return low, high
+
+    def summary(self) -> str:
+        """Report as text, with as many digits as the standard errors allow."""
+        return _verbs.summary(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Figure: characteristic, step response, measured against simulated, residual correlations.
+
+        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        """
+        return _verbs.plot(self, **options)
+
+    def compensator(self, **options: Any) -> Any:
+        """Block that undoes the actuator fault; see :class:`lostmotion.compensate.DeadZoneCompensator`."""
+        return _verbs.compensator(self.nonlinearity, **options)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready: everything but the signals. Infinite numbers become None."""
+        data = self.data
+        return {
+            "status": self.status.name,
+            "message": self.status.value,
+            "preferred": self.preferred,
+            "model": self.model.to_dict(),
+            "noise": self.noise.to_dict(),
+            "parameters": dict(self.parameters),
+            "standard_errors": {name: _finite(value) for name, value in self.standard_errors.items()},
+            "intervals_95": {
+                name: [_finite(end) for end in self.interval(name)] for name in self.parameters
+            },
+            "fit_percent": self.fit_percent,
+            "evidence": dict(vars(self.evidence)),
+            "residual_tests": dict(vars(self.tests)),
+            "settings": self.settings,
+            "data": {
+                "tag": data.tag,
+                "source": data.source,
+                "samples": int(data.u.size),
+                "segments": data.segments.tolist(),
+                "dt": data.dt,
+                "fingerprint": data.fingerprint,
+                "notes": list(data.notes),
+            },
+        }
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,146 @@
+"""Simulate a loop of controller, compensator, actuator and process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.kernels.loop import closed_loop
+from lostmotion.models import DeadZone, DeadZoneInverse, Hammerstein, Identity, LinearModel
+from lostmotion.models._arguments import FloatArray, signal
+from lostmotion.simulate.controllers import PI
+
+_OPEN = np.zeros(5)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """Signals of a simulated loop, each of shape (n,).
+
+    Attributes
+    ----------
+    time : seconds
+    reference, output, measured : set point, true output, output with noise
+    control, command, internal : controller output, command behind the compensator, internal variable x
+    """
+
+    time: FloatArray
+    reference: FloatArray
+    output: FloatArray
+    measured: FloatArray
+    control: FloatArray
+    command: FloatArray
+    internal: FloatArray
+    dt: float
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+def simulate_loop(
+    plant: Hammerstein | LinearModel,
+    controller: PI,
+    reference: npt.ArrayLike,
+    dt: float | None = None,
+    compensator: DeadZoneCompensator | DeadZoneInverse | None = None,
+    disturbance: npt.ArrayLike | None = None,
+    noise: float | npt.ArrayLike | None = None,
+    seed: int | np.random.Generator | None = None,
+    *,
+    disturbance_path: LinearModel | None = None,
+) -> LoopResponse:
+    """Simulate a closed loop from rest.
+
+    Parameters
+    ----------
+    plant : Hammerstein or LinearModel
+        Process with its actuator; delay at least 1 sample.
+    controller : PI
+        Controller; it sees the measured output.
+    reference : array_like, shape (n,)
+        Set point in units of y.
+    dt : float, optional
+        Sampling time in seconds; None: the plant's.
+    compensator : DeadZoneCompensator or DeadZoneInverse, optional
+        Between controller and actuator.
+    disturbance : array_like, shape (n,), optional
+        Added to the output, behind `disturbance_path` where one is given.
+    noise : float or array_like, optional
+        Variance of white measurement noise in units of y squared, or its samples.
+    seed : int or Generator, optional
+        Seed of the noise.
+    disturbance_path : LinearModel, optional
+        Dynamics between disturbance and output.
+
+    Raises
+    ------
+    ParameterError
+        Unstable plant, delay 0, dt that contradicts the plant's, an actuator without a loop kernel.
+    DataError
+        Signals of different length.
+
+    Examples
+    --------
+    >>> from lostmotion.models import LinearModel
+    >>> loop = simulate_loop(LinearModel([-0.9], [0.1], 1, 0.1), PI(2.0, 5.0), [1.0] * 200)
+    >>> round(float(loop.output[-1]), 3)
+    1.0
+    """
+    model = plant if isinstance(plant, Hammerstein) else Hammerstein(Identity(), plant)
+    linear = model.linear
+    dt = linear.dt if dt is None else dt
+    if abs(dt - linear.dt) > 1e-9 * linear.dt:
+        raise ParameterError.expected(f"dt={linear.dt} as the plant's", dt, "resample the plant or leave dt out")
+    if linear.delay < 1:
+        raise ParameterError.expected("delay >= 1 in a loop", linear.delay, "a held input acts one sample later")
+    r = signal("reference", reference)
+    added = np.zeros(r.size) if disturbance is None else _of_length("disturbance", disturbance, r.size)
+    if disturbance_path is not None:
+        added = disturbance_path.simulate(added)
+    zone, has_zone = _zone(model)
+    inverse, has_inverse = _inverse(compensator)
+    control, command, x, clean, measured = closed_loop(
+        np.array(linear.a), np.array(linear.b), linear.delay, model.offset, zone, inverse, has_zone, has_inverse,
+        controller.kp, controller.ki * dt, controller.low, controller.high, controller.bias, r, added,
+        _noise(noise, r.size, seed),
+    )  # fmt: skip
+    return LoopResponse(np.arange(r.size) * dt, r, clean, measured, control, command, x, dt)
+
+
+def _of_length(name: str, values: npt.ArrayLike, n: int) -> FloatArray:
+    array = signal(name, values)
+    if array.size != n:
+        raise DataError.expected(f"{name} with {n} samples as the reference", array.size, "cut both to the same length")
+    return array
+
+
+def _noise(noise: float | npt.ArrayLike | None, n: int, seed: int | np.random.Generator | None) -> FloatArray:
+    if noise is None:
+        return np.zeros(n)
+    if np.ndim(noise) > 0:
+        return _of_length("noise", noise, n)
+    variance = float(np.asarray(noise))
+    if not variance >= 0:
+        raise ParameterError.expected("noise variance >= 0", variance, "give a variance or the samples")
+    return np.random.default_rng(seed).normal(scale=np.sqrt(variance), size=n)
+
+
+def _zone(model: Hammerstein) -> tuple[FloatArray, bool]:
+    zone = model.nonlinearity
+    if isinstance(zone, Identity):
+        return _OPEN, False
+    if isinstance(zone, DeadZone):
+        return np.array([zone.left, zone.right, zone.left_slope, zone.right_slope]), True
+    raise ParameterError.expected("a DeadZone or Identity actuator", type(zone).__name__, "see lostmotion.models")
+
+
+def _inverse(compensator: DeadZoneCompensator | DeadZoneInverse | None) -> tuple[FloatArray, bool]:
+    if compensator is None:
+        return _OPEN, False
+    if isinstance(compensator, DeadZoneInverse):
+        compensator = DeadZoneCompensator(compensator.dead_zone)
+    return compensator.kernel_parameters(), True
