@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.identify.problem import Problem
 from lostmotion.models._arguments import FloatArray
@@ -27,26 +26,29 @@ class LocalFit:
 
 
 def refine(
-    problem: Problem, theta: FloatArray, free: npt.NDArray[np.bool_] | None = None, most_steps: int = MOST_STEPS
+    problem: Problem, theta: FloatArray, basis: FloatArray | None = None, most_steps: int = MOST_STEPS, tied: bool = False
 ) -> LocalFit:
-    """Minimise the sum of squared prediction errors from `theta` over its `free` entries (default all).
+    """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: everything).
 
     Steps that make A unstable are refused like steps uphill; actuator parameters are projected on their valid
-    set. Columns are scaled by their norm, so the damping is free of units (More, 1978).
+    set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units (More, 1978).
     """
-    index = np.flatnonzero(free) if free is not None else np.arange(theta.size)
-    theta = problem.project(theta)
+    if not tied:
+        theta = problem.project(theta)
     cost, gradient, hessian = problem.evaluate(theta)
+    free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
     damping, converged, steps = 1e-3, False, 0
     while steps < most_steps and not converged:
         steps += 1
-        step, promised = _damped_step(hessian, gradient, index, damping)
-        variance = cost / max(problem.errors - index.size, 1)
+        step, promised = _damped_step(hessian, gradient, basis, damping)
+        variance = cost / max(problem.errors - free, 1)
         if cost <= floor or promised <= STEP_GAIN * variance:
             converged = True
             break
-        trial = problem.project(theta + step)
+        trial = theta + step
+        if not tied:
+            trial = problem.project(trial)
         better = False
         if problem.admissible(trial):
             trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial)
@@ -63,17 +65,15 @@ def refine(
 
 
 def _damped_step(
-    hessian: FloatArray, gradient: FloatArray, index: npt.NDArray[np.int64], damping: float
+    hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None, damping: float
 ) -> tuple[FloatArray, float]:
     """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
-    block = hessian[np.ix_(index, index)]
+    block, slope = (hessian, gradient) if basis is None else (basis.T @ hessian @ basis, basis.T @ gradient)
     scale = np.sqrt(np.diag(block))
     scale[scale == 0] = 1.0
     scaled = block / np.outer(scale, scale)
-    slope = gradient[index] / scale
-    damped = scaled + damping * np.eye(index.size)
-    move = -np.linalg.solve(damped, slope)
+    slope = slope / scale
+    move = -np.linalg.solve(scaled + damping * np.eye(scale.size), slope)
     promised = float(-2.0 * slope @ move - move @ scaled @ move)
-    step = np.zeros(gradient.size)
-    step[index] = move / scale
-    return step, promised
+    step = move / scale
+    return (step if basis is None else basis @ step), promised

@@ -13,11 +13,13 @@ from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.data import IdentificationData, collect
 from lostmotion.identify.families import DeadZoneFamily, LinearFamily
 from lostmotion.identify.misfit import residual_tests
-from lostmotion.identify.noise_order import autoregressions
+from lostmotion.identify.noise_order import MOST_NOISE_LAGS, autoregressions
+from lostmotion.identify.offset import settle_offset
 from lostmotion.identify.parameters import Scaling, name_parameters
 from lostmotion.identify.profile import Lags, profile
 from lostmotion.identify.result import Evidence, HammersteinFit
 from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
+from lostmotion.identify.width_bound import width_bound
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
 from lostmotion.models._arguments import FloatArray
 from lostmotion.records import LoopRecord
@@ -36,6 +38,7 @@ def identify(
     orders: str | tuple[int, int, int] = "auto",
     noise: str | int = "auto",
     gain: float | None = None,
+    offset: str = "auto",
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
@@ -61,6 +64,11 @@ def identify(
     gain : float, optional
         Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
         and the product stays in the linear part.
+
+    offset : {"auto", "free", "zero"}
+        Output at rest inside the dead zone. "zero" for records in deviations (the paper's model), "free" for
+        absolute units; "auto" takes zero where a free offset explains nothing (information criterion), but never
+        for records from which a mean was subtracted.
 
     Returns
     -------
@@ -95,6 +103,7 @@ def identify(
     noise_given = _noise(noise)
     if gain is not None and not (np.isfinite(gain) and gain != 0):
         raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
+    _check_choice("offset", offset, ("auto", "free", "zero"))
     data = collect(u, y, dt)
     _check_length(data, orders_given, noise_given)
     settings: dict[str, Any] = {
@@ -102,6 +111,7 @@ def identify(
         "orders": list(orders_given) if orders_given else "auto",
         "noise": noise,
         "gain": gain,
+        "offset": offset,
     }
     scaling = Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale)
     scaled = ScaledData(
@@ -111,7 +121,7 @@ def identify(
     linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     if nonlinearity == "none":
         return linear_result
-    zone = _fit_dead_zone(scaled, orders_given, noise_given)
+    zone = settle_offset(_fit_dead_zone(scaled, orders_given, noise_given), scaling, offset)
     result = replace(
         _package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result
     )
@@ -128,7 +138,7 @@ def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise:
         lags = Lags.for_record(data.shortest, orders[2])
     candidates, _ = profile(data.u, data.y, data.segments, lags, low, high)
     etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
-    family = DeadZoneFamily(float(data.u.min()), float(data.u.max()))
+    family = DeadZoneFamily(low, high)
     return best_fit(data, family, etas, orders, noise)
 
 
@@ -147,10 +157,12 @@ def _package(
     simulated, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
-    evidence = _evidence(scaled, fitted, linear, named.values, data)
+    evidence = _evidence(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
     tests = residual_tests(fitted)
+    status = _status(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance)
+    widest = width_bound(fitted) * scaling.u_scale if status is Status.NOT_SEEN else None
     return HammersteinFit(
-        status=_status(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance),
+        status=status,
         model=model,
         noise=NoiseModel(tuple(d), fitted.variance * scaling.y_scale**2),
         parameters=named.values,
@@ -160,7 +172,12 @@ def _package(
         fit_percent=_fit_percent(scaled, simulated, s.first),
         tests=tests,
         evidence=evidence,
-        settings={**settings, "chosen": {"na": s.na, "nb": s.nb, "delay": s.delay, "noise_order": s.noise_order}},
+        widest=widest,
+        settings={
+            **settings,
+            "chosen": {"na": s.na, "nb": s.nb, "delay": s.delay, "noise_order": s.noise_order},
+            "offset_fixed": fitted.basis is not None,
+        },
         data=data,
     )
 
@@ -201,13 +218,14 @@ def _bic(fitted: Fitted, floor: float) -> float:
 
 
 def _evidence(
-    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData
+    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, noise: int | None
 ) -> Evidence:
     floor = 1e-26
     n = min(fitted.problem.errors, linear.problem.errors)
     per_row = _bic(linear, floor) / linear.problem.errors - _bic(fitted, floor) / fitted.problem.errors
     models, variances, rows = autoregressions(
-        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments]
+        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
+        MOST_NOISE_LAGS if noise is None else noise,
     )
     alone = min(
         float(np.log(max(value, floor)) + (d.size + 1) * np.log(rows) / rows)

@@ -14,16 +14,28 @@ from lostmotion.models._arguments import FloatArray
 WHITENESS_LAGS = 25
 SHAPE_KNOTS = 5
 LEVEL = 1e-3  # of both tests: a report is read daily, so a false alarm must be rare
+STATIC_SHARE = 0.1  # of the output residual; reported where the residuals are not white, so a test is not valid
 SHARE = 0.01  # a misfit that explains less of the residual variance is real but without consequence
 
 
 @dataclass(frozen=True)
 class ResidualTests:
-    """p-values of whiteness and of shape, and the share of the residual variance that a better shape explains."""
+    """What the residuals still hold.
+
+    Attributes
+    ----------
+    whiteness_p, shape_p : float
+        p-values: white residuals; no better static shape of the actuator.
+    shape_share : float
+        Share of the variance of the prediction errors that a better static shape would explain.
+    static_share : float
+        The same for the output residual (measured minus simulated), without prewhitening: a size, not a test.
+    """
 
     whiteness_p: float
     shape_p: float
     shape_share: float
+    static_share: float
 
     @property
     def coloured(self) -> bool:
@@ -33,7 +45,8 @@ class ResidualTests:
     @property
     def misfit(self) -> bool:
         """The actuator has another shape, and it matters."""
-        return self.shape_p < LEVEL and self.shape_share > SHARE
+        tested = self.shape_p < LEVEL and self.shape_share > SHARE
+        return tested or (self.coloured and self.static_share > STATIC_SHARE)
 
 
 def autocorrelation(errors: list[FloatArray], lags: int) -> FloatArray:
@@ -54,7 +67,7 @@ def whiteness(errors: list[FloatArray], fitted_orders: int) -> float:
     return float(stats.chi2.sf(statistic, max(lags - fitted_orders, 1)))
 
 
-def shape(fitted: Fitted) -> tuple[float, float]:
+def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     """Score test against other static shapes: p-value, and share of the residual variance explained.
 
     The alternatives are hinges at quantiles of u and jumps at the break points, each seen through the fitted
@@ -62,6 +75,9 @@ def shape(fitted: Fitted) -> tuple[float, float]:
     """
     problem, theta = fitted.problem, fitted.fit.theta
     s = problem.structure
+    order, first = (s.noise_order, s.first) if prewhitened else (0, s.start)
+    if not prewhitened:
+        theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     eta = theta[problem.eta_at : problem.noise_at]
     x, dx = np.empty(problem.u.size), np.empty((problem.u.size, eta.size))
     problem.family.evaluate(eta, problem.u, x, dx)
@@ -70,7 +86,7 @@ def shape(fitted: Fitted) -> tuple[float, float]:
     longer = np.concatenate([theta[: problem.noise_at], np.zeros(extra.shape[1]), theta[problem.noise_at :]])
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
     cost = kernel.normal_equations(
-        longer, s.na, s.nb, wide.shape[1], s.noise_order, s.delay, s.first, problem.segments, x, wide,
+        longer, s.na, s.nb, wide.shape[1], order, s.delay, first, problem.segments, x, wide,
         problem.y, hessian, gradient,
     )  # fmt: skip
     index = np.arange(longer.size)
@@ -84,13 +100,15 @@ def shape(fitted: Fitted) -> tuple[float, float]:
     score = gradient[new] - cross @ gradient[~new]
     values, vectors = np.linalg.eigh(block)
     seen = values > 1e-8
-    statistic = float(np.sum((vectors[:, seen].T @ score) ** 2 / values[seen])) / max(fitted.variance, 1e-300)
-    share = statistic * fitted.variance / max(cost, 1e-300)
+    explained = float(np.sum((vectors[:, seen].T @ score) ** 2 / values[seen]))
+    statistic = explained / max(cost / problem.errors, 1e-300)
+    share = explained / max(cost, 1e-300)
     return float(stats.chi2.sf(statistic, max(int(seen.sum()), 1))), min(share, 1.0)
 
 
 def _other_shapes(u: FloatArray, eta: FloatArray) -> FloatArray:
-    knots = np.unique(np.quantile(u, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
+    levels = np.unique(u)  # not the samples: a staircase that rests at zero has its shape elsewhere
+    knots = np.unique(np.quantile(levels, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
     columns = [np.maximum(u - knot, 0.0) for knot in knots]
     if eta.size >= 2:
         columns += [(u > eta[1]).astype(float), (u < eta[0]).astype(float)]
@@ -100,8 +118,8 @@ def _other_shapes(u: FloatArray, eta: FloatArray) -> FloatArray:
 def residual_tests(fitted: Fitted) -> ResidualTests:
     """Both tests."""
     if fitted.fit.cost <= 1e-20 * float(fitted.problem.y @ fitted.problem.y):
-        return ResidualTests(1.0, 1.0, 0.0)  # noise-free: nothing is left to test
+        return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
     _, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     p_shape, share = shape(fitted)
-    return ResidualTests(whiteness(errors, s.noise_order), p_shape, share)
+    return ResidualTests(whiteness(errors, s.noise_order), p_shape, share, shape(fitted, prewhitened=False)[1])

@@ -31,20 +31,25 @@ class Named:
     covariance: FloatArray
 
 
-def information_inverse(hessian: FloatArray, size: int) -> FloatArray:
-    """Covariance (up to the residual variance) of the first `size` parameters, the others marginalised.
+def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) -> FloatArray:
+    """Covariance of all parameters up to the residual variance; infinite where there is no information.
 
-    Directions without information get infinite variance only where they touch a parameter.
+    With a `basis` only its directions are free, the others are known.
     """
-    scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
+    block = hessian if basis is None else basis.T @ hessian @ basis
+    scale = np.sqrt(np.maximum(np.diag(block), 0.0))
     scale[scale == 0] = 1.0
-    values, vectors = np.linalg.eigh(hessian / np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(block / np.outer(scale, scale))
     seen = values > CUTOFF * values[-1]
-    root = vectors[:, seen] / np.sqrt(values[seen])
+    root = (vectors[:, seen] / np.sqrt(values[seen])) / scale[:, None]
+    empty = vectors[:, ~seen] / scale[:, None]
+    if basis is not None:
+        root, empty = basis @ root, basis @ empty
     covariance = root @ root.T
-    blind = np.sum(vectors[:, ~seen] ** 2, axis=1) > 1e-6
+    reach = np.abs(empty).sum(axis=1)
+    blind = reach > 1e-6 * max(float(reach.max(initial=0.0)), 1e-300)
     covariance[blind, blind] = np.inf
-    return np.asarray((covariance / np.outer(scale, scale))[:size, :size])
+    return np.asarray(covariance)
 
 
 def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Named:
@@ -65,7 +70,8 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
         shifted[column] += 1e-30j
         _, moved = _transform(shifted, problem.family.kind, s.na, s.nb, scaling, gain)
         jacobian[:, column] = np.imag(moved) / 1e-30
-    raw = fitted.variance * information_inverse(fitted.fit.hessian, theta.size)
+    full = information_inverse(fitted.fit.hessian, fitted.basis)
+    raw = fitted.variance * full[: theta.size, : theta.size]
     open_ended = ~np.isfinite(np.diag(raw))
     finite = np.where(np.isfinite(raw), raw, 0.0)
     covariance = jacobian @ finite @ jacobian.T

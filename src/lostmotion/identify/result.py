@@ -56,6 +56,8 @@ class HammersteinFit:
     covariance : ndarray, shape (len(parameters), len(parameters))
         Covariance in the order of `parameters`, from the Fisher information (noise model, offset and initial
         states included). width, slope_ratio and gain depend on the others, so it is singular.
+    widest : float or None
+        Where no dead zone is seen: the widest that the record does not exclude (95 %, profile likelihood).
     residuals : ndarray
         Prediction errors, white where the model is right; simulated : output of the model from its input alone.
     """
@@ -71,6 +73,7 @@ class HammersteinFit:
     tests: ResidualTests
     evidence: Evidence
     settings: dict[str, Any]
+    widest: float | None
     data: IdentificationData = field(repr=False)
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
 
@@ -127,7 +130,7 @@ class HammersteinFit:
             low = max(low, 0.0)
         if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind == "dead zone":
             if name == "width":
-                return 0.0, high
+                return 0.0, max(high, 0.0) if self.widest is None else self.widest
             if name in ("left", "right", "slope_ratio", "left_slope"):
                 return -np.inf, np.inf
         return low, high
@@ -162,6 +165,7 @@ class HammersteinFit:
                 name: [_finite(end) for end in self.interval(name)] for name in self.parameters
             },
             "fit_percent": self.fit_percent,
+            "widest": None if self.widest is None else _finite(self.widest),
             "evidence": dict(vars(self.evidence)),
             "residual_tests": dict(vars(self.tests)),
             "settings": self.settings,

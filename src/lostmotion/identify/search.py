@@ -12,10 +12,14 @@ from lostmotion.identify.families import Family
 from lostmotion.identify.noise_order import choose_noise
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.start import HighOrderArx, fit_arx
-from lostmotion.identify.structure import Start, given_structure, likely_structures
+from lostmotion.identify.structure import Start, given_structure, likely_structures, neighbours, plausible
 from lostmotion.models._arguments import FloatArray
 
+_Attempt = tuple[FloatArray, Start, HighOrderArx]
+
 START_NOISE_LAGS = 15
+MOST_ROUNDS = 4
+IMPLAUSIBLE = 1e12
 ROUGH_STEPS = 15
 AUTO_LAGS = 30  # past inputs where the delay is unknown
 
@@ -40,16 +44,22 @@ class Fitted:
 
     problem: Problem
     fit: LocalFit
+    basis: FloatArray | None = None  # directions that were free; None: all
 
     @property
     def variance(self) -> float:
         """Residual variance, corrected for the parameters."""
-        return self.fit.cost / max(self.problem.errors - self.fit.theta.size, 1)
+        return self.fit.cost / max(self.problem.errors - self.free, 1)
+
+    @property
+    def free(self) -> int:
+        """Free parameters, initial conditions included."""
+        return self.fit.theta.size if self.basis is None else self.basis.shape[1]
 
     @property
     def parameters(self) -> int:
-        """Parameters without initial conditions."""
-        return self.problem.initial_at
+        """Free parameters without initial conditions."""
+        return self.free - (self.fit.theta.size - self.problem.initial_at)
 
     def output_residual(self) -> list[FloatArray]:
         """y minus simulated output, from row `first` of each segment."""
@@ -81,15 +91,10 @@ def best_fit(
     noise : int or None
         Order of the AR noise; None: chosen from the data.
     """
-    rough = [
-        (eta, start, arx)
-        for eta in etas
-        for start, arx in _linear_starts(data, family, eta, orders)
-    ]
-    p = _noise_lags(data, max(start.delay for _, start, _ in rough), noise)
-    common = max(start.delay for _, start, _ in rough) + p
-    fits = [_rough_fit(data, family, eta, start, arx, p, common) for eta, start, arx in rough]
-    best = min(fits, key=_criterion)
+    search = _Search(data, family, orders, noise)
+    best = search.over([pair for eta in etas for pair in search.likely(eta)])
+    if orders is None:
+        best = search.improve(best)
     d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
     if noise is None:
         d = choose_noise(best.output_residual())
@@ -119,31 +124,64 @@ def _criterion(fitted: Fitted) -> float:
     return float(n * np.log(max(fitted.fit.cost, 1e-300)) + fitted.parameters * np.log(n))
 
 
-def _linear_starts(
-    data: ScaledData, family: Family, eta: FloatArray, orders: tuple[int, int, int] | None
-) -> list[tuple[Start, HighOrderArx]]:
-    x, dx = np.empty(data.u.size), np.empty((data.u.size, len(family.names)))
-    family.evaluate(eta, data.u, x, dx)
-    if orders is None:
-        arx = fit_arx(x, data.y, data.segments, 1, AUTO_LAGS)
-        return [(start, arx) for start in likely_structures(arx)]
-    arx = fit_arx(x, data.y, data.segments, orders[2])
-    return [(given_structure(arx, *orders), arx)]
+@dataclass(frozen=True)
+class _Search:
+    """Rough fits of many structures on common rows, compared by their information criterion."""
 
+    data: ScaledData
+    family: Family
+    orders: tuple[int, int, int] | None
+    noise: int | None
 
-def _noise_lags(data: ScaledData, delay: int, noise: int | None) -> int:
-    if noise is not None:
-        return noise
-    return max(min(START_NOISE_LAGS, (data.shortest - delay) // 20), 0)
+    def likely(self, eta: FloatArray) -> list[_Attempt]:
+        """The structures to try for one start of the actuator."""
+        arx = self._arx(eta)
+        if self.orders is not None:
+            return [(eta, given_structure(arx, *self.orders), arx)]
+        return [(eta, start, arx) for start in likely_structures(arx)]
 
+    def over(self, attempts: list[_Attempt]) -> Fitted:
+        """Best of the attempts."""
+        return min((self._rough(*attempt) for attempt in attempts), key=self._score)
 
-def _rough_fit(
-    data: ScaledData, family: Family, eta: FloatArray, start: Start, arx: HighOrderArx, p: int, common: int
-) -> Fitted:
-    structure = Structure(start.na, start.nb, start.delay, p, common)
-    problem = Problem(data.u, data.y, data.segments, family, structure)
-    d = np.zeros(p)
-    shared = min(p, arx.a.size)
-    d[:shared] = arx.a[:shared]
-    theta = problem.pack(start.a, start.b, eta, d, 0.0)
-    return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS))
+    def improve(self, best: Fitted) -> Fitted:
+        """Look again from the actuator found, then at neighbouring structures, while it helps."""
+        for _ in range(MOST_ROUNDS):
+            s = best.problem.structure
+            eta = best.fit.theta[best.problem.eta_at : best.problem.noise_at]
+            arx = self._arx(eta)
+            tried = [(eta, start, arx) for start in neighbours(arx, s.na, s.nb, s.delay)]
+            if eta.size:
+                tried += self.likely(eta)
+            challenger = self.over(tried)
+            if self._score(challenger) > self._score(best) - 1.0:
+                break
+            best = challenger
+        return best
+
+    def _score(self, fitted: Fitted) -> float:
+        """Information criterion; orders that were chosen here, not given, must also be plausible."""
+        a = fitted.fit.theta[: fitted.problem.structure.na]
+        return _criterion(fitted) + (0.0 if self.orders is not None or plausible(a) else IMPLAUSIBLE)
+
+    def _arx(self, eta: FloatArray) -> HighOrderArx:
+        data = self.data
+        x, dx = np.empty(data.u.size), np.empty((data.u.size, len(self.family.names)))
+        self.family.evaluate(eta, data.u, x, dx)
+        if self.orders is None:
+            return fit_arx(x, data.y, data.segments, 1, AUTO_LAGS)
+        return fit_arx(x, data.y, data.segments, self.orders[2])
+
+    def _rough(self, eta: FloatArray, start: Start, arx: HighOrderArx) -> Fitted:
+        latest = AUTO_LAGS if self.orders is None else start.delay
+        latest = min(latest, max(self.data.shortest // 10, start.delay))
+        p = self.noise
+        if p is None:
+            p = max(min(START_NOISE_LAGS, (self.data.shortest - latest) // 20), 0)
+        structure = Structure(start.na, start.nb, start.delay, p, latest + p)
+        problem = Problem(self.data.u, self.data.y, self.data.segments, self.family, structure)
+        d = np.zeros(p)
+        shared = min(p, arx.a.size)
+        d[:shared] = arx.a[:shared]
+        theta = problem.pack(start.a, start.b, eta, d, 0.0)
+        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS))

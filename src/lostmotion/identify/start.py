@@ -71,20 +71,19 @@ def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[Float
         lag = shift + j
         if lag < length:
             regressors[lag:, na + j] = -a_high[: length - lag]
-    weight = np.eye(length)
+    root = np.eye(length)
     theta = np.zeros(na + nb + 1)
     misfit = np.inf
     for _ in range(REWEIGHTINGS + 1):
-        root = np.linalg.cholesky(weight)
-        left, right = root.T @ regressors, -(root.T @ b_high)
+        left, right = root @ regressors, -(root @ b_high)
         theta = np.linalg.lstsq(left, right, rcond=1e-12)[0]
         misfit = float(np.sum((left @ theta - right) ** 2))
-        weight = _weight(arx, _inside(theta[:na]), theta[na:], shift, length)
+        root = _whitening(arx, _inside(theta[:na]), theta[na:], shift, length)
     return _inside(theta[:na]), theta[na:], misfit
 
 
-def _weight(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length: int) -> FloatArray:
-    """Inverse covariance of A B_n - B A_n given the covariance of the ARX coefficients."""
+def _whitening(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length: int) -> FloatArray:
+    """Inverse square root of the covariance of A B_n - B A_n, from the covariance of the ARX coefficients."""
     n, m = arx.a.size, arx.b.size
     transfer = np.zeros((length, n + m))
     for lag, value in enumerate([1.0, *a]):
@@ -94,8 +93,9 @@ def _weight(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length:
         for row in range(shift + lag + 1, length):
             transfer[row, row - shift - lag - 1] -= value
     spread = arx.variance * (transfer @ arx.covariance @ transfer.T)
-    spread += 1e-9 * (np.trace(spread) / length + 1e-300) * np.eye(length)
-    return np.asarray(np.linalg.inv(spread))
+    values, vectors = np.linalg.eigh(spread)
+    floor = max(float(values[-1]) * 1e-9, 1e-300)
+    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
 
 
 def _inside(a: FloatArray) -> FloatArray:

@@ -10,9 +10,11 @@ from lostmotion.identify.start import HighOrderArx, linear_start
 from lostmotion.models._arguments import FloatArray
 
 LADDER = ((1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 1), (3, 2))
-DELAYS_TRIED = 4  # the first significant lag is the delay or a little after it
+LATER = 1  # delays tried after the first significant lag; before it, all are
 SIGNIFICANT = 3.5  # standard errors of the first response
-MOST_STRUCTURES = 3
+LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
+SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
+MOST_STRUCTURES = 3  # of different delays
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def likely_structures(arx: HighOrderArx) -> list[Start]:
     latest = _first_response(arx)
     room = min(arx.a.size, arx.b.size)
     starts = []
-    for delay in range(max(arx.delay, latest - DELAYS_TRIED + 1), latest + 1):
+    for delay in range(arx.delay, latest + LATER + 1):
         for na, nb in LADDER:
             if na + nb + 1 + delay - arx.delay > room:
                 continue
@@ -46,7 +48,40 @@ def likely_structures(arx: HighOrderArx) -> list[Start]:
             starts.append(Start(na, nb, delay, a, b, misfit + (na + nb + 1) * np.log(arx.samples)))
     if not starts:
         starts = [given_structure(arx, 1, 0, max(arx.delay, 1))]
-    return sorted(starts, key=lambda start: start.score)[:MOST_STRUCTURES]
+    starts.sort(key=lambda start: start.score)
+    return _of_different_delays(starts)
+
+
+def neighbours(arx: HighOrderArx, na: int, nb: int, delay: int) -> list[Start]:
+    """Structures one step away in one of orders and delay, with their start values."""
+    room = min(arx.a.size, arx.b.size)
+    steps = [(na, nb, delay - 1), (na, nb, delay + 1), (na + 1, nb, delay), (na, nb - 1, delay)]
+    steps += [(na - 1, min(nb, na - 1), delay), (na, nb + 1, delay), (na, nb + 1, delay - 1), (na, nb - 1, delay + 1)]
+    return [
+        given_structure(arx, *step)
+        for step in steps
+        if (step[0], step[1]) in LADDER and step[2] >= arx.delay and sum(step) + 1 - arx.delay <= room
+    ]
+
+
+def plausible(a: FloatArray) -> bool:
+    """Whether a sampled process can have these poles: no ringing at half the sampling rate, some damping.
+
+    Where a record says little, the likelihood likes poles on the unit circle that copy the oscillation of the loop.
+    """
+    poles = np.roots(np.concatenate([[1.0], a]))
+    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
+    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
+    real = np.abs(log_poles.imag) < 1e-9
+    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
+    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
+
+
+def _of_different_delays(starts: list[Start]) -> list[Start]:
+    best: dict[int, Start] = {}
+    for start in starts:
+        best.setdefault(start.delay, start)
+    return list(best.values())[:MOST_STRUCTURES]
 
 
 def _first_response(arx: HighOrderArx) -> int:
