@@ -8,7 +8,8 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 3.0
 """
 
-from lostmotion import compensate as _compensate
+from lostmotion import plot as _plot  # noqa: F401  registers figures
+from lostmotion import report as _report  # noqa: F401  registers summaries
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.errors import (
     ColumnError,
@@ -20,10 +21,11 @@ from lostmotion.errors import (
     Status,
     TimeError,
 )
+from lostmotion.files import read_loop
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
-from lostmotion.records import LoopRecord
-from lostmotion.simulate import PI, LoopResponse, platforms, signals, simulate_loop
+from lostmotion.records import LoopRecord, check
+from lostmotion.simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
 
 __version__ = "0.1.0"
 
@@ -46,8 +48,11 @@ __all__ = [
     "ParameterError",
     "Status",
     "TimeError",
+    "check",
     "identify",
     "platforms",
+    "read_loop",
+    "routine_operation",
     "signals",
     "simulate_loop",
 ]

@@ -77,7 +77,7 @@ class Status(Enum):
 
     OK = "Converged; the record shows the nonlinearity clearly."
     NOT_SEEN = (
-        "No lost motion can be seen: a linear model explains the record as well. "
+        "No lost motion can be seen: a model without a dead zone explains the record as well. "
         "If you suspect less than the bound given here, record moves of OP that cross it many times."
     )
     ONE_SIDED = (
@@ -86,7 +86,8 @@ class Status(Enum):
     )
     MISFIT = (
         "Converged, but the residuals still depend on OP: the real actuator is not quite of this shape. "
-        "Read the numbers as the nearest dead zone and compare other kinds (jump at break-away, backlash, stiction)."
+        "Read the numbers as the nearest dead zone and compare other kinds "
+        "(jump at break-away, backlash, stiction)."
     )
     COLOURED = (
         "Converged, but the residuals are not white, so the intervals are too narrow. "

@@ -1,1 +1,43 @@
-"""."""
+"""The command ``lostmotion``: thin commands over the library.
+
+Exit codes: 0 done, 1 a finding that needs you or a failure, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+import typer
+
+from lostmotion.cli.check import check
+from lostmotion.cli.compensate import compensate
+from lostmotion.cli.identify import identify
+from lostmotion.errors import LostMotionError
+
+app = typer.Typer(
+    name="lostmotion",
+    help="Find the lost motion of an actuator in the records of its control loop, and take it away.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for command in (check, identify, compensate):
+    app.command()(command)
+
+
+def main(arguments: list[str] | None = None) -> Any:
+    """Run the command line; errors of lostmotion become one line and exit code 1."""
+    words = sys.argv[1:] if arguments is None else arguments
+    try:
+        return app(words, prog_name="lostmotion")
+    except LostMotionError as error:
+        if "--json" in words:
+            typer.echo(json.dumps({"error": type(error).__name__, "message": str(error)}))
+        typer.echo(f"error: {error}", err=True)
+        sys.exit(1)
+    except ImportError as error:
+        typer.echo(f"error: {error}", err=True)
+        sys.exit(1)

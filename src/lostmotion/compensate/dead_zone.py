@@ -56,10 +56,12 @@ class DeadZoneCompensator:
             raise ParameterError.expected("a DeadZone", type(self.dead_zone).__name__, "pass fit.nonlinearity")
 
     @classmethod
-    def with_stated_centre(cls, dead_zone: DeadZone) -> DeadZoneCompensator:
-        """Centre 0 where the dead zone holds it (the paper's case), else the middle of the dead zone."""
-        inside = dead_zone.left <= 0.0 <= dead_zone.right
-        return cls(dead_zone, 0.0 if inside else 0.5 * (dead_zone.left + dead_zone.right))
+    def from_dead_zone(cls, dead_zone: DeadZone, centre: float | None = None) -> DeadZoneCompensator:
+        """Compensator whose centre is 0 where the dead zone holds it (the paper's case), else its middle."""
+        if centre is None:
+            inside = dead_zone.left <= 0.0 <= dead_zone.right
+            centre = 0.0 if inside else 0.5 * (dead_zone.left + dead_zone.right)
+        return cls(dead_zone, centre)
 
     @property
     def at_zero(self) -> float:

@@ -64,9 +64,7 @@ def cramer_rao(
     u = signal("u", u)
     d = np.array(noise.d)
     linear = model.linear.scaled(zone.right_slope)
-    structure = Structure(
-        len(linear.a), len(linear.b) - 1, linear.delay, noise.order, linear.delay + noise.order
-    )
+    structure = Structure(len(linear.a), len(linear.b) - 1, linear.delay, noise.order, linear.delay + noise.order)
     measured = model.simulate(u) if y is None else signal("y", y)
     segments = np.array([[0, u.size]])
     problem = Problem(u, measured, segments, DeadZoneFamily(-np.inf, np.inf), structure)

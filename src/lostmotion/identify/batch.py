@@ -26,12 +26,17 @@ class LocalFit:
 
 
 def refine(
-    problem: Problem, theta: FloatArray, basis: FloatArray | None = None, most_steps: int = MOST_STEPS, tied: bool = False
+    problem: Problem,
+    theta: FloatArray,
+    basis: FloatArray | None = None,
+    most_steps: int = MOST_STEPS,
+    tied: bool = False,
 ) -> LocalFit:
     """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: everything).
 
     Steps that make A unstable are refused like steps uphill; actuator parameters are projected on their valid
-    set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units (More, 1978).
+    set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units
+    (More, 1978).
     """
     if not tied:
         theta = problem.project(theta)

@@ -87,12 +87,11 @@ def collect(
     ParameterError
         No dt with arrays, a dt beside records, or records with different dt.
     """
-    if isinstance(first, LoopRecord):
-        first = [first]
-    if isinstance(first, Sequence) and first and isinstance(first[0], LoopRecord):
+    records = [first] if isinstance(first, LoopRecord) else first
+    if isinstance(records, list | tuple) and records and all(isinstance(item, LoopRecord) for item in records):
         if y is not None:
             raise ParameterError.expected("records alone", "records and y", "pass identify(record)")
-        data = _from_records(first, dt)
+        data = _from_records(records, dt)
     else:
         data = _from_arrays(first, y, dt)
     _check_moves(data)
@@ -149,7 +148,9 @@ def _from_records(records: Sequence[LoopRecord], dt: float | None) -> Identifica
     if dropped:
         notes += (f"{dropped} pieces shorter than {FEWEST_SAMPLES} samples were left out.",)
     if not kept:
-        raise DataError.expected(f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record")
+        raise DataError.expected(
+            f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record"
+        )
     stops = np.cumsum([len(record) for record in kept])
     segments = np.column_stack([np.concatenate([[0], stops[:-1]]), stops]).astype(np.int64)
     _check_length(segments)

@@ -13,7 +13,7 @@ from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.data import IdentificationData, collect
 from lostmotion.identify.families import DeadZoneFamily, LinearFamily
 from lostmotion.identify.misfit import residual_tests
-from lostmotion.identify.noise_order import MOST_NOISE_LAGS, autoregressions
+from lostmotion.identify.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.offset import settle_offset
 from lostmotion.identify.parameters import Scaling, name_parameters
 from lostmotion.identify.profile import Lags, profile
@@ -115,7 +115,9 @@ def identify(
     }
     scaling = Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale)
     scaled = ScaledData(
-        (data.u - scaling.u_centre) / scaling.u_scale, (data.y - scaling.y_centre) / scaling.y_scale, data.segments
+        (data.u - scaling.u_centre) / scaling.u_scale,
+        (data.y - scaling.y_centre) / scaling.y_scale,
+        data.segments,
     )
     linear = best_fit(scaled, LinearFamily(), [np.zeros(0)], orders_given, noise_given)
     linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
@@ -185,7 +187,10 @@ def _package(
 def _model(values: dict[str, float], fitted: Fitted, dt: float) -> Hammerstein:
     s = fitted.problem.structure
     linear = LinearModel(
-        tuple(values[f"a{i + 1}"] for i in range(s.na)), tuple(values[f"b{i}"] for i in range(s.nb + 1)), s.delay, dt
+        tuple(values[f"a{i + 1}"] for i in range(s.na)),
+        tuple(values[f"b{i}"] for i in range(s.nb + 1)),
+        s.delay,
+        dt,
     )
     actuator: Nonlinearity = Identity()
     if fitted.problem.family.kind == "dead zone":
@@ -212,13 +217,22 @@ def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> f
 
 
 def _bic(fitted: Fitted, floor: float) -> float:
-    """Information criterion per row times the common number of rows; `floor` is the rounding of the data."""
+    """Information criterion of the fit; `floor` is the rounding of the data.
+
+    Noise coefficients count as they do where their number is chosen (Akaike), everything else as in BIC.
+    """
     n = fitted.problem.errors
-    return float(n * np.log(max(fitted.fit.cost / n, floor)) + fitted.parameters * np.log(n))
+    p = fitted.problem.structure.noise_order
+    return float(n * np.log(max(fitted.fit.cost / n, floor)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
 
 
 def _evidence(
-    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, noise: int | None
+    scaled: ScaledData,
+    fitted: Fitted,
+    linear: Fitted,
+    values: dict[str, float],
+    data: IdentificationData,
+    noise: int | None,
 ) -> Evidence:
     floor = 1e-26
     n = min(fitted.problem.errors, linear.problem.errors)
@@ -228,7 +242,7 @@ def _evidence(
         MOST_NOISE_LAGS if noise is None else noise,
     )
     alone = min(
-        float(np.log(max(value, floor)) + (d.size + 1) * np.log(rows) / rows)
+        float(np.log(max(value, floor)) + (np.log(rows) + PENALTY * d.size) / rows)
         for d, value in zip(models, variances, strict=True)
     )
     below = int(np.sum(data.u < values["left"])) if "left" in values else 0
@@ -242,11 +256,14 @@ def _evidence(
 
 
 def _status(
-    fitted: Fitted, evidence: Evidence, coloured: bool, misfit: bool, values: dict[str, float], covariance: FloatArray
+    fitted: Fitted,
+    evidence: Evidence,
+    coloured: bool,
+    misfit: bool,
+    values: dict[str, float],
+    covariance: FloatArray,
 ) -> Status:
     """First thing that the reader must know."""
-    if not fitted.fit.converged:
-        return Status.NOT_CONVERGED
     if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
         return Status.CANNOT_TELL
     if "width" in values:
@@ -254,8 +271,12 @@ def _status(
         error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
         if evidence.gain_over_linear <= 0 or values["width"] <= 1.96 * error:
             return Status.NOT_SEEN
+        if not fitted.fit.converged:
+            return Status.NOT_CONVERGED
         if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
             return Status.ONE_SIDED
+    if not fitted.fit.converged:
+        return Status.NOT_CONVERGED
     if misfit:
         return Status.MISFIT
     return Status.COLOURED if coloured else Status.OK

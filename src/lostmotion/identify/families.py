@@ -16,8 +16,8 @@ LARGEST_SLOPE_RATIO = 50.0  # beyond this one side carries no signal: it is a on
 class Family(Protocol):
     """One kind of actuator, with right slope (or only slope) 1: the gain stays in the linear part."""
 
-    kind: str
-    names: tuple[str, ...]
+    kind: ClassVar[str]
+    names: ClassVar[tuple[str, ...]]
 
     def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Fill x (n,) and dx/deta (n, len(names)) for the command u (n,)."""
@@ -33,8 +33,8 @@ class LinearFamily:
     kind: ClassVar[str] = "none"
     names: ClassVar[tuple[str, ...]] = ()
 
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """x = u."""
+    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:  # noqa: ARG002
+        """Copy u."""
         x[:] = u
 
     def project(self, eta: FloatArray) -> FloatArray:

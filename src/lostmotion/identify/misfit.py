@@ -1,4 +1,4 @@
-"""Do the residuals still hold something: correlation in time, or a shape that the model does not have?"""
+"""What the residuals still hold: correlation in time, or a shape that the model does not have."""
 
 from __future__ import annotations
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.errors import ParameterError
 from lostmotion.identify.search import Fitted
@@ -81,22 +83,23 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
 
 
 def _transform(
-    theta: np.ndarray, kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
-) -> tuple[list[str], np.ndarray]:
+    theta: npt.NDArray[Any], kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
+) -> tuple[list[str], npt.NDArray[Any]]:
     """Names and values of all parameters for one scaled vector (real or complex)."""
     a, b = theta[:na], theta[na : na + nb + 1] * (scaling.y_scale / scaling.u_scale)
     product = b.sum() / (1.0 + a.sum())
     offset = scaling.y_centre + scaling.y_scale * theta[na + nb + 1]
     names: list[str] = []
-    values: list[complex] = []
+    values: list[Any] = []
     if kind == "dead zone":
         left, right, log_ratio = theta[na + nb + 2 : na + nb + 5]
         slope = 1.0 + 0.0 * product if gain is None else _right_slope(product, gain)
-        left, right = (scaling.u_centre + scaling.u_scale * value for value in (left, right))
+        left, right = scaling.u_centre + scaling.u_scale * left, scaling.u_centre + scaling.u_scale * right
         ratio = np.exp(log_ratio)
         names += ["left", "right", "left_slope", "right_slope", "width", "slope_ratio"]
         values += [left, right, ratio * slope, slope, right - left, ratio]
-        b, product = b / slope, product / slope
+        b = np.asarray(b / slope)
+        product = product / slope
     else:
         offset = offset - product * scaling.u_centre
     names += ["gain", "offset", *(f"a{i + 1}" for i in range(na)), *(f"b{i}" for i in range(nb + 1))]

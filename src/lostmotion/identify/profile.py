@@ -137,9 +137,7 @@ def arx_gram(
     total, samples = None, 0
     for start, stop in segments:
         rows = stop - start - lags.delay
-        signals = np.column_stack(
-            [y[start + lags.delay : stop], np.ones(rows), inputs[start : stop - lags.delay]]
-        )
+        signals = np.column_stack([y[start + lags.delay : stop], np.ones(rows), inputs[start : stop - lags.delay]])
         gram = lagged_gram(np.ascontiguousarray(signals), length, length - 1, rows)
         total = gram if total is None else total + gram
         samples += rows - length + 1

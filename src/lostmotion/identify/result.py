@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from lostmotion.identify.data import IdentificationData
 
 
+POSITIVE = ("left_slope", "right_slope", "slope_ratio")
+
+
 @dataclass(frozen=True)
 class Evidence:
     """Comparison of the models that were fitted to the same rows.
@@ -112,8 +115,8 @@ class HammersteinFit:
         Returns
         -------
         (float, float)
-            Lower and upper end. Where no dead zone is seen its break points and slope ratio can be anywhere, so
-            their interval is the whole line, and that of the width begins at 0.
+            Lower and upper end, on a logarithmic scale for slopes. Where no dead zone is seen its break points
+            and slope ratio can be anywhere, so their interval is the whole line; that of the width begins at 0.
 
         Raises
         ------
@@ -128,6 +131,9 @@ class HammersteinFit:
         low, high = self.parameters[name] - reach, self.parameters[name] + reach
         if name == "width":
             low = max(low, 0.0)
+        if name in POSITIVE and self.parameters[name] > 0:
+            factor = np.exp(reach / self.parameters[name])
+            low, high = self.parameters[name] / factor, self.parameters[name] * factor
         if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind == "dead zone":
             if name == "width":
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
@@ -161,9 +167,7 @@ class HammersteinFit:
             "noise": self.noise.to_dict(),
             "parameters": dict(self.parameters),
             "standard_errors": {name: _finite(value) for name, value in self.standard_errors.items()},
-            "intervals_95": {
-                name: [_finite(end) for end in self.interval(name)] for name in self.parameters
-            },
+            "intervals_95": {name: [_finite(end) for end in self.interval(name)] for name in self.parameters},
             "fit_percent": self.fit_percent,
             "widest": None if self.widest is None else _finite(self.widest),
             "evidence": dict(vars(self.evidence)),

@@ -62,7 +62,7 @@ class Fitted:
         return self.free - (self.fit.theta.size - self.problem.initial_at)
 
     def output_residual(self) -> list[FloatArray]:
-        """y minus simulated output, from row `first` of each segment."""
+        """Measured minus simulated output, from row `first` of each segment."""
         simulated, _ = self.problem.predict(self.fit.theta)
         first = self.problem.structure.first
         return [

@@ -71,12 +71,12 @@ def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[Float
         lag = shift + j
         if lag < length:
             regressors[lag:, na + j] = -a_high[: length - lag]
-    root = np.eye(length)
+    root: FloatArray = np.eye(length)
     theta = np.zeros(na + nb + 1)
     misfit = np.inf
     for _ in range(REWEIGHTINGS + 1):
         left, right = root @ regressors, -(root @ b_high)
-        theta = np.linalg.lstsq(left, right, rcond=1e-12)[0]
+        theta[:] = np.linalg.lstsq(left, right, rcond=1e-12)[0]
         misfit = float(np.sum((left @ theta - right) ** 2))
         root = _whitening(arx, _inside(theta[:na]), theta[na:], shift, length)
     return _inside(theta[:na]), theta[na:], misfit

@@ -36,7 +36,7 @@ def given_structure(arx: HighOrderArx, na: int, nb: int, delay: int) -> Start:
 
 
 def likely_structures(arx: HighOrderArx) -> list[Start]:
-    """The few structures that explain the ARX best (misfit in units of its covariance, plus k log n), best first."""
+    """The few structures that explain the ARX best (misfit plus k log n), best first."""
     latest = _first_response(arx)
     room = min(arx.a.size, arx.b.size)
     starts = []
@@ -56,7 +56,12 @@ def neighbours(arx: HighOrderArx, na: int, nb: int, delay: int) -> list[Start]:
     """Structures one step away in one of orders and delay, with their start values."""
     room = min(arx.a.size, arx.b.size)
     steps = [(na, nb, delay - 1), (na, nb, delay + 1), (na + 1, nb, delay), (na, nb - 1, delay)]
-    steps += [(na - 1, min(nb, na - 1), delay), (na, nb + 1, delay), (na, nb + 1, delay - 1), (na, nb - 1, delay + 1)]
+    steps += [
+        (na - 1, min(nb, na - 1), delay),
+        (na, nb + 1, delay),
+        (na, nb + 1, delay - 1),
+        (na, nb - 1, delay + 1),
+    ]
     return [
         given_structure(arx, *step)
         for step in steps
@@ -67,7 +72,7 @@ def neighbours(arx: HighOrderArx, na: int, nb: int, delay: int) -> list[Start]:
 def plausible(a: FloatArray) -> bool:
     """Whether a sampled process can have these poles: no ringing at half the sampling rate, some damping.
 
-    Where a record says little, the likelihood likes poles on the unit circle that copy the oscillation of the loop.
+    Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
     """
     poles = np.roots(np.concatenate([[1.0], a]))
     log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.kernels.types import FloatArray
+
 
 @njit(cache=True)
-def forward(u, left, right, left_slope, right_slope):
+def forward(u: float, left: float, right: float, left_slope: float, right_slope: float) -> float:
     """Internal variable x of one input u (paper, eq 4)."""
     if u > right:
         return right_slope * (u - right)
@@ -17,7 +19,7 @@ def forward(u, left, right, left_slope, right_slope):
 
 
 @njit(cache=True)
-def inverse(v, left, right, left_slope, right_slope, at_zero):
+def inverse(v: float, left: float, right: float, left_slope: float, right_slope: float, at_zero: float) -> float:
     """Input u that makes the dead zone give v (paper, eqs 8-11); `at_zero` is the answer to v = 0."""
     if v > 0.0:
         return v / right_slope + right
@@ -27,7 +29,7 @@ def inverse(v, left, right, left_slope, right_slope, at_zero):
 
 
 @njit(cache=True)
-def forward_run(u, left, right, left_slope, right_slope):
+def forward_run(u: FloatArray, left: float, right: float, left_slope: float, right_slope: float) -> FloatArray:
     """Internal variable over an array."""
     x = np.empty(u.size)
     for k in range(u.size):
@@ -36,7 +38,9 @@ def forward_run(u, left, right, left_slope, right_slope):
 
 
 @njit(cache=True)
-def inverse_run(v, left, right, left_slope, right_slope, at_zero):
+def inverse_run(
+    v: FloatArray, left: float, right: float, left_slope: float, right_slope: float, at_zero: float
+) -> FloatArray:
     """Inverse over an array."""
     u = np.empty(v.size)
     for k in range(v.size):
@@ -45,7 +49,9 @@ def inverse_run(v, left, right, left_slope, right_slope, at_zero):
 
 
 @njit(cache=True)
-def sensitivities(u, left, right, log_ratio, x, dx):
+def sensitivities(
+    u: FloatArray, left: float, right: float, log_ratio: float, x: FloatArray, dx: FloatArray
+) -> None:
     """Internal variable with right slope 1, and its derivatives.
 
     `x` (n,) and `dx` (n, 3) are filled; the columns of `dx` belong to left, right and the logarithm of the

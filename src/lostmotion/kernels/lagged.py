@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.kernels.types import FloatArray
+
 
 @njit(cache=True)
-def shift_gram(gram, signals, lags, start, stop):
+def shift_gram(gram: FloatArray, signals: FloatArray, lags: int, start: int, stop: int) -> None:
     """Complete `gram` (m*lags, m*lags), ordered lag by lag, from its first block row and column.
 
     Entry (i, s), (j, t) is the sum over k in [start, stop) of s(k-i) t(k-j); moving both lags by one drops the
@@ -27,7 +29,7 @@ def shift_gram(gram, signals, lags, start, stop):
                     )
 
 
-def lagged_gram(signals, lags, start, stop):
+def lagged_gram(signals: FloatArray, lags: int, start: int, stop: int) -> FloatArray:
     """Sums over k in [start, stop) of s(k-i) t(k-j) for all signals s, t (n, m) and lags i, j < `lags`.
 
     Returns shape (m*lags, m*lags), ordered lag by lag.

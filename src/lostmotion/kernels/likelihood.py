@@ -16,11 +16,22 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.kernels.types import FloatArray, IntArray
+
 BLOCK = 256
 
 
 @njit(cache=True)
-def _filtered_signals(a, b, c, delay, first, x, dx, base):
+def _filtered_signals(
+    a: FloatArray,
+    b: FloatArray,
+    c: FloatArray,
+    delay: int,
+    first: int,
+    x: FloatArray,
+    dx: FloatArray,
+    base: FloatArray,
+) -> FloatArray:
     """Fill the columns of `base` (n, 3+ne) with (1/A)x, -(1/A)z, (1/A)delta, (B/A)dx; return z."""
     n = base.shape[0]
     ne = dx.shape[1]
@@ -53,7 +64,7 @@ def _filtered_signals(a, b, c, delay, first, x, dx, base):
 
 
 @njit(cache=True)
-def _noise_filtered(d, base):
+def _noise_filtered(d: FloatArray, base: FloatArray) -> FloatArray:
     """D(q) applied to each column, with zeros before the first row."""
     n, m = base.shape
     out = base.copy()
@@ -66,7 +77,19 @@ def _noise_filtered(d, base):
 
 
 @njit(cache=True)
-def _fill_row(row, k, na, nb1, ne, p, nc, c_at, base, v, offset_gain):
+def _fill_row(
+    row: FloatArray,
+    k: int,
+    na: int,
+    nb1: int,
+    ne: int,
+    p: int,
+    nc: int,
+    c_at: int,
+    base: FloatArray,
+    v: FloatArray,
+    offset_gain: float,
+) -> None:
     """Gradient of e(k) with respect to all parameters, into `row` (zero elsewhere)."""
     for i in range(na):
         row[i] = -base[k - 1 - i, 1] if k - 1 - i >= 0 else 0.0
@@ -84,7 +107,17 @@ def _fill_row(row, k, na, nb1, ne, p, nc, c_at, base, v, offset_gain):
 
 
 @njit(cache=True)
-def prediction_errors(a, b, c, offset, d, delay, first, x, y):
+def prediction_errors(
+    a: FloatArray,
+    b: FloatArray,
+    c: FloatArray,
+    offset: float,
+    d: FloatArray,
+    delay: int,
+    first: int,
+    x: FloatArray,
+    y: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
     """Simulated output z + offset from row `first` on, and the prediction errors from `first + p` on."""
     n = y.size - first
     p = d.size
@@ -109,7 +142,21 @@ def prediction_errors(a, b, c, offset, d, delay, first, x, y):
 
 
 @njit(cache=True)
-def normal_equations(theta, na, nb, ne, p, delay, first, segments, x, dx, y, hessian, gradient):
+def normal_equations(
+    theta: FloatArray,
+    na: int,
+    nb: int,
+    ne: int,
+    p: int,
+    delay: int,
+    first: int,
+    segments: IntArray,
+    x: FloatArray,
+    dx: FloatArray,
+    y: FloatArray,
+    hessian: FloatArray,
+    gradient: FloatArray,
+) -> float:
     """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
 
     `segments` (s, 2) holds start and stop rows; `first` counts from the start of each.

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.kernels.types import FloatArray
+
 
 @njit(cache=True)
-def is_stable(a, radius):
+def is_stable(a: FloatArray, radius: float) -> bool:
     """Whether all roots of z^n + a[0] z^(n-1) + .. + a[n-1] lie inside `radius` (step-down recursion)."""
     n = a.size
     poly = a.copy()
@@ -32,7 +34,7 @@ def is_stable(a, radius):
 
 
 @njit(cache=True)
-def simulate(a, b, delay, x):
+def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatArray:
     """Output of q^-delay B/A from rest, for inputs x (n,)."""
     y = np.empty(x.size)
     for k in range(x.size):
@@ -50,7 +52,7 @@ def simulate(a, b, delay, x):
 
 
 @njit(cache=True)
-def step(a, b, past_x, past_y, slot_x, slot_y):
+def step(a: FloatArray, b: FloatArray, past_x: FloatArray, past_y: FloatArray, slot_x: int, slot_y: int) -> float:
     """One output sample from ring buffers: `past_x` ends at the delayed input, `slot` is the newest entry."""
     value = 0.0
     for i in range(b.size):

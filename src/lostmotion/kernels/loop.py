@@ -6,10 +6,13 @@ import numpy as np
 from numba import njit
 
 from lostmotion.kernels import dead_zone
+from lostmotion.kernels.types import FloatArray
 
 
 @njit(cache=True)
-def pi_step(error, integral, kp, ki_dt, low, high):
+def pi_step(
+    error: float, integral: float, kp: float, ki_dt: float, low: float, high: float
+) -> tuple[float, float]:
     """Output of a parallel PI and its new integral; the integral stops where it would wind up."""
     advanced = integral + ki_dt * error
     output = kp * error + advanced
@@ -22,9 +25,23 @@ def pi_step(error, integral, kp, ki_dt, low, high):
 
 @njit(cache=True)
 def closed_loop(
-    a, b, delay, offset, zone, inverse, has_zone, has_inverse, kp, ki_dt, low, high, bias, reference, output_disturbance,
-    noise,
-):  # fmt: skip
+    a: FloatArray,
+    b: FloatArray,
+    delay: int,
+    offset: float,
+    zone: FloatArray,
+    inverse: FloatArray,
+    has_zone: bool,
+    has_inverse: bool,
+    kp: float,
+    ki_dt: float,
+    low: float,
+    high: float,
+    bias: float,
+    reference: FloatArray,
+    output_disturbance: FloatArray,
+    noise: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Simulate n samples; return controller output, command to the actuator, internal variable, y and measured y.
 
     `zone` and `inverse` hold left, right, left slope, right slope (and the answer to zero, for the inverse).
@@ -49,9 +66,7 @@ def closed_loop(
         control[k], integral = pi_step(reference[k] - measured[k], integral, kp, ki_dt, low, high)
         command[k] = control[k]
         if has_inverse:
-            command[k] = dead_zone.inverse(
-                control[k], inverse[0], inverse[1], inverse[2], inverse[3], inverse[4]
-            )
+            command[k] = dead_zone.inverse(control[k], inverse[0], inverse[1], inverse[2], inverse[3], inverse[4])
         x[k] = command[k]
         if has_zone:
             x[k] = dead_zone.forward(command[k], zone[0], zone[1], zone[2], zone[3])

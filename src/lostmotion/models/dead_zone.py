@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy.typing as npt
 
@@ -65,7 +65,8 @@ class DeadZone:
     def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
         """Internal variable x for u, scalar or any shape; NaN stays NaN."""
         return elementwise(
-            lambda array: kernel.forward_run(array, self.left, self.right, self.left_slope, self.right_slope), u
+            lambda array: kernel.forward_run(array, self.left, self.right, self.left_slope, self.right_slope),
+            u,
         )
 
     def inverse(self) -> DeadZoneInverse:
@@ -75,6 +76,14 @@ class DeadZone:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""
         return {"kind": self.kind, **asdict(self)}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Inverse of :meth:`to_dict`."""
+        names = ("left", "right", "left_slope", "right_slope")
+        if any(name not in data for name in names):
+            raise ParameterError.expected(f"keys {list(names)}", sorted(data), "use to_dict()")
+        return cls(*(data[name] for name in names))
 
 
 @dataclass(frozen=True)

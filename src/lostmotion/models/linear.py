@@ -180,7 +180,7 @@ def _hold_equivalent(
     if order == 0:
         full = np.array([feedthrough])
         return np.array([]), full if fraction == 0 else np.array([0.0, feedthrough])
-    a = np.poly(phi)
+    a = np.asarray(np.poly(phi), dtype=np.float64)
     if fraction == 0:
         return a[1:], _numerator(phi, [gamma_late], output, [feedthrough], a)
     early = _held_states(num, den, (1.0 - fraction) * dt)[1]  # the newest input acts for the rest of the sample
@@ -188,9 +188,7 @@ def _hold_equivalent(
     return a[1:], _numerator(phi, [early, older], output, [0.0, feedthrough], a)
 
 
-def _held_states(
-    num: FloatArray, den: FloatArray, dt: float
-) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+def _held_states(num: FloatArray, den: FloatArray, dt: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """Transition, input, output matrices and feedthrough of the held state-space model."""
     states, inputs, outputs, through = signal.tf2ss(num, den)
     n = len(den) - 1

@@ -1,1 +1,9 @@
-"""."""
+"""Figures, one file each; needs the extra ``lostmotion[plot]``."""
+
+from lostmotion import _verbs
+from lostmotion.identify import HammersteinFit
+from lostmotion.plot.fit_figure import fit_figure
+
+_verbs.plot.register(HammersteinFit, fit_figure)
+
+__all__ = ["fit_figure"]

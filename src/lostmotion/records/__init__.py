@@ -1,5 +1,7 @@
 """Loop records: what was measured, checked and cut."""
 
+from lostmotion.records.checks import check
 from lostmotion.records.record import LoopRecord
+from lostmotion.records.report import Finding, RecordReport
 
-__all__ = ["LoopRecord"]
+__all__ = ["Finding", "LoopRecord", "RecordReport", "check"]

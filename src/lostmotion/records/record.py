@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +35,8 @@ class LoopRecord:
         Name of the loop and where the record came from.
     gaps : tuple of int
         Rows before which time is missing (the sample there does not follow its predecessor by dt).
+    notes : tuple of str
+        Sentences that say what was assumed when the record was read.
 
     Raises
     ------
@@ -57,6 +61,7 @@ class LoopRecord:
     tag: str = ""
     source: str = ""
     gaps: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.dt) and self.dt > 0):
@@ -85,8 +90,9 @@ class LoopRecord:
     def __repr__(self) -> str:
         names = ", ".join(name.upper() for name in _SIGNALS if getattr(self, name) is not None)
         seconds = len(self) * self.dt
-        gaps = f", {len(self.gaps)} gaps" if self.gaps else ""
-        return f"LoopRecord({self.tag!r}: {len(self)} samples of {names} every {self.dt:g} s, {seconds:g} s{gaps})"
+        gaps = f", {len(self.gaps)} gap{'s'[: len(self.gaps) > 1]}" if self.gaps else ""
+        size = f"{len(self)} samples of {names} every {self.dt:g} s, {seconds:g} s{gaps}"
+        return f"LoopRecord({self.tag!r}: {size})"
 
     @cached_property
     def missing(self) -> npt.NDArray[np.bool_]:
@@ -105,7 +111,7 @@ class LoopRecord:
         """Rows start to stop (exclusive) as a record of its own."""
         rows = slice(start, stop)
         parts = {name: getattr(self, name) for name in _SIGNALS}
-        cut = {name: None if value is None else value[rows] for name, value in parts.items()}
+        cut: dict[str, Any] = {name: None if value is None else value[rows] for name, value in parts.items()}
         inside = tuple(row - start for row in self.gaps if start < row < stop)
         return replace(self, **cut, gaps=inside)
 
@@ -117,7 +123,7 @@ class LoopRecord:
         ordered = sorted(edges)
         return [
             self.cut(start, stop)
-            for start, stop in zip(ordered[:-1], ordered[1:], strict=True)
+            for start, stop in pairwise(ordered)
             if not self.missing[start] and stop - start >= max(shortest, 2)
         ]
 

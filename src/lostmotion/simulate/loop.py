@@ -108,13 +108,15 @@ def simulate_loop(
         controller.kp, controller.ki * dt, controller.low, controller.high, controller.bias, r, added,
         _noise(noise, r.size, seed),
     )  # fmt: skip
-    return LoopResponse(np.arange(r.size) * dt, r, clean, measured, control, command, x, dt)
+    return LoopResponse(np.arange(r.size, dtype=np.float64) * dt, r, clean, measured, control, command, x, dt)
 
 
 def _of_length(name: str, values: npt.ArrayLike, n: int) -> FloatArray:
     array = signal(name, values)
     if array.size != n:
-        raise DataError.expected(f"{name} with {n} samples as the reference", array.size, "cut both to the same length")
+        raise DataError.expected(
+            f"{name} with {n} samples as the reference", array.size, "cut both to the same length"
+        )
     return array
 
 

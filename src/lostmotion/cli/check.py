@@ -1,0 +1,31 @@
+"""``lostmotion check``."""
+
+from __future__ import annotations
+
+import typer
+
+from lostmotion.cli.options import Dt, File, Json, Op, OpSpan, Pv, Tag, Time, show
+from lostmotion.files import read_loop
+from lostmotion.records import check as check_record
+
+
+def check(
+    file: File,
+    op: Op = "OP",
+    pv: Pv = "PV",
+    time: Time = None,
+    dt: Dt = None,
+    tag: Tag = None,
+    op_span: OpSpan = None,
+    json: Json = False,
+) -> None:
+    """Say what a record holds: columns, sampling, gaps, flat stretches, saturation, excitation.
+
+    Example: lostmotion check FIC-101.csv --op CO --dt 1
+
+    Exit code 1 where the record cannot be identified as it is.
+    """
+    record = read_loop(file, op=op, pv=pv, time=time, dt=dt, tag=tag, op_span=op_span)
+    report = check_record(record)
+    show(report.summary(), report.to_dict(), json)
+    raise typer.Exit(0 if report.usable else 1)

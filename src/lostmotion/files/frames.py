@@ -1,0 +1,109 @@
+"""Any source -> Table: a path to text or Parquet, or a pandas, Polars or PyArrow frame."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import narwhals.stable.v2 as nw
+import polars as pl
+
+from lostmotion.errors import DataError, FileAccessError, InputError
+from lostmotion.files.table import Table
+from lostmotion.files.text import parse_text
+
+_PARQUET = b"PAR1"
+
+
+def load(source: Any) -> Table:
+    """Open a path or take a data frame.
+
+    Parameters
+    ----------
+    source : path or data frame
+        Path to delimited text or Parquet (told by its content), or an eager frame that narwhals knows.
+
+    Raises
+    ------
+    FileAccessError
+        Absent, a directory or not readable.
+    DataError
+        Empty, binary, or a damaged Parquet file.
+    InputError
+        Neither a path nor a data frame.
+
+    Examples
+    --------
+    >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
+    ['OP', 'PV']
+    """
+    if isinstance(source, str | os.PathLike):
+        return _from_path(Path(source))
+    try:
+        frame: nw.DataFrame[Any] = nw.from_native(source, eager_only=True)
+    except TypeError as error:
+        raise InputError.expected(
+            "a path or an eager data frame (pandas, Polars, PyArrow)",
+            type(source).__name__,
+            "collect a lazy frame first; for arrays build LoopRecord(op=..., pv=..., dt=...)",
+        ) from error
+    return _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")
+
+
+def _from_path(path: Path) -> Table:
+    raw = read_bytes(path)
+    if not raw.startswith(_PARQUET):
+        return parse_text(raw, path.name)
+    try:
+        frame = pl.read_parquet(raw)
+    except (pl.exceptions.PolarsError, OSError) as error:
+        raise DataError.expected(
+            "a whole Parquet file", f"a damaged one, {path.name!r} ({error})", "export it again"
+        ) from error
+    return _checked(nw.from_native(frame, eager_only=True), path.name)
+
+
+def read_bytes(path: Path) -> bytes:
+    """Content of a file, or a FileAccessError that says what to do.
+
+    Examples
+    --------
+    >>> read_bytes(Path("no-such-file.csv"))
+    Traceback (most recent call last):
+    ...
+    lostmotion.errors.FileAccessError: expected a file, got no such file 'no-such-file.csv'; check the path
+    """
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise FileAccessError(f"expected a file, got no such file {str(path)!r}; check the path") from error
+    except IsADirectoryError as error:
+        raise FileAccessError(f"expected a file, got the folder {str(path)!r}; name one file in it") from error
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FileAccessError(
+            f"expected a readable file, got {reason!r} for {str(path)!r}; check its permissions and its path"
+        ) from error
+
+
+def _with_index(frame: nw.DataFrame[Any]) -> nw.DataFrame[Any]:
+    """Make a time column of a pandas index of dates or durations."""
+    index = nw.maybe_get_index(frame)
+    if index is None or getattr(index.dtype, "kind", "") not in ("M", "m"):
+        return frame
+    name = index.name if isinstance(index.name, str) else "time"
+    if name in frame.columns:
+        return frame
+    reset: Any = nw.to_native(frame).reset_index(names=name)
+    return nw.from_native(reset, eager_only=True)
+
+
+def _checked(frame: nw.DataFrame[Any], source: str) -> Table:
+    if not all(isinstance(name, str) for name in frame.columns):
+        raise DataError.expected(
+            "column names as text", f"{list(frame.columns)} in the {source}", "rename the columns"
+        )
+    if frame.is_empty():
+        raise DataError.expected("rows", f"none in the {source}", "check that the right data were handed in")
+    return Table(frame, source)

@@ -1,0 +1,150 @@
+"""Steps between the rows -> rate: the mean step, the gaps, and how far to trust them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.records.record import FloatArray
+
+JITTER = 0.01  # steps within 1 % of a multiple of the median are one clock
+GIVEN_TOLERANCE = 0.05  # a given dt may differ this much from rounded or irregular stamps: plant clocks drift
+GAP_SHARE = 0.1  # more gaps than this are not gaps but irregular sampling
+NEAR_SHARE = 0.95  # with dt given, at least this share of steps within half a dt of it
+RESOLUTIONS = (60.0, 1.0, 0.1, 0.01, 0.001)  # s: what stamps are rounded to
+
+Bools = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Rate:
+    """Mean step in seconds, steps that are gaps, relative tolerance against a given dt, and a remark."""
+
+    step: float
+    gaps: Bools
+    tolerance: float
+    note: str = ""
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """Rows (from 0) before which time is missing."""
+        return tuple(int(row) + 1 for row in np.flatnonzero(self.gaps))
+
+
+def tidy(step: float, error: float) -> float:
+    """Shortest decimal within the error of a step.
+
+    Examples
+    --------
+    >>> tidy(0.0100000001, 1e-6), tidy(12.46, 0.08)
+    (0.01, 12.5)
+    """
+    for digits in range(1, 12):
+        short = float(f"{step:.{digits}g}")
+        if abs(short - step) <= error:
+            return short
+    return step
+
+
+def uniform(steps: FloatArray) -> Rate | None:
+    """Rate of one clock with little jitter; None where the steps are not of this kind.
+
+    Examples
+    --------
+    >>> rate = uniform(np.array([2.0, 2.01, 1.99, 6.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0]))
+    >>> rate.step, rate.rows
+    (2.0, (4,))
+    """
+    middle = float(np.median(steps))
+    multiple = np.maximum(np.round(steps / middle), 1.0)
+    gaps = multiple > 1
+    if gaps.mean() > GAP_SHARE or (np.abs(steps - multiple * middle) > JITTER * middle * multiple).any():
+        return None
+    return Rate(tidy(middle, 1e-6 * middle), gaps, JITTER)
+
+
+def rounded(seconds: FloatArray, steps: FloatArray) -> Rate | None:
+    """Rate of a uniform clock whose stamps were rounded to whole seconds, tenths..; None: another kind.
+
+    Examples
+    --------
+    >>> seconds = np.round(np.arange(100) * 1.6)
+    >>> round(rounded(seconds, np.diff(seconds)).step, 2)
+    1.6
+    """
+    finest = grain(seconds)
+    middle = float(np.median(steps))
+    if not 0 < finest < middle:
+        return None
+    single = np.abs(steps - middle) <= finest * 1.001
+    if not single.any():
+        return None
+    step = float(steps[single].mean())
+    multiple = np.maximum(np.round(steps / step), 1.0)
+    gaps = ~single
+    aligned = np.abs(steps - multiple * step) <= finest * 1.001
+    if gaps.mean() > GAP_SHARE or not aligned.all() or _wander(steps - multiple * step, gaps) > 2 * finest:
+        return None
+    error = finest / max(int(single.sum()), 1)
+    note = f"stamps are rounded to {finest:g} s; their mean step of {tidy(step, error):g} s was used"
+    return Rate(tidy(step, error), gaps, GIVEN_TOLERANCE, note)
+
+
+def coarse(steps: FloatArray) -> tuple[Rate, float]:
+    """Rate where several rows carry one stamp, and the error of its step in seconds.
+
+    A stamp changes within one sampling time of its own time, so the rows between two changes tell the mean
+    step better than the first and last stamps do.
+
+    Examples
+    --------
+    >>> seconds = np.floor(np.arange(50) * 12.0 / 60.0) * 60.0
+    >>> rate, error = coarse(np.diff(seconds))
+    >>> rate.step, rate.note
+    (12.0, 'several rows carry one stamp, about 5.0 rows a minute, 12 s each')
+    """
+    moving = steps > 0
+    stamp = float(steps[moving].min())
+    gaps = steps > 1.5 * stamp
+    changes = np.flatnonzero(moving)
+    between = slice(int(changes[0]) + 1, int(changes[-1]) + 1)
+    inside = steps[between][~gaps[between]]
+    if not inside.any():
+        between, inside = slice(None), steps[~gaps]
+    step = float(inside.mean()) if inside.any() else stamp
+    error = step / max(len(inside), 1)
+    what = {60.0: "a minute", 1.0: "a second"}.get(stamp, f"per {stamp:g} s stamp")
+    note = f"several rows carry one stamp, about {stamp / step:.1f} rows {what}, {step:.3g} s each"
+    return Rate(step, gaps, GIVEN_TOLERANCE + error / step, note), error
+
+
+def near(seconds: FloatArray, steps: FloatArray, dt: float) -> tuple[Rate, float]:
+    """Mean and share of the steps within half a given dt of it, or within the resolution of the stamps."""
+    finest = grain(seconds)
+    close = np.abs(steps - dt) <= max(0.5 * dt, finest if finest < dt else 0.0)
+    mean = float(steps[close].mean()) if close.any() else float(steps.mean())
+    words = f"steps between rows vary from {steps.min():g} to {steps.max():g} s (mean {steps.mean():.4g} s)"
+    return Rate(mean, ~close & (steps > dt), GIVEN_TOLERANCE, words), float(close.mean())
+
+
+def grain(seconds: FloatArray) -> float:
+    """Coarsest usual resolution in seconds of which all times are multiples; 0: none.
+
+    Examples
+    --------
+    >>> grain(np.array([0.0, 1.2, 2.3]))
+    0.1
+    """
+    relative = seconds - seconds[0]
+    for finest in RESOLUTIONS:
+        if (np.abs(relative / finest - np.round(relative / finest)) < 1e-3).all():
+            return finest
+    return 0.0
+
+
+def _wander(excess: FloatArray, gaps: Bools) -> float:
+    """Largest spread, in seconds, of the stamps about a uniform clock between gaps."""
+    pieces = np.split(np.where(gaps, 0.0, excess), np.flatnonzero(gaps))
+    return max(float(np.ptp(np.cumsum(piece))) if len(piece) else 0.0 for piece in pieces)

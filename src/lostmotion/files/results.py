@@ -1,0 +1,54 @@
+"""Results as JSON files."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from pathlib import Path
+from typing import Any
+
+from lostmotion.errors import DataError, FileAccessError
+
+
+def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> Path:
+    """Write a text file whole or not at all.
+
+    Raises
+    ------
+    FileAccessError
+        The file exists and `force` is not set, or the folder cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not force:
+        raise FileAccessError(f"expected a new file, got {target} which exists; use --force to replace it")
+    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(target)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise FileAccessError(f"expected to write {target}, got {error.strerror}; check the folder") from error
+    return target
+
+
+def read_fit(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Dictionary of a fit written by ``lostmotion identify --out``.
+
+    Raises
+    ------
+    FileAccessError
+        The file is not there or not readable.
+    DataError
+        It is not the JSON of a fit.
+    """
+    source = Path(path)
+    try:
+        data = json.loads(source.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileAccessError(f"expected a readable {source}, got {error.strerror}; check the path") from error
+    except ValueError as error:
+        raise DataError.expected("the JSON of a fit", f"{source}: {error}", "use identify --out") from error
+    if not isinstance(data, dict) or not {"status", "preferred", "model"} <= data.keys():
+        raise DataError.expected("the JSON of a fit", f"other JSON in {source}", "use identify --out")
+    return data

@@ -1,0 +1,7 @@
+"""``python -m lostmotion.kernels``: compile and cache every kernel once, before parallel workers do."""
+
+import lostmotion as lm
+
+if __name__ == "__main__":
+    loop = lm.routine_operation(600, seed=0)
+    lm.identify(loop.command, loop.measured, 0.1)

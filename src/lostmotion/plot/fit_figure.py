@@ -1,0 +1,127 @@
+"""The figure of an identification: characteristic, step response, simulation, residual correlations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lostmotion.errors import Status
+from lostmotion.identify import HammersteinFit
+from lostmotion.identify.misfit import autocorrelation
+from lostmotion.models import DeadZone
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LAGS = 30
+BAND_99 = 2.576
+
+
+def fit_figure(fit: HammersteinFit, title: str | None = None) -> Figure:
+    """Four panels: characteristic with intervals, step response, measured and simulated PV, residuals.
+
+    Parameters
+    ----------
+    fit : HammersteinFit
+    title : str, optional
+        Heading; default the tag and the status.
+    """
+    figure = new_figure()
+    grid = figure.add_gridspec(2, 4)
+    name = fit.data.tag or fit.data.source or "record"
+    figure.suptitle(
+        title or f"{name}: {fit.status.name.replace('_', ' ').lower()}", fontsize=12, x=0.01, ha="left"
+    )
+    _characteristic(figure.add_subplot(grid[0, :2]), fit)
+    _step(figure.add_subplot(grid[0, 2:]), fit)
+    _simulation(figure.add_subplot(grid[1, :2]), fit)
+    _autocorrelation(figure.add_subplot(grid[1, 2]), fit)
+    _cross_correlation(figure.add_subplot(grid[1, 3]), fit)
+    return figure
+
+
+def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
+    u = fit.data.u
+    low, high = float(u.min()), float(u.max())
+    margin = 0.04 * (high - low)
+    grid = np.linspace(low - margin, high + margin, 600)
+    zone = fit.nonlinearity
+    unseen = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
+    if isinstance(zone, DeadZone) and not unseen:
+        for name, colour in (("left", BAND), ("right", BAND)):
+            ends = np.clip(fit.interval(name), low - margin, high + margin)
+            axes.axvspan(*ends, color=colour, alpha=0.6, lw=0)
+            axes.axvline(fit.parameters[name], color=MODEL, lw=0.8, ls=":")
+            axes.annotate(
+                f"{name} {fit.parameters[name]:.4g}", (fit.parameters[name], 1.0), 
+                xycoords=("data", "axes fraction"),
+                fontsize=8, ha="right" if name == "left" else "left", va="top", color=MODEL,
+            )  # fmt: skip
+    axes.plot(grid, np.asarray(zone(grid)), color=MODEL, lw=1.8)
+    counts, edges = np.histogram(u, bins=80)
+    base, top = (float(end) for end in axes.get_ylim())
+    height = 0.18 * (top - base) * counts / counts.max()
+    axes.bar(edges[:-1], height, np.diff(edges), bottom=base, align="edge", color="0.85", lw=0)
+    axes.set_ylim(bottom=base)
+    title = (
+        "Characteristic, 95 % intervals of the break points" if not unseen else "Characteristic: no dead zone seen"
+    )
+    calm(axes, title, "OP (grey: where it was)", "x")
+
+
+def _step(axes: Axes, fit: HammersteinFit) -> None:
+    slowest = max((abs(pole) for pole in fit.linear.poles), default=0.0)
+    slowest = min(slowest, 0.9995)
+    samples = fit.linear.delay + max(20, int(5 / max(-np.log(max(slowest, 1e-9)), 1e-3)))
+    samples = min(samples, fit.data.u.size)
+    time = np.arange(samples) * fit.data.dt
+    axes.step(time, fit.linear.step_response(samples), where="post", color=MODEL, lw=1.5)
+    axes.axhline(fit.linear.gain, color="0.6", lw=0.8, ls="--")
+    calm(axes, f"Step response of the linear part, gain {fit.linear.gain:.4g}", "time, s", "PV per unit of x")
+
+
+def _simulation(axes: Axes, fit: HammersteinFit) -> None:
+    y = fit.data.y
+    shown = max(0, y.size - MOST_POINTS)
+    rows = slice(shown, y.size)
+    time = np.arange(y.size)[rows] * fit.data.dt
+    axes.plot(time, y[rows], color=MEASURED, lw=0.8, label="measured")
+    axes.plot(time, fit.simulated[rows], color=MODEL, lw=1.0, label="simulated from OP")
+    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", loc="upper right", ncols=2)
+    which = "" if shown == 0 else f", last {MOST_POINTS} samples"
+    calm(axes, f"Simulated fit {fit.fit_percent:.1f} %{which}", "time, s", "PV")
+
+
+def _autocorrelation(axes: Axes, fit: HammersteinFit) -> None:
+    errors = fit.residuals
+    lags = min(LAGS, errors.size // 4)
+    _stems(axes, np.arange(1, lags + 1), autocorrelation([errors], lags)[1:], errors.size)
+    calm(axes, "Residual autocorrelation", "lag, samples", "")
+
+
+def _cross_correlation(axes: Axes, fit: HammersteinFit) -> None:
+    errors = fit.residuals
+    u = np.diff(fit.data.u, prepend=fit.data.u[0])[-errors.size :]  # moves of OP: nearer to white than OP
+    u = u - u.mean()
+    lags = np.arange(-LAGS // 3, LAGS + 1)
+    size = np.sqrt(float(u @ u) * float(errors @ errors)) + 1e-300
+    values = [
+        float(errors[max(lag, 0) : errors.size + min(lag, 0)] @ u[max(-lag, 0) : u.size - max(lag, 0)]) / size
+        for lag in lags.tolist()
+    ]
+    _stems(axes, lags, np.array(values), errors.size)
+    axes.axvspan(lags[0] - 0.5, -0.5, color="0.95", lw=0)
+    calm(axes, "OP moves to residual", "lag, samples", "")
+
+
+def _stems(axes: Axes, lags: np.ndarray, values: np.ndarray, n: int) -> None:
+    limit = BAND_99 / np.sqrt(n)
+    outside = np.abs(values) > limit
+    axes.axhspan(-limit, limit, color=BAND, alpha=0.6, lw=0)
+    axes.vlines(lags, 0, values, color=np.where(outside, ALERT, MODEL), lw=1.5)
+    axes.axhline(0, color="0.4", lw=0.6)
+    reach = max(1.3 * limit, 1.15 * float(np.abs(values).max()))
+    axes.set_ylim(-reach, reach)

@@ -1,0 +1,154 @@
+"""An identification as text: finding first, then numbers, checks and what was assumed."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+
+from lostmotion.errors import Status
+from lostmotion.identify import HammersteinFit
+from lostmotion.report.numbers import digits, span
+
+WIDTH = 96
+MEANING = {
+    "left": "break point, OP falling",
+    "right": "break point, OP rising",
+    "left_slope": "slope below left",
+    "right_slope": "slope above right",
+    "width": "full width of the dead zone",
+    "slope_ratio": "left_slope / right_slope",
+    "gain": "static gain of the linear part",
+    "offset": "PV at rest inside the dead zone",
+}
+
+
+def fit_summary(fit: HammersteinFit) -> str:
+    """Report of a fit as plain text."""
+    parts = [_head(fit), _finding(fit), _table(fit), _dynamics(fit), _checks(fit), _assumed(fit)]
+    return "\n".join(part for part in parts if part)
+
+
+def _head(fit: HammersteinFit) -> str:
+    data = fit.data
+    name = data.tag or data.source or "record"
+    pieces = f" in {len(data.segments)} pieces" if len(data.segments) > 1 else ""
+    low, high = float(data.u.min()), float(data.u.max())
+    return "\n".join(
+        [
+            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}, OP {low:.5g} .. {high:.5g}",
+            "=" * WIDTH,
+        ]
+    )
+
+
+def _finding(fit: HammersteinFit) -> str:
+    return _fill(f"{fit.status.name}: {fit.status.value}") + "\n" + _fill(finding(fit))
+
+
+def finding(fit: HammersteinFit) -> str:
+    """What was found, in one sentence with its number."""
+    if fit.nonlinearity.kind == "none":
+        return "Linear model, no actuator fault in it."
+    span_op = _op_span(fit)
+    if fit.status is Status.CANNOT_TELL:
+        return "No number is given for the dead zone."
+    if fit.status is Status.NOT_SEEN:
+        if fit.widest is None or not np.isfinite(fit.widest):
+            return "The record does not bound the width."
+        kink = ""
+        if fit.evidence.gain_over_linear > 0:
+            kink = " The gain differs between low and high OP, but without a dead zone between them."
+        bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
+        return f"A dead zone wider than {bound} would have been seen (95 %).{kink}"
+    value, error = fit.parameters["width"], fit.standard_errors["width"]
+    low, high = fit.interval("width")
+    shown, deviation = digits(value, error)
+    return (
+        f"Dead zone of width {shown} +/- {deviation}{_percent(value, span_op)}, "
+        f"95 % interval {span(low, high, error)}; preferred to the linear model by "
+        f"{fit.evidence.gain_over_linear:.0f} (BIC; 10 is strong)."
+    )
+
+
+def _table(fit: HammersteinFit) -> str:
+    lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}"]
+    lines.append("-" * WIDTH)
+    hidden = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
+    for name, meaning in MEANING.items():
+        if name not in fit.parameters or (hidden and name not in ("width", "gain")):
+            continue
+        if hidden and name == "gain" and fit.linear_alternative is not None:
+            source = fit.linear_alternative
+        else:
+            source = fit
+        error = source.standard_errors[name]
+        value, deviation = digits(source.parameters[name], error)
+        low, high = source.interval(name)
+        if hidden and name == "width":
+            value, deviation = "not seen", ""
+        between = "" if deviation == "given" else span(low, high, error)
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")
+    return "\n".join(lines)
+
+
+def _dynamics(fit: HammersteinFit) -> str:
+    chosen = fit.settings["chosen"]
+    poles = fit.linear.poles
+    constants = [
+        f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
+    ]
+    return _fill(
+        f"Linear part: na = {chosen['na']}, nb = {chosen['nb']}, delay {chosen['delay']} samples "
+        f"({chosen['delay'] * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
+        f"Noise: {'white' if chosen['noise_order'] == 0 else 'AR of order ' + str(chosen['noise_order'])}, "
+        f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}. "
+        f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV."
+    )
+
+
+def _checks(fit: HammersteinFit) -> str:
+    tests, evidence = fit.tests, fit.evidence
+    text = (
+        f"Residuals: whiteness p = {tests.whiteness_p:.2g}, better static shape p = {tests.shape_p:.2g} "
+        f"(it would explain {100 * tests.shape_share:.1f} % of the prediction errors, "
+        f"{100 * tests.static_share:.1f} % of the output residual). "
+    )
+    if fit.nonlinearity.kind == "dead zone":
+        text += f"Samples beyond the break points: {evidence.samples_left} left, {evidence.samples_right} right. "
+    if fit.fit_percent < 20:
+        text += (
+            "The simulated fit is low: most of PV is disturbance, the numbers rest on the prediction errors; "
+            "a test with OP moves of your own would confirm them. "
+        )
+    return _fill(text)
+
+
+def _assumed(fit: HammersteinFit) -> str:
+    settings = fit.settings
+    said = []
+    if fit.nonlinearity.kind == "dead zone" and settings["gain"] is None:
+        said.append("right_slope = 1 by convention (gain unknown; it stays in the linear part)")
+    if settings["offset_fixed"]:
+        said.append("offset 0: the record is in deviations, or was told to be")
+    auto = [name for name in ("orders", "noise") if settings[name] == "auto"]
+    if auto:
+        said.append(f"{' and '.join(auto)} chosen from the data")
+    said.append("OP is held between samples and not clipped")
+    lines = [_fill("Assumed: " + "; ".join(said) + ".")]
+    lines += [_fill("Note: " + note) for note in fit.data.notes]
+    lines.append(f"Data fingerprint {fit.data.fingerprint}.")
+    return "\n".join(lines)
+
+
+def _op_span(fit: HammersteinFit) -> float | None:
+    span_op = fit.data.op_span
+    return None if span_op is None else span_op[1] - span_op[0]
+
+
+def _percent(value: float, span_op: float | None) -> str:
+    return "" if span_op is None else f" ({100 * value / span_op:.2g} % of the OP span)"
+
+
+def _fill(text: str) -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent="  ")

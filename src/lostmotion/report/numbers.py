@@ -1,0 +1,47 @@
+"""Numbers with the digits that their standard error allows."""
+
+from __future__ import annotations
+
+import math
+
+
+def digits(value: float, error: float) -> tuple[str, str]:
+    """Value and standard error, both to two digits of the error.
+
+    Examples
+    --------
+    >>> digits(1.00234, 0.0031)
+    ('1.0023', '0.0031')
+    >>> digits(12345.6, 210.0)
+    ('12350', '210')
+    >>> digits(3.0, math.inf)
+    ('3', 'unknown')
+    """
+    if not math.isfinite(value):
+        return "unknown", "unknown"
+    if not math.isfinite(error):
+        return f"{value:.3g}", "unknown"
+    if error <= 1e-12 * abs(value):
+        return f"{value:.6g}", "given"
+    places = 1 - math.floor(math.log10(error))
+    if places < 0:
+        return f"{round(value, places):.0f}", f"{round(error, places):.0f}"
+    return f"{value:.{places}f}", f"{error:.{places}f}"
+
+
+def span(low: float, high: float, error: float) -> str:
+    """Interval with the digits of the standard error.
+
+    Examples
+    --------
+    >>> span(0.99611, 1.00855, 0.0031)
+    '0.9961 .. 1.0085'
+    >>> span(-math.inf, math.inf, math.inf)
+    'anywhere'
+    """
+    if not (math.isfinite(low) or math.isfinite(high)):
+        return "anywhere"
+    if not math.isfinite(error) or error <= 0:
+        error = max((high - low) / 4.0, 1e-300) if math.isfinite(high - low) else 1.0
+    ends = [digits(end, error)[0] if math.isfinite(end) else "open" for end in (low, high)]
+    return f"{ends[0]} .. {ends[1]}"

@@ -1,0 +1,95 @@
+import pytest
+
+from lostmotion.errors import ColumnError
+from lostmotion.files.columns import by_alias, key, resolve, time_unit
+
+NAMES = {
+    "op": ["OP", "op", "CO", "MV", "out", "u", "Controller Output", "controller_output (%)"],
+    "pv": ["PV", "pv", "y", "Measurement", "process_value [m3/h]"],
+    "sp": ["SP", "setpoint", "Set Point", "r", "ref", "SV"],
+    "position": ["position", "ZT", "Stem", "valve position (%)"],
+    "time": ["time", "Timestamp", "t", "t_s", "Date", "Time [ms]"],
+}
+
+
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, names in NAMES.items() for name in names])
+def test_usual_names_are_found(role, name):
+    columns = {"op": "OP", "pv": "PV", "sp": "SP", "position": "position", "time": "time"} | {role: name}
+    found = resolve(list(columns.values()))
+    assert {role: getattr(found, role) for role in columns} == columns
+
+
+def test_alias_is_noted_but_exact_name_is_not():
+    assert resolve(["OP", "y"]).notes == ("PV was read from column 'y'.",)
+    assert resolve(["op", "Pv"]).notes == ()
+
+
+def test_exact_name_wins_over_alias():
+    assert resolve(["Timestamp", "Time", "CO", "OP", "PV"]).op == "OP"
+    assert resolve(["Timestamp", "Time", "OP", "PV"]).time == "Time"
+
+
+@pytest.mark.parametrize(("names", "said"), [(["CO", "MV", "PV"], "op='CO'"), (["OP", "PV", "SV", "ref"], "sp=")])
+def test_two_aliases_are_refused(names, said):
+    with pytest.raises(ColumnError, match=said):
+        resolve(names)
+
+
+def test_cv_input_and_output_are_no_aliases():
+    for name in ("CV", "input", "output"):
+        assert by_alias("op", [name]) is None
+        assert by_alias("pv", [name]) is None
+
+
+def test_tag_with_suffix():
+    found = resolve(["FIC-101.OP", "FIC-101.PV", "FIC-101.SP"])
+    assert (found.op, found.pv, found.sp) == ("FIC-101.OP", "FIC-101.PV", "FIC-101.SP")
+    with pytest.raises(ColumnError, match="one column for OP"):
+        resolve(["FIC-101.OP", "FIC-102.OP", "FIC-101.PV"])
+
+
+def test_explicit_name_is_exact_or_without_case():
+    assert resolve(["lc74_20cv_pct", "PV"], op="LC74_20CV_pct").op == "lc74_20cv_pct"
+    assert resolve(["Aa", "AA", "PV"], op="AA").op == "AA"
+    with pytest.raises(ColumnError, match="exact case"):
+        resolve(["Aa", "AA", "PV"], op="aa")
+
+
+def test_explicit_name_is_never_replaced_by_an_alias():
+    with pytest.raises(ColumnError, match=r"expected a column 'MV', got \['CO', 'PV'\]"):
+        resolve(["CO", "PV"], op="MV")
+    with pytest.raises(ColumnError, match="setpoint"):
+        resolve(["OP", "PV"], sp="setpoint")
+
+
+def test_missing_op_and_pv():
+    with pytest.raises(ColumnError, match=r"expected a column 'OP', got \['a', 'PV'\].*name it with op="):
+        resolve(["a", "PV"])
+
+
+def test_near_name_is_offered():
+    with pytest.raises(ColumnError, match="did you mean 'voltage'"):
+        resolve(["voltage", "rpm"], op="voltages", pv="rpm")
+
+
+def test_optional_columns():
+    assert resolve(["OP", "PV"]).sp is None
+    assert resolve(["OP", "PV", "SP", "ZT"]).position == "ZT"
+    found = resolve(["t", "OP", "PV", "SP", "ZT"], sp=None, position=False, time=False)
+    assert (found.sp, found.position, found.time) == (None, None, None)
+
+
+def test_one_column_cannot_play_two_roles():
+    with pytest.raises(ColumnError, match="for both"):
+        resolve(["a", "b"], op="a", pv="A")
+
+
+def test_named_column_is_not_taken_again_as_alias():
+    assert resolve(["u", "y", "MV"], op="u", pv="y").op == "u"
+
+
+def test_key_and_unit():
+    assert key("Set-Point (m3/h)") == "set point"
+    assert time_unit("elapsed time [s]") == 1.0
+    assert time_unit("t_h") == 3600.0
+    assert time_unit("s") is None

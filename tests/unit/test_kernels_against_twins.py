@@ -1,0 +1,245 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from lostmotion.kernels import dead_zone, lagged, likelihood, linear, loop
+from tests.naive import dead_zone as slow_zone
+from tests.naive import lagged as slow_lagged
+from tests.naive import likelihood as slow_likelihood
+from tests.naive import linear as slow_linear
+from tests.naive import loop as slow_loop
+
+SEEDS = range(6)
+
+
+def random_zone(rng):
+    left, right = np.sort(rng.uniform(-3, 3, 2))
+    return left, right, *np.exp(rng.uniform(-1.5, 1.5, 2))
+
+
+def stable_polynomial(rng, order, radius=0.9):
+    """a1 .. an with complex and real roots inside `radius`."""
+    roots = []
+    while len(roots) + 2 <= order and rng.random() < 0.5:
+        root = rng.uniform(0.1, radius) * np.exp(1j * rng.uniform(0, np.pi))
+        roots += [root, root.conjugate()]
+    roots += list(rng.uniform(-radius, radius, order - len(roots)))
+    return np.real(np.poly(roots))[1:] if roots else np.zeros(0)
+
+
+def with_edges(rng, left, right, n=80):
+    """Values everywhere, and exactly on both break points."""
+    return np.concatenate([rng.uniform(-6, 6, n), [left, right, 0.0, 0.5 * (left + right)]])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_dead_zone(seed):
+    rng = np.random.default_rng(seed)
+    zone = random_zone(rng)
+    u = with_edges(rng, *zone[:2])
+    expected = [slow_zone.dead_zone(value, *zone) for value in u]
+    np.testing.assert_allclose(dead_zone.forward_run(u, *zone), expected, rtol=1e-15)
+    np.testing.assert_allclose([dead_zone.forward(value, *zone) for value in u], expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_dead_zone_inverse(seed):
+    rng = np.random.default_rng(seed)
+    zone = random_zone(rng)
+    at_zero = slow_zone.nearest_to_zero(*zone[:2])
+    v = with_edges(rng, *zone[:2])
+    expected = [slow_zone.inverse(value, *zone, at_zero) for value in v]
+    np.testing.assert_allclose(dead_zone.inverse_run(v, *zone, at_zero), expected, rtol=1e-15)
+    np.testing.assert_allclose([dead_zone.inverse(value, *zone, at_zero) for value in v], expected, rtol=1e-15)
+
+
+def test_dead_zone_keeps_nan():
+    nan = np.array([np.nan])
+    assert np.isnan(dead_zone.forward_run(nan, -1.0, 1.0, 1.0, 1.0)).all()
+    assert np.isnan(dead_zone.inverse_run(nan, -1.0, 1.0, 1.0, 1.0, 0.0)).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_dead_zone_sensitivities(seed):
+    rng = np.random.default_rng(seed)
+    left, right, left_slope, _ = random_zone(rng)
+    eta = np.array([left, right, np.log(left_slope)])
+    u = with_edges(rng, left, right)
+    x, dx = np.full(u.size, np.nan), np.full((u.size, 3), np.nan)
+    dead_zone.sensitivities(u, *eta, x, dx)
+    np.testing.assert_allclose(x, slow_zone.actuator(eta, u).real, rtol=1e-14, atol=1e-15)
+    np.testing.assert_allclose(dx, slow_zone.derivatives(eta, u), rtol=1e-14, atol=1e-15)
+
+
+@pytest.mark.parametrize(("na", "nb", "delay"), list(itertools.product(range(4), range(4), range(6))))
+def test_linear_simulate(na, nb, delay):
+    rng = np.random.default_rng([na, nb, delay])
+    a, b = stable_polynomial(rng, na), rng.normal(size=nb + 1)
+    x = rng.normal(size=60)
+    expected = slow_linear.simulate(a, b, delay, x)
+    result = linear.simulate(a, b, delay, x)
+    np.testing.assert_allclose(result, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
+    short = linear.simulate(a, b, delay, x[:2])
+    np.testing.assert_array_equal(short, result[:2])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_linear_step_is_simulate_sample_by_sample(seed):
+    rng = np.random.default_rng(seed)
+    a, b, x = stable_polynomial(rng, 3), rng.normal(size=3), rng.normal(size=50)
+    past_x, past_y, y = np.zeros(5), np.zeros(4), []
+    for k, value in enumerate(x):
+        past_x[k % 5] = value
+        y.append(linear.step(a, b, past_x, past_y, k % 5, (k - 1) % 4))
+        past_y[k % 4] = y[-1]
+    np.testing.assert_allclose(y, slow_linear.simulate(a, b, 0, x), rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("order", range(7))
+@pytest.mark.parametrize("seed", SEEDS)
+def test_stability(seed, order):
+    rng = np.random.default_rng([seed, order])
+    for _ in range(20):
+        a = stable_polynomial(rng, order, radius=1.3)
+        largest = slow_linear.largest_root(a)
+        for radius in (1.0, 0.7):
+            if abs(largest - radius) > 1e-4:
+                assert linear.is_stable(a, radius) == (largest < radius)
+
+
+def test_stability_leaves_its_argument_alone():
+    a = np.array([-1.2, 0.5, 0.1])
+    linear.is_stable(a, 0.9)
+    assert a.tolist() == [-1.2, 0.5, 0.1]
+
+
+def test_nan_is_not_stable():
+    assert not linear.is_stable(np.array([np.nan]), 1.0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    ("signals", "lags", "start", "stop"), [(1, 1, 0, 90), (2, 4, 3, 90), (3, 6, 9, 71), (5, 3, 2, 4)]
+)
+def test_lagged_gram(seed, signals, lags, start, stop):
+    values = np.random.default_rng(seed).normal(loc=2.0, size=(90, signals))
+    expected = slow_lagged.lagged_gram(values, lags, start, stop)
+    result = lagged.lagged_gram(values, lags, start, stop)
+    np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
+
+
+CASES = [
+    (na, nb, p, delay)
+    for i, (na, nb) in enumerate(itertools.product(range(4), range(4)))
+    for p, delay in [(i % 5, (3 * i) % 6), ((i + 2) % 5, (3 * i + 2) % 6)]
+]
+
+
+def likelihood_case(na, nb, p, delay, ne, lengths, seed):
+    """Random parameters, segments with rows between them that belong to none, and data."""
+    rng = np.random.default_rng([na, nb, p, delay, ne, seed])
+    orders = slow_likelihood.Orders(na, nb, ne, p, delay, first=delay + int(rng.integers(0, 3)))
+    segments, at = [], 0
+    for length in lengths:
+        segments.append((at, at + length))
+        at += length + 3
+    u, y = rng.uniform(-4, 4, at), rng.normal(size=at)
+    eta = [-0.8, 0.5, 0.3][:ne]
+    c = rng.normal(size=orders.initial * len(segments))
+    theta = np.concatenate(
+        [stable_polynomial(rng, na), rng.normal(size=nb + 1), [0.4], eta, stable_polynomial(rng, p), c]
+    )
+    assert theta.size == orders.size(len(segments))
+    return orders, np.array(segments), u, y, theta
+
+
+def actuator_arrays(orders, theta, u):
+    """x and dx/deta over all rows, from the slow twin."""
+    eta = theta[orders.na + orders.nb + 2 :][: orders.ne]
+    return slow_zone.actuator(eta, u).real.copy(), np.ascontiguousarray(slow_zone.derivatives(eta, u))
+
+
+def check_normal_equations(orders, segments, u, y, theta):
+    x, dx = actuator_arrays(orders, theta, u)
+    before = theta.copy(), x.copy(), dx.copy(), y.copy()
+    hessian, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
+    cost = likelihood.normal_equations(
+        theta, orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first, segments, x, dx, y,
+        hessian, gradient,
+    )  # fmt: skip
+    errors = slow_likelihood.all_errors(theta, orders, segments, u, y).real
+    jacobian = slow_likelihood.jacobian(theta, orders, segments, u, y)
+    np.testing.assert_allclose(cost, errors @ errors, rtol=1e-12)
+    expected = jacobian.T @ jacobian
+    np.testing.assert_allclose(hessian, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
+    slope = jacobian.T @ errors
+    np.testing.assert_allclose(gradient, slope, rtol=1e-9, atol=1e-11 * np.abs(slope).max())
+    for array, copy in zip((theta, x, dx, y), before, strict=True):
+        np.testing.assert_array_equal(array, copy)
+
+
+@pytest.mark.parametrize(("na", "nb", "p", "delay"), CASES)
+def test_prediction_errors(na, nb, p, delay):
+    orders, segments, u, y, theta = likelihood_case(na, nb, p, delay, 3, [50, 35], 0)
+    x, _ = actuator_arrays(orders, theta, u)
+    a, b, offset, _, d, initial = slow_likelihood.unpack(theta, orders, len(segments))
+    for c, (start, stop) in zip(initial, segments, strict=True):
+        settings = (a, b, c, offset, d, delay, orders.first, x[start:stop], y[start:stop])
+        z, errors = likelihood.prediction_errors(*settings)
+        slow_z, slow_errors = slow_likelihood.segment_errors(*settings)
+        np.testing.assert_allclose(z, slow_z, rtol=1e-11, atol=1e-11 * np.abs(slow_z).max())
+        np.testing.assert_allclose(errors, slow_errors, rtol=1e-11, atol=1e-11 * np.abs(slow_errors).max())
+
+
+@pytest.mark.parametrize(("na", "nb", "p", "delay"), CASES)
+def test_normal_equations(na, nb, p, delay):
+    check_normal_equations(*likelihood_case(na, nb, p, delay, 3, [50, 35], 0))
+
+
+@pytest.mark.parametrize("p", range(5))
+@pytest.mark.parametrize("lengths", [[60], [30, 25, 40, 28]])
+def test_normal_equations_without_actuator(p, lengths):
+    check_normal_equations(*likelihood_case(2, 1, p, 2, 0, lengths, 1))
+
+
+@pytest.mark.parametrize("rows", [likelihood.BLOCK - 1, likelihood.BLOCK, likelihood.BLOCK + 1])
+def test_normal_equations_at_the_edge_of_a_block(rows):
+    orders = likelihood_case(2, 1, 2, 1, 3, [40], 0)[0]
+    length = rows + orders.first + orders.p
+    check_normal_equations(*likelihood_case(2, 1, 2, 1, 3, [length], 0))
+
+
+def test_normal_equations_add_to_what_is_there():
+    orders, segments, u, y, theta = likelihood_case(1, 1, 1, 1, 3, [40], 0)
+    x, dx = actuator_arrays(orders, theta, u)
+    settings = (theta, 1, 1, 3, 1, 1, orders.first, segments, x, dx, y)
+    clean = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
+    twice = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
+    likelihood.normal_equations(*settings, *clean)
+    likelihood.normal_equations(*settings, *twice)
+    likelihood.normal_equations(*settings, *twice)
+    for once, both in zip(clean, twice, strict=True):
+        np.testing.assert_allclose(both, 2 * once, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("has_zone", "has_inverse"), list(itertools.product([False, True], repeat=2)))
+@pytest.mark.parametrize("limit", [np.inf, 1.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_closed_loop(seed, limit, has_zone, has_inverse):
+    rng = np.random.default_rng([seed, has_zone, has_inverse])
+    a, b, delay = np.array([-1.3, 0.42]), np.array([0.05, 0.07]), 1 + seed
+    zone, undo = random_zone(rng), random_zone(rng)
+    undo = (*undo, slow_zone.nearest_to_zero(*undo[:2]))
+    reference = np.repeat(rng.normal(size=5), 40)
+    disturbance, noise = 0.3 * rng.normal(size=(2, reference.size))
+    sign = 1.0 if seed % 2 == 0 else -1.0  # a negative process with a negative controller
+    settings = (0.2 * sign, 0.05 * sign, -limit, limit, 0.3, reference, disturbance, noise)
+    fast = loop.closed_loop(
+        a, sign * b, delay, 0.7, np.array(zone), np.array(undo), has_zone, has_inverse, *settings
+    )
+    slow = slow_loop.closed_loop(
+        a, sign * b, delay, 0.7, zone if has_zone else None, undo if has_inverse else None, *settings
+    )
+    for name, quick, plain in zip(("control", "command", "x", "output", "measured"), fast, slow, strict=True):
+        np.testing.assert_allclose(quick, plain, rtol=1e-10, atol=1e-12, err_msg=name)

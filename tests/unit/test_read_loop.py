@@ -1,0 +1,239 @@
+from datetime import date
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+
+from lostmotion import files
+from lostmotion.errors import ColumnError, DataError, FileAccessError, InputError
+
+ROWS = [(0.0, 50.5, 1.25, 2.0), (0.5, 51.5, 1.5, 2.0), (1.0, 52.5, -1.75, 2.5)]
+
+
+def read(tmp_path, content, name="loop.csv", **settings):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return files.read_loop(path, **settings)
+
+
+def table(delimiter=",", decimal=".", end="\n", quote=""):
+    cells = [["time", "OP", "PV", "SP"], *([str(x).replace(".", decimal) for x in row] for row in ROWS)]
+    return end.join(delimiter.join(f"{quote}{cell}{quote}" for cell in row) for row in cells) + end
+
+
+def assert_rows(record):
+    np.testing.assert_array_equal(record.op, [row[1] for row in ROWS])
+    np.testing.assert_array_equal(record.pv, [row[2] for row in ROWS])
+    np.testing.assert_array_equal(record.sp, [row[3] for row in ROWS])
+    assert record.dt == 0.5
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r", "\r\r\n"])
+@pytest.mark.parametrize(
+    ("delimiter", "decimal", "quote"),
+    [
+        (",", ".", ""),
+        (";", ".", ""),
+        ("\t", ".", ""),
+        (";", ",", ""),
+        ("\t", ",", ""),
+        (",", ",", '"'),
+        (";", ",", '"'),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
+def test_text_formats(tmp_path, delimiter, decimal, quote, end, encoding):
+    assert_rows(read(tmp_path, table(delimiter, decimal, end, quote).encode(encoding)))
+
+
+def test_tag_and_source(tmp_path):
+    record = read(tmp_path, table(), name="FIC-101.csv")
+    assert (record.tag, record.source, record.notes) == ("FIC-101", "FIC-101.csv", ())
+    assert files.read_loop(str(tmp_path / "FIC-101.csv"), tag="A").tag == "A"
+
+
+def test_spans_are_kept(tmp_path):
+    record = read(tmp_path, table(), op_span=(0, 100), pv_span=(-5, 5))
+    assert (record.op_span, record.pv_span) == ((0, 100), (-5, 5))
+
+
+def test_latin_1_header(tmp_path):
+    record = read(tmp_path, "time,OP,Ölstand °C\n0,1,2\n1,2,3\n".encode("latin-1"), pv="Ölstand °C")
+    np.testing.assert_array_equal(record.pv, [2, 3])
+
+
+def test_comments_blank_lines_and_trailing_delimiters(tmp_path):
+    content = "# made by x\n\n" + table().replace("\n", ",\n") + "\n,,,,\n# end, of, file\n\n"
+    assert_rows(read(tmp_path, content))
+
+
+def test_header_in_a_comment(tmp_path):
+    assert_rows(read(tmp_path, "# " + table()))
+
+
+def test_comma_in_a_header_name(tmp_path):
+    record = read(tmp_path, "t_s;Flow, m3/h;OP\n0;1,5;2\n1;2,5;3\n", pv="Flow, m3/h")
+    np.testing.assert_array_equal(record.pv, [1.5, 2.5])
+
+
+def test_row_of_empty_cells_is_a_missing_row(tmp_path):
+    record = read(tmp_path, "OP\tPV\n1\t2\n\t\n3\t4\n", dt=1.0)
+    np.testing.assert_array_equal(record.missing, [False, True, False])
+
+
+@pytest.mark.parametrize("word", ["", "Bad", "NaN", "null", "No Data", "I/O Timeout", "bad INPUT", "#N/A", " "])
+def test_bad_values_are_missing(tmp_path, word):
+    record = read(tmp_path, f"time,OP,PV\n0,1,2\n1,2,{word}\n2,3,4\n")
+    np.testing.assert_array_equal(record.pv, [2, np.nan, 4])
+    assert word == "NaN" or any(word.strip() in note for note in record.notes)
+
+
+def test_first_cell_that_looks_like_a_comment(tmp_path):
+    record = read(tmp_path, "OP,PV\n1,2\n#N/A,3\n", dt=1.0)
+    np.testing.assert_array_equal(record.op, [1, np.nan])
+
+
+def test_missing_error_names_rows_and_times(tmp_path):
+    with pytest.raises(DataError, match=r"a value of PV in every row, got 1 missing: 1 in row 2 \(line 3\)"):
+        read(tmp_path, "time,OP,PV\n0,1,2\n1,2,Bad\n2,3,4\n", missing="error")
+    with pytest.raises(ValueError, match="missing='keep' or 'error'"):
+        read(tmp_path, table(), missing="drop")
+
+
+def test_text_in_a_numeric_column(tmp_path):
+    with pytest.raises(ColumnError, match=r"numbers in column 'PV', got 'open' in row 2 \(line 5\)"):
+        read(tmp_path, "# c\ntime,OP,PV\n0,1,2\n\n1,2,open\n")
+    with pytest.raises(ColumnError, match="units, delete it"):
+        read(tmp_path, "time,OP,PV\ns,%,degC\n0,1,2\n1,2,3\n")
+
+
+def test_infinite(tmp_path):
+    with pytest.raises(ColumnError, match=r"finite.*row 2 \(line 3\)"):
+        read(tmp_path, "time,OP,PV\n0,1,2\n1,inf,3\n")
+    with pytest.raises(ColumnError, match="finite"):
+        files.read_loop(pl.DataFrame({"OP": [1.0, np.inf], "PV": [1.0, 2.0]}), dt=1)
+
+
+def test_largest_float_as_filler(tmp_path):
+    with pytest.raises(ColumnError, match=r"below 1e\+30 in column 'PV', got 3.4e\+38 in row 2"):
+        read(tmp_path, "time,OP,PV\n0,1,2\n1,2,3.4e38\n")
+
+
+def test_decimal_marks_that_cannot_be_told(tmp_path):
+    with pytest.raises(ColumnError, match="one decimal mark"):
+        read(tmp_path, "time;OP;PV\n0;1,5;2.5\n1;2,5;3.5\n")
+    with pytest.raises(ColumnError, match="thousands separator"):
+        read(tmp_path, 'time,OP,PV\n0,"1,500",2\n1,"2,500",3\n')
+    with pytest.raises(ColumnError, match="numbers in column 'OP'"):
+        read(tmp_path, "time;OP;PV\n0;1.234,5;2\n1;2.234,5;3\n")
+
+
+def test_decimal_comma_without_quotes_between_commas(tmp_path):
+    with pytest.raises(DataError, match=r"3 fields as in the header, got 5 in line 2.*separate columns by ';'"):
+        read(tmp_path, "time,OP,PV\n0,1,5,2,5\n1,2,5,3,5\n")
+
+
+def test_one_field_too_many(tmp_path):
+    with pytest.raises(DataError, match="got 4 in line 3"):
+        read(tmp_path, "time,OP,PV\n0,1,2\n1,2,3,4\n")
+
+
+def test_repeated_names_have_to_be_told_apart(tmp_path):
+    content = "time,OP,PV,PV\n0,1,2,3\n1,2,3,4\n"
+    with pytest.raises(ColumnError, match=r"PV \(1\)"):
+        read(tmp_path, content)
+    np.testing.assert_array_equal(read(tmp_path, content, pv="PV (2)").pv, [3, 4])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "empty file"),
+        (b" \n\r\n", "empty file"),
+        (b"# only\n", "a header line and rows"),
+        (b"time,OP,PV\n", "rows below the header"),
+        (b"1,2,3\n4,5,6\n", "column names in the first line"),
+        (b"just words\nmore\n", "columns separated by"),
+        (b"\x00\x01\x02OP,PV", "binary file"),
+        (b"PK\x03\x04....", "binary file"),
+        (b"PAR1 broken", "damaged"),
+    ],
+)
+def test_contents_that_are_no_table(tmp_path, content, said):
+    with pytest.raises(DataError, match=said):
+        read(tmp_path, content)
+
+
+def test_paths_that_are_no_files(tmp_path):
+    with pytest.raises(FileAccessError, match="no such file"):
+        files.read_loop(tmp_path / "absent.csv")
+    with pytest.raises(FileAccessError, match="folder"):
+        files.read_loop(tmp_path)
+    with pytest.raises(FileAccessError, match="readable"):
+        files.read_loop(tmp_path / ("x" * 300))
+    with pytest.raises(OSError, match="no such file"):
+        files.read_loop(tmp_path / "absent.csv")
+
+
+FRAME = pl.DataFrame(ROWS, schema=["time", "OP", "PV", "SP"], orient="row")
+
+
+def test_frames():
+    pandas = pd.DataFrame(FRAME.to_dict(as_series=False))
+    for frame in (FRAME, pandas, pa.table(FRAME.to_dict(as_series=False))):
+        record = files.read_loop(frame)
+        assert_rows(record)
+        assert record.tag == ""
+        assert record.source.endswith("frame")
+
+
+def test_pandas_index_of_dates():
+    index = pd.date_range("2024-01-01", periods=3, freq="5s")
+    frame = pd.DataFrame({"OP": [1, 2, 3], "PV": [1.0, None, 3.0]}, index=index)
+    record = files.read_loop(frame)
+    assert record.dt == 5.0
+    np.testing.assert_array_equal(record.pv, [1, np.nan, 3])
+    assert files.read_loop(frame.rename_axis("stamp"), time="stamp").dt == 5.0
+    assert files.read_loop(frame.assign(time=[0.0, 2.0, 4.0])).dt == 2.0
+
+
+def test_single_row():
+    with pytest.raises(DataError, match="at least 2 rows"):
+        files.read_loop(FRAME.head(1))
+
+
+def test_columns_of_odd_types():
+    mixed = pd.DataFrame({"OP": ["1.5", 2, None], "PV": pd.array([1, None, 3], dtype="Int64")})
+    record = files.read_loop(mixed, dt=1.0)
+    np.testing.assert_array_equal(record.op, [1.5, 2, np.nan])
+    np.testing.assert_array_equal(record.pv, [1, np.nan, 3])
+    switch = pl.DataFrame({"OP": [True, False], "PV": [1, 2]})
+    np.testing.assert_array_equal(files.read_loop(switch, dt=1.0).op, [1, 0])
+    with pytest.raises(ColumnError, match="numbers in column 'OP', got Date"):
+        files.read_loop(pl.DataFrame({"OP": [date(2024, 1, 1)] * 2, "PV": [1, 2]}), dt=1.0)
+
+
+def test_frames_are_not_changed():
+    before = FRAME.clone()
+    files.read_loop(FRAME)
+    assert FRAME.equals(before)
+
+
+@pytest.mark.parametrize("source", [FRAME.lazy(), 5, None, [1, 2], FRAME["OP"]])
+def test_no_frame(source):
+    with pytest.raises(InputError, match="a path or an eager data frame"):
+        files.read_loop(source)
+
+
+def test_empty_frame_and_numbered_columns():
+    with pytest.raises(DataError, match="expected rows"):
+        files.read_loop(FRAME.head(0))
+    with pytest.raises(DataError, match="column names as text"):
+        files.read_loop(pd.DataFrame([[1, 2], [3, 4]]))
+
+
+def test_parquet_by_content(tmp_path):
+    FRAME.write_parquet(tmp_path / "a.dat")
+    assert_rows(files.read_loop(tmp_path / "a.dat"))

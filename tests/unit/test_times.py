@@ -1,0 +1,285 @@
+import numpy as np
+import polars as pl
+import pytest
+
+from lostmotion import files
+from lostmotion.errors import TimeError
+
+
+def read(times, **settings):
+    n = len(times)
+    frame = pl.DataFrame({"time": times, "OP": np.arange(n), "PV": np.arange(n)}, strict=False)
+    return files.read_loop(frame, **settings)
+
+
+def minutes(start, n, dt, form="{d:02d}/{m:02d}/24 {h}:{mi:02d}"):
+    """Stamps cut to the minute, starting at second `start` of 18 July."""
+    seconds = (start + np.arange(n) * dt).astype(int)
+    return [form.format(d=18 + s // 86400, m=7, h=s // 3600 % 24, mi=s // 60 % 60) for s in seconds.tolist()]
+
+
+def test_seconds():
+    assert read([0.0, 0.5, 1.0, 1.5]).dt == 0.5
+    assert read(np.arange(6601) * 0.01).dt == 0.01
+
+
+@pytest.mark.parametrize("scale", [1, 1_000, 1_000_000, 1_000_000_000])
+def test_epoch(scale):
+    record = read((1_700_000_000 + np.arange(10) * 5) * scale)
+    assert record.dt == 5.0
+    assert "since 1970" in record.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("cells", "dt"),
+    [
+        (["2017-01-21T15:20:00", "2017-01-21T15:20:05", "2017-01-21T15:20:10"], 5.0),
+        (["2017-01-21 15:20:00.25+01:00", "2017-01-21 15:20:00.50+01:00"], 0.25),
+        (["2017-03-26T00:59:59Z", "2017-03-26T01:00:00Z"], 1.0),
+        (["1/21/2017 15:20", "1/21/2017 15:21"], 60.0),
+        (["21/1/2017 15:20", "21/1/2017 15:21"], 60.0),
+        (["1/21/2017 11:59:59 AM", "1/21/2017 12:00:00 PM"], 1.0),
+        (["21-Jan-17 23:59:59", "22-Jan-17 00:00:01"], 2.0),
+        (["31.12.2023 23:59:30", "01.01.2024 00:00:00"], 30.0),
+        (["15:20:05", "15:20:07"], 2.0),
+        (["2024-02-28", "2024-02-29", "2024-03-01"], 86400.0),
+        (["0", "12", "24"], 12.0),
+        (["0,5", "1,0", "1,5"], 0.5),
+    ],
+)
+def test_text(cells, dt):
+    assert read(cells).dt == pytest.approx(dt)
+
+
+def test_month_of_daylight_saving_by_offset():
+    assert read(["2017-10-29T02:59:59+02:00", "2017-10-29T02:00:00+01:00"]).dt == 1.0
+
+
+def test_date_columns_of_frames():
+    stamps = pl.datetime_range(pl.datetime(2024, 1, 1), pl.datetime(2024, 1, 1, 0, 1), "5s", eager=True)
+    assert read(stamps).dt == 5.0
+    assert read(stamps - stamps[0]).dt == 5.0
+
+
+def test_unit_in_the_name():
+    frame = pl.DataFrame({"t_ms": [0, 250, 500], "OP": [1, 2, 3], "PV": [1, 2, 3]})
+    assert files.read_loop(frame).dt == 0.25
+
+
+def test_order_of_day_and_month_by_what_follows():
+    # 12 January to 13 January, or 1 December to nothing: only day first exists in every row
+    assert read(["12/01/17 23:59:59", "13/01/17 00:00:00"]).dt == 1.0
+    # both exist; the other reading would step back or leap a month
+    cells = [f"{4 + k // 24:02d}/05/17 {k % 24}:00" for k in range(200)]
+    record = read(cells)
+    assert record.dt == 3600.0
+    assert "day first" in record.notes[0]
+
+
+def test_order_that_does_not_matter_is_not_asked():
+    record = read(["05/06/24 10:00:00", "05/06/24 10:00:10"])
+    assert (record.dt, record.notes) == (10.0, ())
+
+
+def test_order_that_cannot_be_told():
+    cells = ["01/02/24", "02/03/24", "03/04/24", "04/05/24"]
+    with pytest.raises(TimeError, match=r"one reading.*dt=<seconds>"):
+        read(cells)
+    record = read(cells, dt=5.0)
+    assert record.dt == 5.0
+    assert "not checked" in record.notes[0]
+
+
+@pytest.mark.parametrize("cells", [["2017-02-29", "2017-03-01"], ["25:00:xx", "26"], ["10:00:00", "2024-01-01"]])
+def test_no_date(cells):
+    with pytest.raises(TimeError, match=r"row [12]"):
+        read(cells)
+
+
+def test_minute_stamps_need_dt():
+    cells = minutes(26 * 60, 721, 12.0)
+    with pytest.raises(TimeError, match=r"about 5\.0 rows a minute, 12 s each; give dt=12"):
+        read(cells)
+    record = read(cells, dt=12.0)
+    assert (record.dt, record.gaps) == (12.0, ())
+    assert "5.0 rows a minute" in record.notes[-1]
+    with pytest.raises(TimeError, match="dt = 12 s as in"):
+        read(cells, dt=20.0)
+
+
+@pytest.mark.parametrize("dt", [1.0, 7.0, 10.0, 40.0])
+def test_hint_of_minute_stamps_is_close(dt):
+    with pytest.raises(TimeError) as caught:
+        read(minutes(31, 600, dt))
+    hint = float(str(caught.value).split("give dt=")[1].split(" ")[0])
+    assert hint == pytest.approx(dt, rel=0.01)
+
+
+def test_gap_in_minute_stamps():
+    cells = minutes(0, 100, 12.0) + minutes(3600, 100, 12.0)
+    assert read(cells, dt=12.0).gaps == (100,)
+
+
+def test_same_time_everywhere():
+    with pytest.raises(TimeError, match="the same time in every row"):
+        read(["2024-01-01 10:00"] * 5)
+
+
+def test_unsorted_names_row_and_time():
+    with pytest.raises(TimeError, match=r"ascending.*got 1\.5 in row 4 after 2\.0 in row 3"):
+        read([0.5, 1.0, 2.0, 1.5, 3.0])
+
+
+def test_repeated_names_row_and_time():
+    times = [*np.arange(0.0, 20.0, 0.5), 19.5]
+    with pytest.raises(TimeError, match=r"each time once.*19\.5 in row 41"):
+        read(times)
+
+
+def test_contradiction():
+    with pytest.raises(TimeError, match=r"dt = 30 s as in column 'time', got dt = 1 s"):
+        read([0, 30, 60, 90], dt=1.0)
+    record = read([0, 30, 60, 90], dt=1.0, time=False)
+    assert (record.dt, record.gaps) == (1.0, ())
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_counter_yields_to_dt(first):
+    record = read(np.arange(first, first + 50), dt=20.0)
+    assert record.dt == 20.0
+    assert record.notes == ("'time' counts samples; dt = 20 s was given.",)
+
+
+def test_counter_alone_is_one_second_with_a_note():
+    record = read(np.arange(50))
+    assert record.dt == 1.0
+    assert "taken as seconds" in record.notes[0]
+
+
+def test_counter_with_missing_rows():
+    rows = np.delete(np.arange(50), [10, 11, 30])
+    assert read(rows, dt=5.0).gaps == (10, 28)
+
+
+def with_ts(times, ts, **settings):
+    n = len(times)
+    return files.read_loop(
+        pl.DataFrame({"Time": times, "OP": range(n), "PV": range(n), "ts": [ts] * n}), **settings
+    )
+
+
+def test_sampling_column_that_contradicts():
+    with pytest.raises(TimeError, match=r"10 s from column 'Time' and 12 s.*dt=10"):
+        with_ts([0, 10, 20], 12.0)
+    with pytest.raises(TimeError, match=r"1 s from column 'Time' and 20 s.*count the rows"):
+        with_ts([1, 2, 3], 20.0)
+    assert "says 12 s" in with_ts([0, 10, 20], 12.0, dt=10.0).notes[0]
+    assert with_ts([0, 10, 20], 10.0).dt == 10.0
+
+
+def test_sampling_column_alone():
+    frame = pl.DataFrame({"OP": [1, 2, 3], "PV": [1, 2, 3], "Ts": [4.0, None, None]})
+    record = files.read_loop(frame)
+    assert record.dt == 4.0
+    assert "column of sampling times" in record.notes[0]
+
+
+def test_ts_that_varies_is_a_time_column():
+    frame = pl.DataFrame({"OP": [1, 2, 3], "PV": [1, 2, 3], "ts": [10.0, 14.0, 18.0]})
+    assert files.read_loop(frame).dt == 4.0
+
+
+def test_neither_time_nor_dt():
+    frame = pl.DataFrame({"OP": [1, 2, 3], "PV": [1, 2, 3]})
+    with pytest.raises(TimeError, match="give the sampling time"):
+        files.read_loop(frame)
+    assert files.read_loop(frame, dt=0.1).dt == 0.1
+
+
+def test_jitter_uses_the_median():
+    rng = np.random.default_rng(1)
+    times = 100.0 + 2.0 * np.arange(500) + rng.uniform(-0.009, 0.009, 500)
+    assert read(times).dt == pytest.approx(2.0, rel=1e-3)
+
+
+def test_gaps_are_recorded():
+    times = np.delete(2.5 * np.arange(100) + 7, [20, 21, 22, 70])
+    record = read(times)
+    assert (record.dt, record.gaps) == (2.5, (20, 67))
+
+
+def test_rounded_stamps_use_the_mean():
+    times = np.round(1.6 * np.arange(1000)) + 3
+    record = read(times)
+    assert record.dt == pytest.approx(1.6, rel=1e-3)
+    assert "rounded to 1 s" in record.notes[0]
+    assert read(times, dt=1.6).dt == 1.6
+
+
+def test_irregular():
+    rng = np.random.default_rng(2)
+    times = 5.0 + np.cumsum(rng.exponential(3.0, 300))
+    with pytest.raises(TimeError, match=r"equally spaced.*fixed interval.*time=False"):
+        read(times)
+    with pytest.raises(TimeError):
+        read(times, dt=3.0)
+
+
+def test_scatter_about_a_given_dt_is_noted():
+    rng = np.random.default_rng(3)
+    times = 5.0 + np.cumsum(rng.uniform(10.0, 14.0, 300))
+    record = read(times, dt=12.0)
+    assert "vary from" in record.notes[0]
+
+
+def test_missing_times():
+    times = [5.0, 7.0, None, 11.0, 13.0]
+    with pytest.raises(TimeError, match=r"a time in every row.*row 3"):
+        read(times)
+    record = read(times, dt=2.0)
+    assert record.gaps == ()
+    assert "1 rows have no time" in record.notes[0]
+    with pytest.raises(TimeError, match="got none"):
+        read(pl.Series([None, None], dtype=pl.Float64))
+
+
+def test_day_numbers_of_a_spreadsheet():
+    with pytest.raises(TimeError, match="day number of a spreadsheet"):
+        read(42756.6389 + np.arange(100) / 8640)
+
+
+def test_stamps_of_mixed_kinds_are_refused():
+    with pytest.raises(TimeError, match="all alike"):
+        read(["01/02/2017 10:00", "01/02/17 10:01"])
+
+
+def test_days_as_dates():
+    days = pl.select(pl.date_range(pl.date(2024, 1, 1), pl.date(2024, 1, 5))).to_series()
+    assert read(days).dt == 86400.0
+
+
+def test_coarse_and_irregular_stamps_are_refused():
+    with pytest.raises(TimeError, match="equally spaced"):
+        read([5.0, 5.0, 6.0, 9.0, 9.0, 20.0, 21.0, 40.0, 40.0, 90.0], dt=1.0)
+
+
+def test_stamps_that_change_once():
+    assert read(["2024-01-01 10:00"] * 4 + ["2024-01-01 10:01"] * 4, dt=8.0).dt == 8.0
+
+
+def test_dt_that_fits_the_mean_but_not_the_steps():
+    rng = np.random.default_rng(7)
+    times = 5.0 + np.cumsum(np.where(rng.random(400) < 0.2, 40.123, 10.456))
+    with pytest.raises(TimeError, match="equally spaced"):
+        read(times, dt=10.456)
+
+
+def test_few_rows_far_apart_are_refused():
+    with pytest.raises(TimeError, match="equally spaced"):
+        read([2.0, 43.5, 1000.0])
+
+
+def test_bad_dt():
+    for dt in (0.0, -1.0, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="expected dt > 0"):
+            read([0, 1, 2], dt=dt)
