@@ -111,9 +111,7 @@ def row(name: str, results: list[dict]) -> str:
     """One line of the table."""
     experiment = EXPERIMENTS[name]
     truth = true_values(experiment.truth)
-    estimate, error, bound = (
-        np.array([result[key] for result in results]) for key in ("estimate", "error", "bound")
-    )
+    estimate, error, bound = (np.array([result[key] for result in results]) for key in ("estimate", "error", "bound"))
     miss = estimate - truth
     rmse = np.sqrt(np.mean(miss**2, axis=0))
     ratio = rmse / np.sqrt(np.mean(bound**2, axis=0))
@@ -178,21 +176,21 @@ def main() -> None:
 PAGE = """# Accuracy of `identify`
 
 Made by `.venv/bin/python benchmarks/accuracy.py`. Paper's level tank, dead zone +-1, sampling time 0.1 s, white
-noise of variance 0.03; no start values anywhere. RMSE and ratio to the Cramer-Rao bound are for left / right / slope
-ratio. The median error of the break points is in % of the half-width; in brackets what an efficient estimator with
-the reported standard errors would have, so the data do not allow less. Coverage is of the nominal 95 % intervals.
+noise of variance 0.03; no start values anywhere. RMSE and ratio to the Cramer-Rao bound are for
+left / right / slope ratio. The median error of the break points is in % of the half-width; in brackets what an
+efficient estimator with the reported standard errors would have, so the data do not allow less. Coverage is of the nominal 95 % intervals.
 
 | experiment | converged | RMSE | RMSE / bound | median error | coverage, % |
 |---|---|---|---|---|---|
 {rows}
 
-The bound counts the initial state and, where the fit kept it free, the output offset as unknown. In closed loop with
-drift it depends on the record and is not shown; the bracketed figure takes its place.
+The bound counts the initial state and, where the fit kept it free, the output offset as unknown. In closed
+loop with drift it depends on the record and is not shown; the bracketed figure takes its place.
 
 The drift of the routine loop is first-order with pole 0.99; its deviation is 0.3 (mild), 1 (strong) or 3 (very
 strong) times a set-point move. The last rows show what the same data give without a noise model.
 
-No dead zone in the data; how often `identify` says so (linear model preferred and the interval of the width holds 0):
+No dead zone in the data; how often `identify` says so (linear model preferred, the interval of the width holds 0):
 
 | experiment | says so |
 |---|---|

@@ -2,11 +2,11 @@ import csv
 
 import numpy as np
 import pytest
-from tests.shared_data import shared, shared_files
 
 from lostmotion.errors import TimeError
 from lostmotion.files import read_loop
 from lostmotion.records import check
+from tests.shared_data import shared, shared_files
 
 # dt in seconds that the provenance of the files gives, where the time column is not a clock
 SACAC_DT = {

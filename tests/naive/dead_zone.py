@@ -37,10 +37,10 @@ def actuator(eta, u):
 
 
 def derivatives(eta, u):
-    """dx/deta, shape (n, len(eta)), by the complex step."""
-    columns = []
+    """dx/deta, shape (len(eta), n), by the complex step."""
+    rows = []
     for i in range(len(eta)):
         moved = np.array(eta, dtype=complex)
         moved[i] += 1j * STEP
-        columns.append(actuator(moved, u).imag / STEP)
-    return np.array(columns).T if columns else np.empty((len(u), 0))
+        rows.append(actuator(moved, u).imag / STEP)
+    return np.array(rows) if rows else np.empty((0, len(u)))

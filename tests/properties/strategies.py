@@ -23,8 +23,8 @@ def roots(draw, largest, most=4):
     for _ in range(draw(st.integers(0, most // 2))):
         size = draw(st.floats(0.01, largest))
         if draw(st.booleans()):
-            found += [size * np.exp(sign * 1j * draw(st.floats(0.1, 3.0))) for sign in (1,)]
-            found.append(found[-1].conjugate())
+            root = size * np.exp(1j * draw(st.floats(0.1, 3.0)))
+            found += [root, root.conjugate()]
         else:
             found.append(size * draw(st.sampled_from([-1.0, 1.0])))
     return np.array(found, dtype=complex)
@@ -41,6 +41,4 @@ def linear_models(draw, largest=0.9):
     edge = st.floats(0.1, 10) | st.floats(-10, -0.1)
     inner = draw(st.lists(st.floats(-10, 10), max_size=2))
     b = [draw(edge), *inner, draw(edge)] if draw(st.booleans()) else [draw(edge)]
-    return LinearModel(
-        polynomial(draw(roots(largest))), b, draw(st.integers(0, 5)), draw(st.floats(1e-3, 1e3))
-    )
+    return LinearModel(polynomial(draw(roots(largest))), b, draw(st.integers(0, 5)), draw(st.floats(1e-3, 1e3)))

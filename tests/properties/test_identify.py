@@ -43,7 +43,15 @@ def test_units_do_not_matter(seed, s, c, g, sign, h):
     u, y = record(seed)
     p, e = reference(seed).parameters, reference(seed).standard_errors
     result = fit(s * u + s * c, sign * g * y + g * h)
-    factors = {"left": s, "right": s, "width": s, "slope_ratio": 1, "a1": 1, "gain": sign * g / s, "b0": sign * g / s}
+    factors = {
+        "left": s,
+        "right": s,
+        "width": s,
+        "slope_ratio": 1,
+        "a1": 1,
+        "gain": sign * g / s,
+        "b0": sign * g / s,
+    }
     expected = {name: factor * p[name] for name, factor in factors.items()}
     errors = {name: abs(factor) * e[name] for name, factor in factors.items()}
     for name in ("left", "right"):

@@ -66,7 +66,7 @@ def test_dead_zone_sensitivities(seed):
     left, right, left_slope, _ = random_zone(rng)
     eta = np.array([left, right, np.log(left_slope)])
     u = with_edges(rng, left, right)
-    x, dx = np.full(u.size, np.nan), np.full((u.size, 3), np.nan)
+    x, dx = np.full(u.size, np.nan), np.full((3, u.size), np.nan)
     dead_zone.sensitivities(u, *eta, x, dx)
     np.testing.assert_allclose(x, slow_zone.actuator(eta, u).real, rtol=1e-14, atol=1e-15)
     np.testing.assert_allclose(dx, slow_zone.derivatives(eta, u), rtol=1e-14, atol=1e-15)
@@ -129,9 +129,28 @@ def test_lagged_gram(seed, signals, lags, start, stop):
     np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("order", range(8))
+def test_all_pole(order):
+    rng = np.random.default_rng(order)
+    a, x = stable_polynomial(rng, order), rng.normal(size=50)
+    out = np.full(50, np.nan)
+    likelihood.all_pole(a, x, out)
+    expected = slow_linear.simulate(a, [1.0], 0, x)
+    np.testing.assert_allclose(out, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("size", [0, 1, 3, 7])
+def test_add_lagged(size):
+    rng = np.random.default_rng(size)
+    coefficients, x, there = rng.normal(size=size), rng.normal(size=5), rng.normal(size=5)
+    out = there.copy()
+    likelihood.add_lagged(coefficients, x, out)
+    np.testing.assert_allclose(out, there + slow_linear.simulate([], coefficients, 0, x), rtol=1e-12, atol=1e-13)
+
+
 CASES = [
     (na, nb, p, delay)
-    for i, (na, nb) in enumerate(itertools.product(range(4), range(4)))
+    for i, (na, nb) in enumerate([*itertools.product(range(4), range(4)), (4, 2), (5, 1), (6, 0)])
     for p, delay in [(i % 5, (3 * i) % 6), ((i + 2) % 5, (3 * i + 2) % 6)]
 ]
 
@@ -235,9 +254,7 @@ def test_closed_loop(seed, limit, has_zone, has_inverse):
     disturbance, noise = 0.3 * rng.normal(size=(2, reference.size))
     sign = 1.0 if seed % 2 == 0 else -1.0  # a negative process with a negative controller
     settings = (0.2 * sign, 0.05 * sign, -limit, limit, 0.3, reference, disturbance, noise)
-    fast = loop.closed_loop(
-        a, sign * b, delay, 0.7, np.array(zone), np.array(undo), has_zone, has_inverse, *settings
-    )
+    fast = loop.closed_loop(a, sign * b, delay, 0.7, np.array(zone), np.array(undo), has_zone, has_inverse, *settings)
     slow = slow_loop.closed_loop(
         a, sign * b, delay, 0.7, zone if has_zone else None, undo if has_inverse else None, *settings
     )

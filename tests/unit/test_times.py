@@ -163,9 +163,7 @@ def test_counter_with_missing_rows():
 
 def with_ts(times, ts, **settings):
     n = len(times)
-    return files.read_loop(
-        pl.DataFrame({"Time": times, "OP": range(n), "PV": range(n), "ts": [ts] * n}), **settings
-    )
+    return files.read_loop(pl.DataFrame({"Time": times, "OP": range(n), "PV": range(n), "ts": [ts] * n}), **settings)
 
 
 def test_sampling_column_that_contradicts():

@@ -54,9 +54,7 @@ def compensate(
     block = DeadZoneCompensator.from_dead_zone(_zone(fit, left, right, left_slope, right_slope), centre)
     record = read_loop(file, op=op, pv=pv, sp=None, time=time, dt=dt)
     command = np.asarray(block(record.op))
-    write_columns(
-        out, {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}, force
-    )
+    write_columns(out, {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}, force)
     move = float(np.nanmax(np.abs(command - record.op)))
     zone = block.dead_zone
     text = (
@@ -68,9 +66,7 @@ def compensate(
     show(text, {"out": str(out), "rows": len(record), "largest_move": move, **block.to_dict()}, json)
 
 
-def _zone(
-    fit: Path | None, left: float | None, right: float | None, left_slope: float, right_slope: float
-) -> DeadZone:
+def _zone(fit: Path | None, left: float | None, right: float | None, left_slope: float, right_slope: float) -> DeadZone:
     if (fit is None) == (left is None or right is None):
         raise ParameterError.expected("either --fit or both --left and --right", "neither or both", "give one")
     if fit is None:

@@ -21,9 +21,7 @@ Gain = Annotated[
     typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False),
 ]
 Offset = Annotated[str, typer.Option("--offset", help='"auto", "free", or "zero" for records in deviations.')]
-Split = Annotated[
-    bool, typer.Option("--split", help="Cut the record at gaps and missing samples, fit all pieces.")
-]
+Split = Annotated[bool, typer.Option("--split", help="Cut the record at gaps and missing samples, fit all pieces.")]
 Figure = Annotated[
     Path | None, typer.Option("--figure", help="Write the figure here (png, pdf or svg).", show_default=False)
 ]

@@ -89,9 +89,7 @@ class DeadZoneCompensator:
         """Command for one sample."""
         zone = self.dead_zone
         return float(
-            kernel.inverse(
-                uc - self.centre, zone.left, zone.right, zone.left_slope, zone.right_slope, self.at_zero
-            )
+            kernel.inverse(uc - self.centre, zone.left, zone.right, zone.left_slope, zone.right_slope, self.at_zero)
         )
 
     def reset(self) -> None:

@@ -100,9 +100,7 @@ def resolve(
             if key(column) != role and role != "time":
                 notes.append(f"{_title(role)} was read from column {column!r}.")
     _no_double(found)
-    return Columns(
-        found["op"], found["pv"], found.get("sp"), found.get("position"), found.get("time"), tuple(notes)
-    )
+    return Columns(found["op"], found["pv"], found.get("sp"), found.get("position"), found.get("time"), tuple(notes))
 
 
 def by_alias(role: str, names: Sequence[str]) -> str | None:
@@ -125,9 +123,7 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
         [name for name in names if re.search(rf"[./:]{role}$", name.strip().lower())],
     ):
         if len(fits) > 1:
-            raise ColumnError.expected(
-                f"one column for {_title(role)}", f"{fits}", f"say which: {role}={fits[0]!r}"
-            )
+            raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", f"say which: {role}={fits[0]!r}")
         if fits:
             return fits[0]
     return None

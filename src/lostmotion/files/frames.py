@@ -101,9 +101,7 @@ def _with_index(frame: nw.DataFrame[Any]) -> nw.DataFrame[Any]:
 
 def _checked(frame: nw.DataFrame[Any], source: str) -> Table:
     if not all(isinstance(name, str) for name in frame.columns):
-        raise DataError.expected(
-            "column names as text", f"{list(frame.columns)} in the {source}", "rename the columns"
-        )
+        raise DataError.expected("column names as text", f"{list(frame.columns)} in the {source}", "rename the columns")
     if frame.is_empty():
         raise DataError.expected("rows", f"none in the {source}", "check that the right data were handed in")
     return Table(frame, source)

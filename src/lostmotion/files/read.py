@@ -161,9 +161,7 @@ def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, Fl
     return signals, notes
 
 
-def _stamps(
-    table: Table, name: str | None, decimal: str, dt: float | None
-) -> tuple[Stamps | None, tuple[str, ...]]:
+def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:
     """Read the time column; with dt given, one whose dates have two readings is left out."""
     if name is None:
         return None, ()

@@ -109,9 +109,7 @@ def _excel_days(known: FloatArray, middle: float) -> bool:
     return 0 < float(np.median(np.abs(np.diff(known)))) < 0.1
 
 
-def _stamps(
-    table: Table, name: str, seconds: FloatArray, plain: bool = False, notes: tuple[str, ...] = ()
-) -> Stamps:
+def _stamps(table: Table, name: str, seconds: FloatArray, plain: bool = False, notes: tuple[str, ...] = ()) -> Stamps:
     known = seconds[~np.isnan(seconds)]
     if not len(known):
         raise TimeError.expected(

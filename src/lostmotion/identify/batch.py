@@ -10,6 +10,7 @@ from lostmotion.identify.problem import Problem
 from lostmotion.models._arguments import FloatArray
 
 MOST_STEPS = 100
+FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
 
@@ -43,7 +44,7 @@ def refine(
     cost, gradient, hessian = problem.evaluate(theta)
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
-    damping, converged, steps = 1e-3, False, 0
+    damping, converged, steps = FIRST_DAMPING, False, 0
     while steps < most_steps and not converged:
         steps += 1
         step, promised = _damped_step(hessian, gradient, basis, damping)

@@ -148,9 +148,7 @@ def _from_records(records: Sequence[LoopRecord], dt: float | None) -> Identifica
     if dropped:
         notes += (f"{dropped} pieces shorter than {FEWEST_SAMPLES} samples were left out.",)
     if not kept:
-        raise DataError.expected(
-            f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record"
-        )
+        raise DataError.expected(f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record")
     stops = np.cumsum([len(record) for record in kept])
     segments = np.column_stack([np.concatenate([[0], stops[:-1]]), stops]).astype(np.int64)
     _check_length(segments)

@@ -124,9 +124,7 @@ def identify(
     if nonlinearity == "none":
         return linear_result
     zone = settle_offset(_fit_dead_zone(scaled, orders_given, noise_given), scaling, offset)
-    result = replace(
-        _package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result
-    )
+    result = replace(_package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result)
     if nonlinearity == "auto" and result.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
         return linear_result
     return result
@@ -160,7 +158,7 @@ def _package(
     s = fitted.problem.structure
     d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
     evidence = _evidence(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
-    tests = residual_tests(fitted)
+    tests = residual_tests(fitted, errors)
     status = _status(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance)
     widest = width_bound(fitted) * scaling.u_scale if status is Status.NOT_SEEN else None
     return HammersteinFit(

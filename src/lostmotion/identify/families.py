@@ -20,7 +20,7 @@ class Family(Protocol):
     names: ClassVar[tuple[str, ...]]
 
     def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """Fill x (n,) and dx/deta (n, len(names)) for the command u (n,)."""
+        """Fill x (n,) and dx/deta (len(names), n) for the command u (n,)."""
 
     def project(self, eta: FloatArray) -> FloatArray:
         """Nearest valid eta."""

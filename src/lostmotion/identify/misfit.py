@@ -12,7 +12,7 @@ from lostmotion.kernels import likelihood as kernel
 from lostmotion.models._arguments import FloatArray
 
 WHITENESS_LAGS = 25
-SHAPE_KNOTS = 5
+SHAPE_KNOTS = 4
 LEVEL = 1e-3  # of both tests: a report is read daily, so a false alarm must be rare
 STATIC_SHARE = 0.1  # of the output residual; reported where the residuals are not white, so a test is not valid
 SHARE = 0.01  # a misfit that explains less of the residual variance is real but without consequence
@@ -75,22 +75,27 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     """
     problem, theta = fitted.problem, fitted.fit.theta
     s = problem.structure
+    x, dx = problem.internal(theta)
     order, first = (s.noise_order, s.first) if prewhitened else (0, s.start)
     if not prewhitened:
         theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     eta = theta[problem.eta_at : problem.noise_at]
-    x, dx = np.empty(problem.u.size), np.empty((problem.u.size, eta.size))
-    problem.family.evaluate(eta, problem.u, x, dx)
-    extra = _other_shapes(problem.u, eta)
-    wide = np.ascontiguousarray(np.column_stack([dx, extra]))
-    longer = np.concatenate([theta[: problem.noise_at], np.zeros(extra.shape[1]), theta[problem.noise_at :]])
+    knots, jumps = _other_shapes(problem.u, eta)
+    added = len(knots) + len(jumps)
+    wide = np.empty((eta.size + added, problem.u.size))
+    wide[: eta.size] = dx
+    for row, knot in enumerate(knots, eta.size):
+        np.maximum(problem.u - knot, 0.0, out=wide[row])
+    for row, edge in enumerate(jumps, eta.size + len(knots)):
+        wide[row] = problem.u > edge
+    longer = np.concatenate([theta[: problem.noise_at], np.zeros(added), theta[problem.noise_at :]])
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
     cost = kernel.normal_equations(
-        longer, s.na, s.nb, wide.shape[1], order, s.delay, first, problem.segments, x, wide,
+        longer, s.na, s.nb, wide.shape[0], order, s.delay, first, problem.segments, x, wide,
         problem.y, hessian, gradient,
     )  # fmt: skip
     index = np.arange(longer.size)
-    new = (index >= problem.noise_at) & (index < problem.noise_at + extra.shape[1])
+    new = (index >= problem.noise_at) & (index < problem.noise_at + added)
     scale = np.sqrt(np.diag(hessian))
     scale[scale == 0] = 1.0
     hessian, gradient = hessian / np.outer(scale, scale), gradient / scale
@@ -106,20 +111,17 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     return float(stats.chi2.sf(statistic, max(int(seen.sum()), 1))), min(share, 1.0)
 
 
-def _other_shapes(u: FloatArray, eta: FloatArray) -> FloatArray:
+def _other_shapes(u: FloatArray, eta: FloatArray) -> tuple[list[float], list[float]]:
+    """Knots of the hinges, and edges of the jumps."""
     levels = np.unique(u)  # not the samples: a staircase that rests at zero has its shape elsewhere
     knots = np.unique(np.quantile(levels, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
-    columns = [np.maximum(u - knot, 0.0) for knot in knots]
-    if eta.size >= 2:
-        columns += [(u > eta[1]).astype(float), (u < eta[0]).astype(float)]
-    return np.column_stack(columns)
+    return knots.tolist(), [float(edge) for edge in eta[:2]]
 
 
-def residual_tests(fitted: Fitted) -> ResidualTests:
-    """Both tests."""
+def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
+    """Both tests, given the prediction errors of each segment."""
     if fitted.fit.cost <= 1e-20 * float(fitted.problem.y @ fitted.problem.y):
         return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
-    _, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     p_shape, share = shape(fitted)
     return ResidualTests(whiteness(errors, s.noise_order), p_shape, share, shape(fitted, prewhitened=False)[1])

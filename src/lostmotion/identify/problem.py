@@ -58,7 +58,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_x", np.empty(self.u.size))
-        object.__setattr__(self, "_dx", np.empty((self.u.size, len(self.family.names))))
+        object.__setattr__(self, "_dx", np.empty((len(self.family.names), self.u.size)))
 
     @property
     def size(self) -> int:
@@ -93,18 +93,23 @@ class Problem:
     def evaluate(self, theta: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Sum of squared errors, J'e and J'J."""
         s = self.structure
-        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, self._x, self._dx)
+        x, dx = self.internal(theta)
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
         cost = kernel.normal_equations(
             theta, s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first,
-            self.segments, self._x, self._dx, self.y, hessian, gradient,
+            self.segments, x, dx, self.y, hessian, gradient,
         )  # fmt: skip
         return float(cost), gradient, hessian
+
+    def internal(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Internal variable (n,) and dx/deta (ne, n) in this problem's buffers, valid until the next evaluation."""
+        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, self._x, self._dx)
+        return self._x, self._dx
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
         s = self.structure
-        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, self._x, self._dx)
+        x, _ = self.internal(theta)
         a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
         d = theta[self.noise_at : self.initial_at]
         simulated, errors = [], []
@@ -112,7 +117,7 @@ class Problem:
             at = self.initial_at + index * s.initial
             z, e = kernel.prediction_errors(
                 a, b, theta[at : at + s.initial], theta[self.eta_at - 1], d, s.delay, s.first,
-                self._x[start:stop], self.y[start:stop],
+                x[start:stop], self.y[start:stop],
             )  # fmt: skip
             simulated.append(z)
             errors.append(e)

@@ -7,6 +7,7 @@ of lagged hinge functions, from which past outputs are eliminated once.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ OUTPUT_LAGS = 15
 INPUT_LAGS = 12
 KNOTS = 16  # 136 pairs; a local search from the nearest knot converges for widths of a tenth of the range
 ZOOM_KNOTS = 9
+CHUNK = 8192  # rows of which the hinge functions exist at once
 RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
 MOST_STARTS = 3
 START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
@@ -104,10 +106,13 @@ def _scan(
     right: FloatArray,
 ) -> tuple[tuple[FloatArray, FloatArray], int]:
     """Residual sum of squares and log gain ratio for every pair (left, right); inf where left > right."""
-    under = np.minimum(u[:, None] - left, 0.0)
-    over = np.maximum(u[:, None] - right, 0.0)
-    gram, samples = arx_gram(np.column_stack([under, over]), y, segments, lags)
-    inner, cross, total = eliminate_past(gram, lags, under.shape[1] + over.shape[1])
+
+    def hinges(start: int, stop: int) -> FloatArray:
+        part = u[start:stop, None]
+        return np.concatenate([np.minimum(part - left, 0.0), np.maximum(part - right, 0.0)], axis=1)
+
+    gram, samples = arx_gram(hinges, y, segments, lags)
+    inner, cross, total = eliminate_past(gram, lags, left.size + right.size)
     rss = np.full((left.size, right.size), np.inf)
     ratio = np.zeros_like(rss)
     pairs = [(i, j) for i in range(left.size) for j in range(right.size) if left[i] <= right[j]]
@@ -130,17 +135,23 @@ def _scan(
 
 
 def arx_gram(
-    inputs: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags
+    inputs: Callable[[int, int], FloatArray], y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags
 ) -> tuple[FloatArray, int]:
-    """Gram matrix of [y, 1, inputs] at lags 0 .. max, inputs advanced by the delay; and the rows used."""
+    """Gram matrix of [y, 1, inputs] at lags 0 .. max, inputs advanced by the delay; and the rows used.
+
+    `inputs` makes the signals (stop - start, m) of a range of rows, so that they never exist all at once.
+    """
     length = max(lags.outputs + 1, lags.inputs)
-    total, samples = None, 0
+    total: FloatArray | None = None
+    samples = 0
     for start, stop in segments:
-        rows = stop - start - lags.delay
-        signals = np.column_stack([y[start + lags.delay : stop], np.ones(rows), inputs[start : stop - lags.delay]])
-        gram = lagged_gram(np.ascontiguousarray(signals), length, length - 1, rows)
-        total = gram if total is None else total + gram
-        samples += rows - length + 1
+        for row in range(start + lags.delay + length - 1, stop, CHUNK):
+            head, end = row - length + 1, min(row + CHUNK, stop)
+            ones = np.ones((end - head, 1))
+            signals = np.concatenate([y[head:end, None], ones, inputs(head - lags.delay, end - lags.delay)], axis=1)
+            gram = lagged_gram(signals, length, length - 1, end - head)
+            total = gram if total is None else total + gram
+            samples += end - row
     assert total is not None  # noqa: S101  there is always a segment
     return total, samples
 

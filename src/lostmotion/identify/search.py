@@ -98,6 +98,9 @@ def best_fit(
     d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
     if noise is None:
         d = choose_noise(best.output_residual())
+    s = best.problem.structure
+    if best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order:
+        return best
     return refined(data, family, best, d)
 
 
@@ -105,9 +108,7 @@ def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fi
     """Converged fit with noise start d, on all rows that its structure allows."""
     s = best.problem.structure
     theta = best.fit.theta
-    problem = Problem(
-        data.u, data.y, data.segments, family, Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size)
-    )
+    problem = Problem(data.u, data.y, data.segments, family, Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size))
     start = problem.pack(
         theta[: s.na],
         theta[s.na : s.na + s.nb + 1],
@@ -166,7 +167,7 @@ class _Search:
 
     def _arx(self, eta: FloatArray) -> HighOrderArx:
         data = self.data
-        x, dx = np.empty(data.u.size), np.empty((data.u.size, len(self.family.names)))
+        x, dx = np.empty(data.u.size), np.empty((len(self.family.names), data.u.size))
         self.family.evaluate(eta, data.u, x, dx)
         if self.orders is None:
             return fit_arx(x, data.y, data.segments, 1, AUTO_LAGS)

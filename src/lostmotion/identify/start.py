@@ -39,7 +39,7 @@ def fit_arx(
     """High-order ARX by least squares."""
     shortest = int((segments[:, 1] - segments[:, 0]).min())
     past = Lags.for_record(shortest, delay, lags, lags)
-    gram, samples = arx_gram(x[:, None], y, segments, past)
+    gram, samples = arx_gram(lambda start, stop: x[start:stop, None], y, segments, past)
     columns = np.concatenate(
         [3 * np.arange(1, past.outputs + 1), 3 * np.arange(past.inputs) + 2, [1]]
     )  # signals are y, 1, x
@@ -52,9 +52,7 @@ def fit_arx(
     n = past.outputs
     sign = np.concatenate([-np.ones(n), np.ones(past.inputs)])
     covariance = inverse[:-1, :-1] * np.outer(sign, sign)
-    return HighOrderArx(
-        -solution[:n], solution[n:-1], covariance, rss / max(samples - columns.size, 1), samples, delay
-    )
+    return HighOrderArx(-solution[:n], solution[n:-1], covariance, rss / max(samples - columns.size, 1), samples, delay)
 
 
 def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[FloatArray, FloatArray, float]:

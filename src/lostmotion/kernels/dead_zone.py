@@ -49,26 +49,24 @@ def inverse_run(
 
 
 @njit(cache=True)
-def sensitivities(
-    u: FloatArray, left: float, right: float, log_ratio: float, x: FloatArray, dx: FloatArray
-) -> None:
+def sensitivities(u: FloatArray, left: float, right: float, log_ratio: float, x: FloatArray, dx: FloatArray) -> None:
     """Internal variable with right slope 1, and its derivatives.
 
-    `x` (n,) and `dx` (n, 3) are filled; the columns of `dx` belong to left, right and the logarithm of the
+    `x` (n,) and `dx` (3, n) are filled; the rows of `dx` belong to left, right and the logarithm of the
     slope ratio left/right.
     """
     ratio = np.exp(log_ratio)
     for k in range(u.size):
         over = u[k] - right
         under = u[k] - left
-        dx[k, 0] = 0.0
-        dx[k, 1] = 0.0
-        dx[k, 2] = 0.0
+        dx[0, k] = 0.0
+        dx[1, k] = 0.0
+        dx[2, k] = 0.0
         x[k] = 0.0
         if over > 0.0:
             x[k] = over
-            dx[k, 1] = -1.0
+            dx[1, k] = -1.0
         elif under < 0.0:
             x[k] = ratio * under
-            dx[k, 0] = -ratio
-            dx[k, 2] = x[k]
+            dx[0, k] = -ratio
+            dx[2, k] = x[k]

@@ -18,68 +18,69 @@ from numba import njit
 
 from lostmotion.kernels.types import FloatArray, IntArray
 
-BLOCK = 256
+BLOCK = 1024  # samples whose gradients are held at once
+
+
+@njit(cache=True, fastmath={"contract"})
+def all_pole(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
+    """Write (1/A) x into `out`, from rest; up to four poles run in registers."""
+    if a.size > 4:
+        for k in range(x.size):
+            value = x[k]
+            for i in range(min(a.size, k)):
+                value -= a[i] * out[k - 1 - i]
+            out[k] = value
+        return
+    a1 = a[0] if a.size > 0 else 0.0
+    a2 = a[1] if a.size > 1 else 0.0
+    a3 = a[2] if a.size > 2 else 0.0
+    a4 = a[3] if a.size > 3 else 0.0
+    y1 = y2 = y3 = y4 = 0.0
+    for k in range(x.size):
+        value = (x[k] - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1  # the newest last: it is the critical path
+        y4, y3, y2, y1 = y3, y2, y1, value
+        out[k] = value
+
+
+@njit(cache=True, fastmath={"contract"})
+def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None:
+    """Add sum c_i x(k-i), with zeros before the first sample, to `out`."""
+    n = out.size
+    for i in range(coefficients.size):
+        weight = coefficients[i]
+        for k in range(i, n):
+            out[k] += weight * x[k - i]
 
 
 @njit(cache=True)
 def _filtered_signals(
-    a: FloatArray,
-    b: FloatArray,
-    c: FloatArray,
-    delay: int,
-    first: int,
-    x: FloatArray,
-    dx: FloatArray,
-    base: FloatArray,
+    a: FloatArray, b: FloatArray, c: FloatArray, delay: int, first: int, x: FloatArray, dx: FloatArray, base: FloatArray
 ) -> FloatArray:
-    """Fill the columns of `base` (n, 3+ne) with (1/A)x, -(1/A)z, (1/A)delta, (B/A)dx; return z."""
-    n = base.shape[0]
-    ne = dx.shape[1]
-    na = a.size
+    """Fill the rows of `base` (3+ne, n) with (1/A)x, -(1/A)z, (1/A)delta, (B/A)dx/deta; return z."""
+    n = base.shape[1]
+    begin = first - delay  # the input that first acts
+    all_pole(a, x[begin : begin + n], base[0])
+    drive = np.zeros(n)
+    drive[0] = 1.0
+    all_pole(a, drive, base[2])
     z = np.zeros(n)
+    add_lagged(b, base[0], z)
+    add_lagged(c, base[2], z)
+    all_pole(a, z, base[1])
     for k in range(n):
-        j = k + first - delay  # input that first acts now
-        base[k, 0] = x[j]
-        total = c[k] if k < c.size else 0.0
-        for i in range(b.size):
-            if k - i >= 0:
-                total += b[i] * x[j - i]
-        base[k, 2] = 1.0 if k == 0 else 0.0
-        for e in range(ne):
-            value = 0.0
-            for i in range(b.size):
-                if k - i >= 0:
-                    value += b[i] * dx[j - i, e]
-            base[k, 3 + e] = value
-        lags = na if k >= na else k
-        for i in range(lags):
-            total -= a[i] * z[k - 1 - i]
-        z[k] = total
-        base[k, 1] = -total
-        for i in range(lags):
-            weight = a[i]
-            for s in range(3 + ne):
-                base[k, s] -= weight * base[k - 1 - i, s]
+        base[1, k] = -base[1, k]
+    for e in range(dx.shape[0]):
+        all_pole(a, dx[e, begin : begin + n], drive)
+        base[3 + e] = 0.0
+        add_lagged(b, drive, base[3 + e])
     return z
 
 
 @njit(cache=True)
-def _noise_filtered(d: FloatArray, base: FloatArray) -> FloatArray:
-    """D(q) applied to each column, with zeros before the first row."""
-    n, m = base.shape
-    out = base.copy()
-    for k in range(n):
-        for i in range(min(d.size, k)):
-            weight = d[i]
-            for s in range(m):
-                out[k, s] += weight * base[k - 1 - i, s]
-    return out
-
-
-@njit(cache=True)
-def _fill_row(
-    row: FloatArray,
-    k: int,
+def _fill_gradients(
+    rows: FloatArray,
+    k0: int,
+    m: int,
     na: int,
     nb1: int,
     ne: int,
@@ -90,20 +91,29 @@ def _fill_row(
     v: FloatArray,
     offset_gain: float,
 ) -> None:
-    """Gradient of e(k) with respect to all parameters, into `row` (zero elsewhere)."""
+    """Gradients of e(k0) .. e(k0+m-1) with respect to all parameters, into rows[:, :m]; c of others stays zero."""
     for i in range(na):
-        row[i] = -base[k - 1 - i, 1] if k - 1 - i >= 0 else 0.0
+        _copy_shifted(base[1], k0, m, i + 1, rows[i])
     for i in range(nb1):
-        row[na + i] = -base[k - i, 0] if k - i >= 0 else 0.0
+        _copy_shifted(base[0], k0, m, i, rows[na + i])
     at = na + nb1
-    row[at] = -offset_gain
+    rows[at, :m] = -offset_gain
     for e in range(ne):
-        row[at + 1 + e] = -base[k, 3 + e]
+        _copy_shifted(base[3 + e], k0, m, 0, rows[at + 1 + e])
     at += 1 + ne
     for i in range(p):
-        row[at + i] = v[k - 1 - i]
+        rows[at + i, :m] = v[k0 - 1 - i : k0 - 1 - i + m]
     for i in range(nc):
-        row[c_at + i] = -base[k - i, 2] if k - i >= 0 else 0.0
+        _copy_shifted(base[2], k0, m, i, rows[c_at + i])
+
+
+@njit(cache=True)
+def _copy_shifted(signal: FloatArray, k0: int, m: int, lag: int, row: FloatArray) -> None:
+    """row[j] = -signal[k0 + j - lag], zero before the first sample."""
+    for j in range(min(m, max(lag - k0, 0))):
+        row[j] = 0.0
+    for j in range(max(lag - k0, 0), m):
+        row[j] = -signal[k0 + j - lag]
 
 
 @njit(cache=True)
@@ -120,25 +130,16 @@ def prediction_errors(
 ) -> tuple[FloatArray, FloatArray]:
     """Simulated output z + offset from row `first` on, and the prediction errors from `first + p` on."""
     n = y.size - first
-    p = d.size
-    z = np.zeros(n)
-    for k in range(n):
-        total = c[k] if k < c.size else 0.0
-        j = k + first - delay
-        for i in range(b.size):
-            if k - i >= 0:
-                total += b[i] * x[j - i]
-        for i in range(a.size):
-            if k - 1 - i >= 0:
-                total -= a[i] * z[k - 1 - i]
-        z[k] = total
-    errors = np.empty(n - p)
-    for k in range(p, n):
-        value = y[first + k] - offset - z[k]
-        for i in range(p):
-            value += d[i] * (y[first + k - 1 - i] - offset - z[k - 1 - i])
-        errors[k - p] = value
-    return z + offset, errors
+    begin = first - delay
+    drive = np.zeros(n)
+    drive[: c.size] = c[:n]
+    add_lagged(b, x[begin : begin + n], drive)
+    z = np.empty(n)
+    all_pole(a, drive, z)
+    v = y[first:] - offset - z
+    errors = v.copy()
+    add_lagged(d, v[:-1], errors[1:])
+    return z + offset, errors[d.size :]
 
 
 @njit(cache=True)
@@ -159,7 +160,7 @@ def normal_equations(
 ) -> float:
     """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
 
-    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each.
+    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. `dx` is (ne, samples).
     """
     nb1 = nb + 1
     a = theta[:na]
@@ -168,31 +169,28 @@ def normal_equations(
     shared = na + nb1 + 1 + ne
     d = theta[shared : shared + p]
     nc = max(na, nb)
-    offset_gain = 1.0 + d.sum()
     cost = 0.0
-    rows = np.zeros((BLOCK, theta.size))
-    errors = np.zeros(BLOCK)
+    rows = np.zeros((theta.size, BLOCK))
     for s in range(segments.shape[0]):
         start, stop = segments[s, 0], segments[s, 1]
         n = stop - start - first
         c_at = shared + p + s * nc
-        base = np.empty((n, 3 + ne))
-        z = _filtered_signals(a, b, theta[c_at : c_at + nc], delay, first, x[start:stop], dx[start:stop], base)
+        base = np.empty((3 + ne, n))
+        z = _filtered_signals(a, b, theta[c_at : c_at + nc], delay, first, x[start:stop], dx[:, start:stop], base)
         v = y[start + first : stop] - offset - z
-        base = _noise_filtered(d, base)
-        rows[:, shared + p :] = 0.0
-        used = 0
-        for k in range(p, n):
-            value = v[k]
-            for i in range(p):
-                value += d[i] * v[k - 1 - i]
-            errors[used] = value
-            cost += value * value
-            _fill_row(rows[used], k, na, nb1, ne, p, nc, c_at, base, v, offset_gain)
-            used += 1
-            if used == BLOCK or k == n - 1:
-                block = rows[:used]
-                hessian += np.dot(block.T, block)
-                gradient += np.dot(block.T, errors[:used])
-                used = 0
+        errors = v.copy()
+        add_lagged(d, v[:-1], errors[1:])
+        if p > 0:
+            for row in range(3 + ne):
+                z[:] = base[row]
+                add_lagged(d, z[:-1], base[row, 1:])
+        rows[shared + p :] = 0.0
+        for k0 in range(p, n, BLOCK):
+            m = min(BLOCK, n - k0)
+            _fill_gradients(rows, k0, m, na, nb1, ne, p, nc, c_at, base, v, 1.0 + d.sum())
+            block = rows if m == BLOCK else rows[:, :m].copy()
+            part = errors[k0 : k0 + m]
+            hessian += np.dot(block, block.T)
+            gradient += np.dot(block, part)
+            cost += np.dot(part, part)
     return cost

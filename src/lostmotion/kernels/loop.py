@@ -10,9 +10,7 @@ from lostmotion.kernels.types import FloatArray
 
 
 @njit(cache=True)
-def pi_step(
-    error: float, integral: float, kp: float, ki_dt: float, low: float, high: float
-) -> tuple[float, float]:
+def pi_step(error: float, integral: float, kp: float, ki_dt: float, low: float, high: float) -> tuple[float, float]:
     """Output of a parallel PI and its new integral; the integral stops where it would wind up."""
     advanced = integral + ki_dt * error
     output = kp * error + advanced

@@ -171,9 +171,7 @@ class LinearModel:
             raise InputError.expected("keys a, b, delay, dt", sorted(data), "use to_dict()") from error
 
 
-def _hold_equivalent(
-    num: FloatArray, den: FloatArray, dt: float, fraction: float
-) -> tuple[FloatArray, FloatArray]:
+def _hold_equivalent(num: FloatArray, den: FloatArray, dt: float, fraction: float) -> tuple[FloatArray, FloatArray]:
     """A without its leading 1, and B from lag 0, of a held input delayed by `fraction` of a sample."""
     phi, gamma_late, output, feedthrough = _held_states(num, den, dt)
     order = len(den) - 1

@@ -32,9 +32,7 @@ def fit_figure(fit: HammersteinFit, title: str | None = None) -> Figure:
     figure = new_figure()
     grid = figure.add_gridspec(2, 4)
     name = fit.data.tag or fit.data.source or "record"
-    figure.suptitle(
-        title or f"{name}: {fit.status.name.replace('_', ' ').lower()}", fontsize=12, x=0.01, ha="left"
-    )
+    figure.suptitle(title or f"{name}: {fit.status.name.replace('_', ' ').lower()}", fontsize=12, x=0.01, ha="left")
     _characteristic(figure.add_subplot(grid[0, :2]), fit)
     _step(figure.add_subplot(grid[0, 2:]), fit)
     _simulation(figure.add_subplot(grid[1, :2]), fit)
@@ -56,7 +54,7 @@ def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
             axes.axvspan(*ends, color=colour, alpha=0.6, lw=0)
             axes.axvline(fit.parameters[name], color=MODEL, lw=0.8, ls=":")
             axes.annotate(
-                f"{name} {fit.parameters[name]:.4g}", (fit.parameters[name], 1.0), 
+                f"{name} {fit.parameters[name]:.4g}", (fit.parameters[name], 1.0),
                 xycoords=("data", "axes fraction"),
                 fontsize=8, ha="right" if name == "left" else "left", va="top", color=MODEL,
             )  # fmt: skip
@@ -66,9 +64,7 @@ def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
     height = 0.18 * (top - base) * counts / counts.max()
     axes.bar(edges[:-1], height, np.diff(edges), bottom=base, align="edge", color="0.85", lw=0)
     axes.set_ylim(bottom=base)
-    title = (
-        "Characteristic, 95 % intervals of the break points" if not unseen else "Characteristic: no dead zone seen"
-    )
+    title = "Characteristic, 95 % intervals of the break points" if not unseen else "Characteristic: no dead zone seen"
     calm(axes, title, "OP (grey: where it was)", "x")
 
 
@@ -112,16 +108,20 @@ def _cross_correlation(axes: Axes, fit: HammersteinFit) -> None:
         float(errors[max(lag, 0) : errors.size + min(lag, 0)] @ u[max(-lag, 0) : u.size - max(lag, 0)]) / size
         for lag in lags.tolist()
     ]
-    _stems(axes, lags, np.array(values), errors.size)
-    axes.axvspan(lags[0] - 0.5, -0.5, color="0.95", lw=0)
+    delay = fit.linear.delay
+    _stems(axes, lags, np.array(values), errors.size, lags >= delay)
+    axes.axvspan(lags[0] - 0.5, delay - 0.5, color="0.9", lw=0, zorder=3, alpha=0.9)
+    axes.text(0.02, 0.02, "before the delay:\nfeedback", transform=axes.transAxes, fontsize=7, color="0.35", zorder=4)
     calm(axes, "OP moves to residual", "lag, samples", "")
 
 
-def _stems(axes: Axes, lags: np.ndarray, values: np.ndarray, n: int) -> None:
+def _stems(axes: Axes, lags: np.ndarray, values: np.ndarray, n: int, judged: np.ndarray | None = None) -> None:
+    """Correlations with their 99 % band; the axis fits the `judged` ones (default all)."""
     limit = BAND_99 / np.sqrt(n)
     outside = np.abs(values) > limit
     axes.axhspan(-limit, limit, color=BAND, alpha=0.6, lw=0)
     axes.vlines(lags, 0, values, color=np.where(outside, ALERT, MODEL), lw=1.5)
     axes.axhline(0, color="0.4", lw=0.6)
-    reach = max(1.3 * limit, 1.15 * float(np.abs(values).max()))
+    shown = values if judged is None else values[judged]
+    reach = max(1.3 * limit, 1.15 * float(np.abs(shown).max()))
     axes.set_ylim(-reach, reach)

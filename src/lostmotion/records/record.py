@@ -74,9 +74,7 @@ class LoopRecord:
         for name in _SIGNALS[1:]:
             value = getattr(self, name)
             if value is not None and len(value) != n:
-                raise DataError.expected(
-                    f"{name} with {n} samples as op", f"{len(value)}", "cut both to the same rows"
-                )
+                raise DataError.expected(f"{name} with {n} samples as op", f"{len(value)}", "cut both to the same rows")
         if n < 2:
             raise DataError.expected("at least 2 samples", n, "check that the right file was read")
         for name in ("op_span", "pv_span"):

@@ -78,10 +78,7 @@ def _table(fit: HammersteinFit) -> str:
     for name, meaning in MEANING.items():
         if name not in fit.parameters or (hidden and name not in ("width", "gain")):
             continue
-        if hidden and name == "gain" and fit.linear_alternative is not None:
-            source = fit.linear_alternative
-        else:
-            source = fit
+        source = fit.linear_alternative if hidden and name == "gain" and fit.linear_alternative is not None else fit
         error = source.standard_errors[name]
         value, deviation = digits(source.parameters[name], error)
         low, high = source.interval(name)

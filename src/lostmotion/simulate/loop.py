@@ -114,9 +114,7 @@ def simulate_loop(
 def _of_length(name: str, values: npt.ArrayLike, n: int) -> FloatArray:
     array = signal(name, values)
     if array.size != n:
-        raise DataError.expected(
-            f"{name} with {n} samples as the reference", array.size, "cut both to the same length"
-        )
+        raise DataError.expected(f"{name} with {n} samples as the reference", array.size, "cut both to the same length")
     return array
 
 
