@@ -46,7 +46,7 @@ def orders_of(model):
 
 @pytest.mark.statistics
 @pytest.mark.parametrize("noise", ["auto", "white"])
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", [*range(15), 75])
 def test_papers_tank(seed, noise):
     u = lm.signals.prs(2000, -5, 5, 10, seed)
     check(TANK, u, 0.1, gain=TANK.linear.gain, orders=(3, 2, 3), noise=noise)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, positive
+from lostmotion.models._arguments import FloatArray, positive, signal
 from lostmotion.records import LoopRecord
 
 FEWEST_SAMPLES = 60  # below this a dead zone and first-order dynamics cannot be told from noise
@@ -98,20 +99,14 @@ def collect(
     return data
 
 
-def _from_arrays(u: object, y: npt.ArrayLike | None, dt: float | None) -> IdentificationData:
+def _from_arrays(u: Any, y: npt.ArrayLike | None, dt: float | None) -> IdentificationData:
     if y is None:
         raise ParameterError.expected("u and y, or a LoopRecord", "one array", "pass identify(u, y, dt=..)")
     if dt is None:
         raise ParameterError.expected("dt in seconds", None, "pass identify(u, y, dt=..)")
     arrays = []
     for name, value in (("u", u), ("y", y)):
-        try:
-            array = np.array(value, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise DataError.expected(f"{name} as numbers", repr(value)[:40], "convert it to floats") from error
-        if array.ndim != 1:
-            raise DataError.expected(f"{name} of one dimension", f"shape {array.shape}", "pass one signal")
-        arrays.append(array)
+        arrays.append(signal(name, value))
     if arrays[0].size != arrays[1].size:
         raise DataError.expected(
             "u and y of one length", f"{arrays[0].size} and {arrays[1].size}", "cut both to the same rows"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.errors import ParameterError, Status
+from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.data import IdentificationData, collect
 from lostmotion.identify.families import DeadZoneFamily, LinearFamily
 from lostmotion.identify.misfit import residual_tests
@@ -21,7 +21,7 @@ from lostmotion.identify.result import Evidence, HammersteinFit
 from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
 from lostmotion.identify.width_bound import width_bound
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
-from lostmotion.models._arguments import FloatArray
+from lostmotion.models._arguments import FloatArray, finite, whole
 from lostmotion.records import LoopRecord
 
 KINDS = ("dead zone", "none", "auto")
@@ -101,8 +101,10 @@ def identify(
     _check_choice("nonlinearity", nonlinearity, KINDS)
     orders_given = _orders(orders)
     noise_given = _noise(noise)
-    if gain is not None and not (np.isfinite(gain) and gain != 0):
-        raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
+    if gain is not None:
+        gain = finite("gain", gain)
+        if gain == 0:
+            raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
     _check_choice("offset", offset, ("auto", "free", "zero"))
     data = collect(u, y, dt)
     _check_length(data, orders_given, noise_given)
@@ -136,7 +138,7 @@ def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise:
         lags = Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
     else:
         lags = Lags.for_record(data.shortest, orders[2])
-    candidates, _ = profile(data.u, data.y, data.segments, lags, low, high)
+    candidates = profile(data.u, data.y, data.segments, lags, low, high)
     etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
     family = DeadZoneFamily(low, high)
     return best_fit(data, family, etas, orders, noise)
@@ -267,8 +269,11 @@ def _status(
     if "width" in values:
         names = list(values)
         error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
-        if evidence.gain_over_linear <= 0 or values["width"] <= 1.96 * error:
+        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values["right"])  # collapsed: no information
+        if evidence.gain_over_linear <= 0 or values["width"] <= reach:
             return Status.NOT_SEEN
+        if not np.isfinite(error):
+            return Status.CANNOT_TELL
         if not fitted.fit.converged:
             return Status.NOT_CONVERGED
         if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
@@ -289,13 +294,11 @@ def _orders(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
     if isinstance(orders, str):
         _check_choice("orders", orders, ("auto",))
         return None
+    remedy = "whole numbers >= 0, e.g. (3, 2, 3)"
     try:
-        na, nb, delay = (int(value) for value in orders)
-        whole = (na, nb, delay) == tuple(orders)
-    except (TypeError, ValueError):
-        whole = False
-    if not whole or min(na, nb, delay) < 0:
-        raise ParameterError.expected("orders as (na, nb, delay), whole and >= 0", orders, "e.g. (3, 2, 3)")
+        na, nb, delay = (whole("orders", value, 0) for value in orders)
+    except (TypeError, ValueError) as error:
+        raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
     return na, nb, delay
 
 
@@ -303,16 +306,16 @@ def _noise(noise: str | int) -> int | None:
     if isinstance(noise, str):
         _check_choice("noise", noise, ("auto", "white"))
         return 0 if noise == "white" else None
-    if isinstance(noise, bool) or int(noise) != noise or noise < 0:
-        raise ParameterError.expected('noise as "auto", "white" or an order >= 0', noise, "e.g. noise=4")
-    return int(noise)
+    if isinstance(noise, bool):
+        raise ParameterError.expected('noise as "auto", "white" or an order', noise, "e.g. noise=4")
+    return whole('noise (or "auto", "white")', noise, 0)
 
 
 def _check_length(data: IdentificationData, orders: tuple[int, int, int] | None, noise: int | None) -> None:
     na, nb, delay = orders or (3, 2, 1)
     needed = 3 * (na + nb + delay + (noise or 0)) + 30
     if data.shortest < needed:
-        raise ParameterError.expected(
+        raise DataError.expected(
             f"at least {needed} samples in every segment for orders {(na, nb, delay)}",
             f"{data.shortest}",
             "use lower orders or longer records",

@@ -8,6 +8,7 @@ from lostmotion.kernels.lagged import lagged_gram
 from lostmotion.models._arguments import FloatArray
 
 MOST_NOISE_LAGS = 20
+ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 
 
@@ -34,5 +35,7 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
     """Coefficients d of the AR model that an information criterion prefers; empty for white noise."""
     models, variances, rows = autoregressions(v, most)
+    if variances[0] < ROUNDING:
+        return models[0]
     score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
     return models[int(np.argmin(score))]

@@ -28,11 +28,12 @@ def settle_offset(fitted: Fitted, scaling: Scaling, choice: str) -> Fitted:
     column = fitted.problem.eta_at - 1
     zero = -scaling.y_centre / scaling.y_scale
     if choice == "auto":
-        variance = fitted.variance * information_inverse(fitted.fit.hessian)[column, column]
+        inverse, empty = information_inverse(fitted.fit.hessian)
+        variance = fitted.variance * inverse[column, column]
         centred = abs(scaling.y_centre) < CENTRED * scaling.y_scale
         distance = (fitted.fit.theta[column] - zero) ** 2
         left, right = scaling.u_centre + scaling.u_scale * fitted.fit.theta[column + 1 : column + 3]
-        if not np.isfinite(variance) or centred or not left <= 0.0 <= right:
+        if empty.size or centred or not left <= 0.0 <= right:
             return fitted
         if not distance < np.log(fitted.problem.errors) * variance:
             return fitted

@@ -33,8 +33,8 @@ class Named:
     covariance: FloatArray
 
 
-def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) -> FloatArray:
-    """Covariance of all parameters up to the residual variance; infinite where there is no information.
+def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Covariance of all parameters up to the residual variance, and the directions without information (columns).
 
     With a `basis` only its directions are free, the others are known.
     """
@@ -47,11 +47,27 @@ def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) ->
     empty = vectors[:, ~seen] / scale[:, None]
     if basis is not None:
         root, empty = basis @ root, basis @ empty
-    covariance = root @ root.T
-    reach = np.abs(empty).sum(axis=1)
-    blind = reach > 1e-6 * max(float(reach.max(initial=0.0)), 1e-300)
-    covariance[blind, blind] = np.inf
-    return np.asarray(covariance)
+    return root @ root.T, empty
+
+
+def _room(fitted: Fitted, direction: FloatArray) -> float:
+    """How far the break points can move along a direction without information before they meet a sample of OP.
+
+    Where no sample lies inside the dead zone, it can slide in the gap between two levels of OP unseen; a direction
+    that moves no break point has no end.
+    """
+    at = fitted.problem.eta_at
+    if (
+        fitted.problem.family.kind != "dead zone"
+        or np.abs(direction[at : at + 2]).max() < 1e-9 * np.abs(direction).max()
+    ):
+        return float(np.inf)
+    left, right = fitted.fit.theta[at : at + 2]
+    u = fitted.problem.u
+    low = left - float(np.max(u[u < left], initial=float(u.min())))
+    high = float(np.min(u[u > right], initial=float(u.max()))) - right
+    reach = float(np.abs(direction[at : at + 2]).max())
+    return float((low + high) / reach)
 
 
 def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Named:
@@ -72,13 +88,15 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
         shifted[column] += 1e-30j
         _, moved = _transform(shifted, problem.family.kind, s.na, s.nb, scaling, gain)
         jacobian[:, column] = np.imag(moved) / 1e-30
-    full = information_inverse(fitted.fit.hessian, fitted.basis)
-    raw = fitted.variance * full[: theta.size, : theta.size]
-    open_ended = ~np.isfinite(np.diag(raw))
-    finite = np.where(np.isfinite(raw), raw, 0.0)
-    covariance = jacobian @ finite @ jacobian.T
-    unknown = np.any(np.abs(jacobian[:, open_ended]) > 0, axis=1)
-    covariance[unknown, unknown] = np.inf
+    inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
+    covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
+    for direction in empty.T:
+        move, room = jacobian @ direction[: theta.size], _room(fitted, direction)
+        if np.isfinite(room):
+            covariance += np.outer(move, move) * room**2 / 12.0  # anywhere in the gap is equally good
+        else:
+            unknown = np.abs(move) > 1e-6 * np.abs(move).max(initial=1e-300)
+            covariance[unknown, unknown] = np.inf
     return Named(dict(zip(names, np.real(values).tolist(), strict=True)), covariance)
 
 

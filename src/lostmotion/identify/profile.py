@@ -23,6 +23,9 @@ ZOOM_KNOTS = 9
 CHUNK = 8192  # rows of which the hinge functions exist at once
 RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
 MOST_STARTS = 3
+NARROW_KNOTS = 60
+MOST_NARROW = 2
+NARROW_ROWS = 8192  # enough to place a narrow zone; the likelihood then takes all rows
 START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
 
 
@@ -58,27 +61,70 @@ class Lags:
 
 def profile(
     u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, low: float, high: float
-) -> tuple[list[Candidate], int]:
+) -> list[Candidate]:
     """Minima of the residual sum of squares over left <= right in [low, high], best first.
 
-    Returns
-    -------
-    candidates : list of Candidate
-        At most three, within reach of the best.
-    samples : int
-        Rows that entered the sums.
+    A grid finds wide dead zones, a scan of the location of a jump finds those narrower than the grid.
     """
     knots = np.linspace(low, high, KNOTS)
     coarse, samples = _scan(u, y, segments, lags, knots, knots)
     spacing = knots[1] - knots[0]
+    centres = [(knots[row], knots[column], spacing) for row, column in _minima(coarse[0], samples)[:MOST_STARTS]]
+    centres += narrow_zones(u, y, segments, lags, low, high)
     found: list[Candidate] = []
-    for row, column in _minima(coarse[0], samples)[:MOST_STARTS]:
-        left = _around(knots[row], spacing, low, high)
-        right = _around(knots[column], spacing, low, high)
+    for left_centre, right_centre, reach in centres:
+        left = _around(left_centre, reach, low, high)
+        right = _around(right_centre, reach, low, high)
         (rss, ratio), _ = _scan(u, y, segments, lags, left, right)
         i, j = np.unravel_index(np.argmin(rss), rss.shape)
         found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
-    return sorted(found, key=lambda candidate: candidate.rss), samples
+    found.sort(key=lambda candidate: candidate.rss)
+    limit = found[0].rss * (1.0 + 2.0 * START_MARGIN / samples)
+    return [candidate for candidate in found if candidate.rss <= limit][:MOST_STARTS]
+
+
+def narrow_zones(
+    u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, low: float, high: float
+) -> list[tuple[float, float, float]]:
+    """Left, right and reach of the best narrow dead zones.
+
+    Seen from outside, a narrow dead zone at m is a jump of minus its width: x = u - m - width [u > m] + constant.
+    So u and [u > m] are inputs of one ARX, and the ratio of their gains is the width.
+    """
+    rows = segments if u.size <= NARROW_ROWS else _longest(segments, NARROW_ROWS)
+    places = np.linspace(low, high, NARROW_KNOTS + 2)[1:-1]
+    rss, widths = np.full(NARROW_KNOTS, np.inf), np.zeros(NARROW_KNOTS)
+    samples = 1
+    for index, place in enumerate(places):
+        gram, samples = arx_gram(_jump_at(u, float(place)), y, rows, lags)
+        inner, cross, total = eliminate_past(gram, lags, 2)
+        inner += RIDGE * np.diag(np.diag(inner) + np.finfo(float).tiny)
+        gains = np.linalg.solve(inner, cross)
+        rss[index] = max(total - float(gains @ cross), 0.0)
+        slope, jump = gains.reshape(lags.inputs, 2).sum(axis=0)
+        widths[index] = -jump / slope if slope else 0.0
+    widths = np.minimum(widths, 0.5 * (high - low))
+    order = [int(index) for index in np.argsort(rss) if widths[index] > 0.0]
+    limit = rss.min() * (1.0 + 2.0 * START_MARGIN / samples)
+    spacing = places[1] - places[0]
+    zones: list[tuple[float, float, float]] = []
+    for index in order:
+        left, right = places[index] - widths[index] / 2, places[index] + widths[index] / 2
+        apart = all(abs(left + right - a - b) > 4 * spacing for a, b, _ in zones)
+        if apart and rss[index] <= limit and len(zones) < MOST_NARROW:
+            zones.append((left, right, max(spacing, widths[index] / 2)))
+    return zones
+
+
+def _jump_at(u: FloatArray, place: float) -> Callable[[int, int], FloatArray]:
+    """Signals u and [u > place] of a range of rows."""
+    return lambda start, stop: np.column_stack([u[start:stop], u[start:stop] > place])
+
+
+def _longest(segments: npt.NDArray[np.int64], rows: int) -> npt.NDArray[np.int64]:
+    """The first rows of the longest segment."""
+    start, stop = segments[int(np.argmax(segments[:, 1] - segments[:, 0]))]
+    return np.array([[start, min(stop, start + rows)]])
 
 
 def _around(centre: float, spacing: float, low: float, high: float) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -172,7 +173,7 @@ class HammersteinFit:
             "widest": None if self.widest is None else _finite(self.widest),
             "evidence": dict(vars(self.evidence)),
             "residual_tests": dict(vars(self.tests)),
-            "settings": self.settings,
+            "settings": copy.deepcopy(self.settings),
             "data": {
                 "tag": data.tag,
                 "source": data.source,

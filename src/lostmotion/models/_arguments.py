@@ -16,7 +16,7 @@ FloatArray = npt.NDArray[np.float64]
 def finite(name: str, value: float) -> float:
     """`value` as a finite float, or a ParameterError that names it."""
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, str) else float(value)
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
@@ -32,24 +32,66 @@ def positive(name: str, value: float) -> float:
     return number
 
 
+def whole(name: str, value: object, least: int) -> int:
+    """`value` as an int of at least `least`, or a ParameterError that names it."""
+    try:
+        number = int(value)  # type: ignore[call-overload]
+        exact = number == value
+    except (TypeError, ValueError, OverflowError):
+        number, exact = least, False
+    if not exact or number < least:
+        raise ParameterError.expected(f"{name} as a whole number >= {least}", repr(value), "give samples")
+    return int(number)
+
+
 def coefficients(name: str, values: npt.ArrayLike) -> tuple[float, ...]:
     """One-dimensional coefficients as a tuple of finite floats."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.ndim != 1 or not np.isfinite(array).all():
+    try:
+        array = np.asarray(values, dtype=np.float64)
+        good = array.ndim == 1 and bool(np.isfinite(array).all())
+    except (TypeError, ValueError):
+        good = False
+    if not good:
         raise ParameterError.expected(f"{name} as finite numbers in one dimension", values, "see the docstring")
-    return tuple(array.tolist())
+    return tuple(float(value) for value in array)
+
+
+def numbers(name: str, values: npt.ArrayLike) -> FloatArray:
+    """Real numbers of any shape as a float array of the caller's own; masked entries become NaN."""
+    try:
+        if isinstance(values, np.ma.MaskedArray):
+            values = np.where(np.ma.getmaskarray(values), np.nan, np.ma.getdata(values))
+        array = np.array(values)
+        real = not np.iscomplexobj(array)
+        array = array.astype(np.float64) if real else array
+    except (TypeError, ValueError):
+        real = False
+    if not real:
+        raise DataError.expected(f"{name} as real numbers", repr(values)[:60], "convert it to floats")
+    return array
 
 
 def signal(name: str, values: npt.ArrayLike) -> FloatArray:
-    """One-dimensional signal as a contiguous float array."""
-    array = np.ascontiguousarray(values, dtype=np.float64)
+    """One-dimensional signal as a contiguous float array of its own."""
+    array = numbers(name, values)
     if array.ndim != 1:
         raise DataError.expected(f"{name} of one dimension", f"shape {array.shape}", "pass one signal")
     return array
 
 
+def finite_signal(name: str, values: npt.ArrayLike, n: int | None = None) -> FloatArray:
+    """Signal without NaN or infinity, of length n where one is given."""
+    array = signal(name, values)
+    if n is not None and array.size != n:
+        raise DataError.expected(f"{name} with {n} samples", array.size, "cut all signals to the same length")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise DataError.expected(f"finite {name}", f"{array[bad[0]]} in row {bad[0]}", "mend the signal")
+    return array
+
+
 def elementwise(run: Callable[[FloatArray], FloatArray], values: npt.ArrayLike) -> float | FloatArray:
     """Apply a 1-D kernel to a scalar or to an array of any shape."""
-    array = np.asarray(values, dtype=np.float64)
+    array = numbers("input", values)
     result = run(np.ascontiguousarray(array.ravel()))
     return float(result[0]) if array.ndim == 0 else result.reshape(array.shape)

@@ -11,7 +11,7 @@ from scipy import linalg, signal
 
 from lostmotion.errors import InputError, ParameterError
 from lostmotion.kernels import linear as kernel
-from lostmotion.models._arguments import FloatArray, coefficients, positive
+from lostmotion.models._arguments import FloatArray, coefficients, positive, whole
 from lostmotion.models._arguments import signal as as_signal
 
 
@@ -55,9 +55,7 @@ class LinearModel:
         object.__setattr__(self, "dt", positive("dt", self.dt))
         if not self.b:
             raise ParameterError.expected("at least b0", "no b", "give b=[b0, ..]")
-        if int(self.delay) != self.delay or self.delay < 0:
-            raise ParameterError.expected("delay as a whole number >= 0", self.delay, "give samples, not seconds")
-        object.__setattr__(self, "delay", int(self.delay))
+        object.__setattr__(self, "delay", whole("delay", self.delay, 0))
 
     @classmethod
     def from_continuous(cls, num: npt.ArrayLike, den: npt.ArrayLike, dead_time: float, dt: float) -> Self:
@@ -92,7 +90,8 @@ class LinearModel:
         >>> tank.delay, [round(value, 5) for value in tank.b]
         (4, [0.00713, 0.02441, 0.00531])
         """
-        num, den = np.atleast_1d(np.trim_zeros(np.asarray(num, float), "f")), np.asarray(den, float)
+        num = np.trim_zeros(np.array(coefficients("num", num)), "f")
+        den = np.array(coefficients("den", den))
         if den.size < num.size or num.size == 0 or den.size == 0 or den[0] == 0:
             raise ParameterError.expected("a proper num/den", f"{num}/{den}", "give falling powers of s")
         dt = positive("dt", dt)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from lostmotion.errors import ParameterError
 from lostmotion.models._arguments import coefficients, finite
 
 
@@ -26,6 +27,8 @@ class NoiseModel:
     def __post_init__(self) -> None:
         object.__setattr__(self, "d", coefficients("d", self.d))
         object.__setattr__(self, "variance", finite("variance", self.variance))
+        if self.variance < 0:
+            raise ParameterError.expected("variance >= 0", self.variance, "give the square of the deviation")
 
     @property
     def order(self) -> int:

@@ -34,7 +34,7 @@ def span(low: float, high: float, error: float) -> str:
 
     Examples
     --------
-    >>> span(0.99611, 1.00855, 0.0031)
+    >>> span(0.99611, 1.00853, 0.0031)
     '0.9961 .. 1.0085'
     >>> span(-math.inf, math.inf, math.inf)
     'anywhere'

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.compensate import DeadZoneCompensator
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import ParameterError
 from lostmotion.kernels.loop import closed_loop
 from lostmotion.models import DeadZone, DeadZoneInverse, Hammerstein, Identity, LinearModel
-from lostmotion.models._arguments import FloatArray, signal
+from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate.controllers import PI
 
 _OPEN = np.zeros(5)
@@ -52,6 +52,7 @@ def simulate_loop(
     seed: int | np.random.Generator | None = None,
     *,
     disturbance_path: LinearModel | None = None,
+    allow_unstable: bool = False,
 ) -> LoopResponse:
     """Simulate a closed loop from rest.
 
@@ -75,6 +76,8 @@ def simulate_loop(
         Seed of the noise.
     disturbance_path : LinearModel, optional
         Dynamics between disturbance and output.
+    allow_unstable : bool
+        Simulate unstable and integrating plants too.
 
     Raises
     ------
@@ -93,12 +96,15 @@ def simulate_loop(
     model = plant if isinstance(plant, Hammerstein) else Hammerstein(Identity(), plant)
     linear = model.linear
     dt = linear.dt if dt is None else dt
-    if abs(dt - linear.dt) > 1e-9 * linear.dt:
+    if not abs(dt - linear.dt) <= 1e-9 * linear.dt:
         raise ParameterError.expected(f"dt={linear.dt} as the plant's", dt, "resample the plant or leave dt out")
     if linear.delay < 1:
         raise ParameterError.expected("delay >= 1 in a loop", linear.delay, "a held input acts one sample later")
-    r = signal("reference", reference)
-    added = np.zeros(r.size) if disturbance is None else _of_length("disturbance", disturbance, r.size)
+    if not linear.is_stable and not allow_unstable:
+        remedy = "its poles must lie inside the unit circle; allow_unstable=True simulates it all the same"
+        raise ParameterError.expected("a stable plant", f"poles {linear.poles.round(4).tolist()}", remedy)
+    r = finite_signal("reference", reference)
+    added = np.zeros(r.size) if disturbance is None else finite_signal("disturbance", disturbance, r.size)
     if disturbance_path is not None:
         added = disturbance_path.simulate(added)
     zone, has_zone = _zone(model)
@@ -111,20 +117,13 @@ def simulate_loop(
     return LoopResponse(np.arange(r.size, dtype=np.float64) * dt, r, clean, measured, control, command, x, dt)
 
 
-def _of_length(name: str, values: npt.ArrayLike, n: int) -> FloatArray:
-    array = signal(name, values)
-    if array.size != n:
-        raise DataError.expected(f"{name} with {n} samples as the reference", array.size, "cut both to the same length")
-    return array
-
-
 def _noise(noise: float | npt.ArrayLike | None, n: int, seed: int | np.random.Generator | None) -> FloatArray:
     if noise is None:
         return np.zeros(n)
     if np.ndim(noise) > 0:
-        return _of_length("noise", noise, n)
+        return finite_signal("noise", noise, n)
     variance = float(np.asarray(noise))
-    if not variance >= 0:
+    if not (np.isfinite(variance) and variance >= 0):
         raise ParameterError.expected("noise variance >= 0", variance, "give a variance or the samples")
     return np.random.default_rng(seed).normal(scale=np.sqrt(variance), size=n)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import FloatArray
+from lostmotion.models._arguments import FloatArray, whole
 
 
 def prs(n: int, low: float, high: float, hold: int, seed: int | np.random.Generator | None) -> FloatArray:
@@ -32,9 +32,8 @@ def prs(n: int, low: float, high: float, hold: int, seed: int | np.random.Genera
     >>> prs(5, -1.0, 1.0, hold=2, seed=0).round(2).tolist()
     [0.27, 0.27, -0.46, -0.46, -0.92]
     """
-    if n < 1 or hold < 1:
-        raise ParameterError.expected("n >= 1 and hold >= 1", f"n={n}, hold={hold}", "give whole samples")
-    if not low < high:
+    n, hold = whole("n", n, 1), whole("hold", hold, 1)
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
         raise ParameterError.expected("low < high", f"low={low}, high={high}", "swap them")
     levels = np.random.default_rng(seed).uniform(low, high, -(-n // hold))
     return np.repeat(levels, hold)[:n]
