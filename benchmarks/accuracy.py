@@ -178,7 +178,8 @@ PAGE = """# Accuracy of `identify`
 Made by `.venv/bin/python benchmarks/accuracy.py`. Paper's level tank, dead zone +-1, sampling time 0.1 s, white
 noise of variance 0.03; no start values anywhere. RMSE and ratio to the Cramer-Rao bound are for
 left / right / slope ratio. The median error of the break points is in % of the half-width; in brackets what an
-efficient estimator with the reported standard errors would have, so the data do not allow less. Coverage is of the nominal 95 % intervals.
+efficient estimator with the reported standard errors would have, so the data do not allow less. Coverage is of the
+nominal 95 % intervals.
 
 | experiment | converged | RMSE | RMSE / bound | median error | coverage, % |
 |---|---|---|---|---|---|

@@ -22,7 +22,7 @@ from lostmotion.errors import (
     TimeError,
 )
 from lostmotion.files import read_loop
-from lostmotion.identify import HammersteinFit, identify
+from lostmotion.identify import HammersteinFit, RecursiveIV, identify
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, check
 from lostmotion.simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
@@ -46,6 +46,7 @@ __all__ = [
     "LostMotionError",
     "NoiseModel",
     "ParameterError",
+    "RecursiveIV",
     "Status",
     "TimeError",
     "check",

@@ -141,6 +141,59 @@ def update_gain(p: FloatArray, phi: FloatArray, z: FloatArray, lam: float, gain:
 
 
 @njit(cache=True)
+def gather_information(
+    z: FloatArray,
+    theta: FloatArray,
+    zone: FloatArray,
+    lam: float,
+    delayed: float,
+    miss: float,
+    orders: IntArray,
+    info: FloatArray,
+) -> None:
+    """Add one sample to what the standard errors need; `info` is (2 n + na + nb + 1, n + 2).
+
+    Rows: S = sum (A z)(A z)' (n), W = sum z (sum b_i dx(k-d-i)/dzone)' (n), past z (na), past dx/dzone (nb), and
+    [weight, squared output error].
+    """
+    na, nb, n = orders[0], orders[1], theta.size
+    past = 2 * n
+    for i in range(n):
+        value = z[i]
+        for j in range(na):
+            value += theta[j] * info[past + j, i]
+        info[2 * n + na + nb, i + 2] = value
+    at = 2 * n + na + nb
+    for i in range(n):
+        weight = info[at, i + 2]
+        for j in range(n):
+            info[i, j] = lam * lam * info[i, j] + weight * info[at, j + 2]
+    for c in range(4):
+        slope = 0.0
+        for i in range(nb):
+            slope += theta[na + 4 + i] * info[past + na + i, c]
+        for i in range(n):
+            info[n + i, c] = lam * info[n + i, c] + z[i] * slope
+    for j in range(na - 1, 0, -1):
+        for i in range(n):
+            info[past + j, i] = info[past + j - 1, i]
+    for i in range(n):
+        info[past, i] = z[i]
+    first = past + na
+    for j in range(nb - 1, 0, -1):
+        for c in range(4):
+            info[first + j, c] = info[first + j - 1, c]
+    if nb > 0:
+        over, under = delayed > zone[1], delayed < zone[0]
+        info[first, 0] = -zone[2] if under else 0.0
+        info[first, 1] = -zone[3] if over else 0.0
+        info[first, 2] = delayed - zone[0] if under else 0.0
+        info[first, 3] = delayed - zone[1] if over else 0.0
+    info[at, 0] = lam * info[at, 0] + 1.0
+    info[at, 1] = lam * info[at, 1] + miss * miss
+
+
+@njit(cache=True)
 def step(
     u: float,
     y: float,
@@ -153,11 +206,13 @@ def step(
     span: FloatArray,
     orders: IntArray,
     scratch: FloatArray,
+    info: FloatArray,
 ) -> float:
     """One sample; return the prediction error. All state is in the arrays.
 
     `held` (n) are the last parameters with a stable A: the model output is simulated with them. `orders` holds
-    na, nb, delay, ne, past inputs, instrument, constrained (0/1), count. `scratch` (4, n).
+    na, nb, delay, ne, past inputs, instrument, constrained (0/1), count. `scratch` (4, n); `info` as in
+    :func:`gather_information`.
     """
     na, nb, delay, ne, past_u = orders[0], orders[1], orders[2], orders[3], orders[4]
     count = orders[7]
@@ -186,6 +241,8 @@ def step(
     residual = y
     for i in range(theta.size):
         residual -= phi[i] * theta[i]
+    if count >= tuning[4]:
+        gather_information(z, theta, zone, tuning[1], delayed, y - output, orders, info)
     at_x = 2 * na + past_u
     x = 0.0
     if delayed > zone[1]:
@@ -215,6 +272,7 @@ def run(
     span: FloatArray,
     orders: IntArray,
     scratch: FloatArray,
+    info: FloatArray,
     every: int,
     trace: FloatArray,
 ) -> FloatArray:
@@ -223,7 +281,7 @@ def run(
     n = theta.size
     rows = 0
     for k in range(u.size):
-        errors[k] = step(u[k], y[k], theta, p, memory, zone, held, tuning, span, orders, scratch)
+        errors[k] = step(u[k], y[k], theta, p, memory, zone, held, tuning, span, orders, scratch, info)
         if (k + 1) % every == 0 and rows < trace.shape[0]:
             trace[rows, :n] = theta
             trace[rows, n:] = zone
