@@ -30,7 +30,7 @@ imports: $(STAMP)
 
 # One worker a core; the kernels are compiled once and cached before the workers start.
 unit: $(STAMP)
-	$(BIN)/python -m lostmotion.kernels
+	$(BIN)/python -m lostmotion.cli.warm_up
 	$(BIN)/pytest -n 2 --dist worksteal
 
 nojit: $(STAMP)

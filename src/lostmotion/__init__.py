@@ -21,6 +21,7 @@ from lostmotion.errors import (
     Status,
     TimeError,
 )
+from lostmotion.evaluate import control_variance, mean_absolute_error
 from lostmotion.files import read_loop
 from lostmotion.identify import HammersteinFit, RecursiveIV, identify
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
@@ -50,7 +51,9 @@ __all__ = [
     "Status",
     "TimeError",
     "check",
+    "control_variance",
     "identify",
+    "mean_absolute_error",
     "platforms",
     "read_loop",
     "routine_operation",

@@ -18,6 +18,7 @@ from lostmotion.models._arguments import FloatArray, finite, finite_signal, posi
 INSTRUMENTS = {"riv": kernel.MODEL_OUTPUT, "rls": kernel.LEAST_SQUARES, "els": kernel.LEAST_SQUARES}
 FORMS = ("convergent", "printed")
 _STATE = ("theta", "p", "memory", "zone", "held", "tuning", "span", "orders", "scratch", "info")
+_STEP: Any = kernel.step  # the compiled function has no signature that a type checker knows
 _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
@@ -176,7 +177,7 @@ class RecursiveIV:
             "scratch": np.zeros((4, n)),
             "info": np.zeros((2 * n + na + nb + 1, n + 2)),
         }
-        self._arguments = tuple(self._state[name] for name in _STATE)
+        self._arguments: Any = tuple(self._state[name] for name in _STATE)
 
     @property
     def samples(self) -> int:
@@ -193,7 +194,7 @@ class RecursiveIV:
         """
         if not (np.isfinite(u) and np.isfinite(y)):
             raise DataError.expected("finite u and y", f"u={u}, y={y}", "leave missing samples out")
-        return float(kernel.step(u, y, *self._arguments))
+        return float(_STEP(u, y, *self._arguments))
 
     def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
         """Take all samples of u and y (n,); keep every `every`-th estimate."""

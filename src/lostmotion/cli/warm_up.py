@@ -1,4 +1,4 @@
-"""``python -m lostmotion.kernels``: compile and cache every kernel once, before parallel workers do."""
+"""``python -m lostmotion.cli.warm_up``: compile and cache every kernel once, before parallel workers do."""
 
 import lostmotion as lm
 

@@ -1,0 +1,62 @@
+"""Indices of a control loop: the paper's eps1 and eps2, and what a valve goes through."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.models._arguments import finite_signal
+
+
+def control_variance(u: npt.ArrayLike) -> float:
+    """Variance of the control signal, ``mean((u - mean u)^2)`` (paper, eq 32), in units of u squared.
+
+    Examples
+    --------
+    >>> control_variance([0.0, 2.0, 0.0, 2.0])
+    1.0
+    """
+    return float(np.var(finite_signal("u", u)))
+
+
+def mean_absolute_error(reference: npt.ArrayLike, y: npt.ArrayLike) -> float:
+    """Integral absolute error per sample, ``mean(|r - y|)`` (paper, eq 33), in units of y.
+
+    Examples
+    --------
+    >>> mean_absolute_error([1.0, 1.0], [0.5, 2.0])
+    0.75
+    """
+    r = finite_signal("reference", reference)
+    return float(np.mean(np.abs(r - finite_signal("y", y, r.size))))
+
+
+def travel(command: npt.ArrayLike) -> float:
+    """Sum of all moves of the command, in its units.
+
+    Examples
+    --------
+    >>> travel([0.0, 1.0, -1.0])
+    3.0
+    """
+    return float(np.sum(np.abs(np.diff(finite_signal("command", command)))))
+
+
+def reversals(command: npt.ArrayLike, band: float = 0.0) -> int:
+    """How often the command turned round; moves smaller than `band` do not count.
+
+    Examples
+    --------
+    >>> reversals([0.0, 1.0, 1.0, 0.0, 0.1, 0.0, 1.0], band=0.5)
+    2
+    """
+    count, direction, turning = 0, 0, None
+    for value in finite_signal("command", command).tolist():
+        turning = value if turning is None else turning
+        move = value - turning
+        if direction and move * direction > 0:
+            turning = value
+        elif abs(move) > band:
+            count += direction != 0
+            direction, turning = (1 if move > 0 else -1), value
+    return count
