@@ -18,7 +18,8 @@ from lostmotion.models._arguments import FloatArray, finite, finite_signal, posi
 INSTRUMENTS = {"riv": kernel.MODEL_OUTPUT, "rls": kernel.LEAST_SQUARES, "els": kernel.LEAST_SQUARES}
 FORMS = ("convergent", "printed")
 _STATE = ("theta", "p", "memory", "zone", "held", "tuning", "span", "orders", "scratch", "info")
-_STEP: Any = kernel.step  # the compiled function has no signature that a type checker knows
+_STEP: Any = kernel.step  # compiled: no signature that a type checker knows
+_RUN: Any = kernel.run
 _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
@@ -204,7 +205,7 @@ class RecursiveIV:
         n = self._state["theta"].size
         begin = self.samples
         trace = np.empty((u.size // every, n + 4))
-        errors = kernel.run(u, y, *self._arguments, every, trace)
+        errors = _RUN(u, y, *self._arguments, every, trace)
         values = {name: trace[:, n + column] for column, name in enumerate(_NAMES)}
         return Trajectory(begin + every * np.arange(1, len(trace) + 1), {**values, "theta": trace[:, :n]}, errors)
 
