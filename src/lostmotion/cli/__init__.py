@@ -14,6 +14,7 @@ import typer
 from lostmotion.cli.check import check
 from lostmotion.cli.compensate import compensate
 from lostmotion.cli.identify import identify
+from lostmotion.cli.paper import paper
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -24,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, identify, compensate):
+for command in (check, identify, compensate, paper):
     app.command()(command)
 
 

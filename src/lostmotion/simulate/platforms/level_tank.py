@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 from lostmotion.models import DeadZone, Hammerstein, LinearModel
 
 VALVE = ([25.0], [1.0, 5.0, 25.0])
@@ -11,6 +13,7 @@ DT = 0.1
 NOISE_VARIANCE = 0.03
 
 
+@functools.cache
 def level_tank() -> Hammerstein:
     """Level tank of Cequeira et al. (ICINCO 2010), section 5, in deviations from 50 %.
 
