@@ -1,4 +1,4 @@
-"""Verbs that results offer and that higher layers carry out: plot, compensator, summary.
+"""Verbs that results offer and that higher layers carry out: plot, compensator, indices, summary.
 
 A result lives low in the import order; what draws it or turns it into a block lives above. The higher layer
 registers its function here when the package is imported, so nothing below imports anything above.
@@ -20,6 +20,12 @@ def plot(result: Any, **options: Any) -> Any:
 def compensator(model: Any, **options: Any) -> Any:
     """Block that undoes an actuator fault (registered by ``lostmotion.compensate``)."""
     raise NotImplementedError(f"no compensator for {type(model).__name__}")
+
+
+@singledispatch
+def indices(result: Any, **options: Any) -> Any:
+    """Indices of a response (registered by ``lostmotion.evaluate``)."""
+    raise NotImplementedError(f"no indices for {type(result).__name__}")
 
 
 @singledispatch

@@ -97,6 +97,10 @@ class Status(Enum):
         "The record does not tell: OP hardly moves the measurement, or the feedback is an exact function of it. "
         "Use a longer record with set-point moves, or a test."
     )
+    WRONG_GAIN = (
+        "The known gain has the other sign than the record: the slopes of the actuator would be negative. "
+        "Turn the sign of the gain."
+    )
     NOT_CONVERGED = (
         "The likelihood has no interior maximum that the search could reach; the numbers are the best point seen. "
         "Try fewer orders, a longer record, or nonlinearity='none' to see whether a linear model fits at all."

@@ -5,7 +5,33 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
+from lostmotion.errors import ParameterError
 from lostmotion.models._arguments import finite_signal
+from lostmotion.simulate import LoopResponse
+
+
+def loop_indices(response: LoopResponse, start: float = 0.0, stop: float | None = None) -> dict[str, float]:
+    """Indices of one track of a simulated loop; eps2 of the measured output, as in the paper.
+
+    Raises
+    ------
+    ParameterError
+        The track holds no sample.
+    """
+    inside = (response.time >= start - 1e-9) & (response.time < (np.inf if stop is None else stop - 1e-9))
+    if not inside.any():
+        raise ParameterError.expected("a track inside the response", f"{start} .. {stop} s", "give seconds")
+    command = response.command[inside]
+    return {
+        "eps1": control_variance(command),
+        "eps2": mean_absolute_error(response.reference[inside], response.measured[inside]),
+        "travel": travel(command),
+        "reversals": float(reversals(command)),
+    }
+
+
+_verbs.indices.register(LoopResponse, loop_indices)
 
 
 def control_variance(u: npt.ArrayLike) -> float:

@@ -20,6 +20,7 @@ from lostmotion.identify.profile import Lags, profile
 from lostmotion.identify.result import Evidence, HammersteinFit
 from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
 from lostmotion.identify.width_bound import width_bound
+from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
 from lostmotion.models._arguments import FloatArray, finite, whole
 from lostmotion.records import LoopRecord
@@ -29,6 +30,7 @@ OUTER_SHARE = 0.01  # break points are sought where this share of the samples li
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 
 
+@one_thread
 def identify(
     u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
     y: npt.ArrayLike | None = None,

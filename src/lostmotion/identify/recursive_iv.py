@@ -219,18 +219,20 @@ class RecursiveIV:
         values, linear = self._values()
         ordered = values["left"] <= values["right"] and min(values["left_slope"], values["right_slope"]) > 0
         actuator: Nonlinearity = DeadZone(*(values[name] for name in _NAMES)) if ordered else Identity()
-        return RecursiveEstimate(
-            Status.OK if ordered and self._visited() else Status.CANNOT_TELL,
-            Hammerstein(actuator, linear),
-            values,
-            self._covariance(values),
-            self.samples,
-        )
+        covariance = self._covariance(values)
+        status = self._status(covariance) if ordered else Status.CANNOT_TELL
+        return RecursiveEstimate(status, Hammerstein(actuator, linear), values, covariance, self.samples)
 
-    def _visited(self) -> bool:
-        """Whether u has been on both sides of the dead zone."""
-        zone, span = self._state["zone"], self._state["span"]
-        return bool(span[0] < zone[0] and zone[1] < span[1])
+    def _status(self, covariance: FloatArray) -> Status:
+        """Gain of the right sign, both sides visited, break points known to a quarter of the range of u."""
+        theta, zone, span, tuning = (self._state[name] for name in ("theta", "zone", "span", "tuning"))
+        na, nb = (int(value) for value in self._state["orders"][:2])
+        product = theta[na] + zone[3] * theta[na + 4 : na + 4 + nb].sum()
+        informed = np.sqrt(np.abs(np.diag(covariance)[:2])) < 0.25 * (span[1] - span[0])
+        if informed.any() and tuning[0] * product * (1.0 + theta[:na].sum()) < 0:
+            return Status.WRONG_GAIN
+        known = bool(informed.all()) and span[0] < zone[0] and zone[1] < span[1]
+        return Status.OK if known else Status.CANNOT_TELL
 
     def _values(self) -> tuple[dict[str, float], LinearModel]:
         theta, zone = self._state["theta"], self._state["zone"]
@@ -253,7 +255,7 @@ class RecursiveIV:
         n = theta.size
         unknown = np.full((size, size), np.inf)
         weight, squares = info[2 * n + na + nb, :2]
-        if weight < n or not np.isfinite(p).all():
+        if weight < n or not np.isfinite(p).all() or theta[na] == 0.0 or theta[na + 2] == 0.0:
             return unknown
         gain = float(self._state["tuning"][0])
         names = list(values)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from lostmotion.errors import DataError
 from lostmotion.kernels import dead_zone as zone_kernel
+from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, LinearModel
 from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive, whole
 
@@ -34,6 +35,7 @@ class VorosFit:
     converged: bool
 
 
+@one_thread
 def voros(
     u: npt.ArrayLike,
     y: npt.ArrayLike,
@@ -41,7 +43,7 @@ def voros(
     gain: float,
     dt: float = 1.0,
     most_iterations: int = 500,
-    relaxation: float = 0.1,
+    relaxation: float = 0.2,
 ) -> VorosFit:
     """Dead zone and linear part by iterated least squares with key-term separation.
 
@@ -88,14 +90,16 @@ def voros(
     head = max(na, delay + nb)
     if u.size < head + 3 * (na + nb + 4):
         raise DataError.expected(f"at least {head + 3 * (na + nb + 4)} samples", u.size, "use a longer record")
-    past = np.column_stack([-y[head - i - 1 : y.size - i - 1] for i in range(na)])
+    rows = np.empty((na + 4 + nb, y.size - head))
+    for i in range(na):
+        rows[i] = -y[head - i - 1 : y.size - i - 1]
     zone = np.array([0.0, 0.0, 1.0, 1.0])
     theta = np.zeros(na + nb + 4)
     converged, iteration = False, 0
     while iteration < most_iterations and not converged:
         iteration += 1
         x = zone_kernel.forward_run(u, *zone)
-        theta = _regress(past, y[head:], u, x, zone, (head, nb, delay))
+        theta = _regress(rows, y[head:], u, x, zone, (head, nb, delay))
         target = zone.copy()
         trusted = _separate(theta, na, nb, gain, target, (float(u.min()), float(u.max())))
         move = relaxation * (target - zone)
@@ -105,16 +109,23 @@ def voros(
 
 
 def _regress(
-    past: FloatArray, y: FloatArray, u: FloatArray, x: FloatArray, zone: FloatArray, layout: tuple[int, int, int]
+    rows: FloatArray, y: FloatArray, u: FloatArray, x: FloatArray, zone: FloatArray, layout: tuple[int, int, int]
 ) -> FloatArray:
-    """Least squares of eq 22 with the switching functions and x of the present zone."""
+    """Least squares of eq 22 with the switching functions and x of the present zone; `rows` holds past outputs."""
     head, nb, delay = layout
     n = u.size
+    at = len(rows) - nb - 4
     delayed = u[head - delay : n - delay]
-    over, under = (delayed > zone[1]).astype(float), (delayed < zone[0]).astype(float)
-    key = np.column_stack([over * delayed, -over, under * delayed, -under])
-    older = [x[head - delay - i - 1 : n - delay - i - 1, None] for i in range(nb)]
-    return np.asarray(np.linalg.lstsq(np.hstack([past, key, *older]), y, rcond=None)[0])
+    rows[at + 1] = -(delayed > zone[1]).astype(float)
+    rows[at + 3] = -(delayed < zone[0]).astype(float)
+    rows[at] = -rows[at + 1] * delayed
+    rows[at + 2] = -rows[at + 3] * delayed
+    for i in range(nb):
+        rows[at + 4 + i] = x[head - delay - i - 1 : n - delay - i - 1]
+    gram = rows @ rows.T
+    scale = np.sqrt(np.diag(gram)) + np.finfo(float).tiny
+    solution = np.linalg.lstsq(gram / np.outer(scale, scale), (rows @ y) / scale, rcond=1e-14)[0]
+    return np.asarray(solution / scale)
 
 
 def _separate(theta: FloatArray, na: int, nb: int, gain: float, zone: FloatArray, span: tuple[float, float]) -> bool:

@@ -45,27 +45,25 @@ def closed_loop(
     `zone` and `inverse` hold left, right, left slope, right slope (and the answer to zero, for the inverse).
     """
     n = reference.size
-    control, command, x, clean, measured = np.empty((5, n))
-    z = np.empty(n)
+    control, command, clean, measured = np.empty((4, n))
+    before = max(delay + b.size, a.size)  # zeros ahead of the first sample spare the recursion its conditions
+    x, z = np.zeros((2, before + n))
     integral = bias
     for k in range(n):
         value = 0.0
+        newest = before + k - delay
         for i in range(b.size):
-            j = k - delay - i
-            if j >= 0:
-                value += b[i] * x[j]
+            value += b[i] * x[newest - i]
+        newest = before + k - 1
         for i in range(a.size):
-            j = k - 1 - i
-            if j >= 0:
-                value -= a[i] * z[j]
-        z[k] = value
+            value -= a[i] * z[newest - i]
+        z[before + k] = value
         clean[k] = value + offset + output_disturbance[k]
         measured[k] = clean[k] + noise[k]
         control[k], integral = pi_step(reference[k] - measured[k], integral, kp, ki_dt, low, high)
-        command[k] = control[k]
+        sent = control[k]
         if has_inverse:
-            command[k] = dead_zone.inverse(control[k], inverse[0], inverse[1], inverse[2], inverse[3], inverse[4])
-        x[k] = command[k]
-        if has_zone:
-            x[k] = dead_zone.forward(command[k], zone[0], zone[1], zone[2], zone[3])
-    return control, command, x, clean, measured
+            sent = dead_zone.inverse(sent, inverse[0], inverse[1], inverse[2], inverse[3], inverse[4])
+        command[k] = sent
+        x[before + k] = dead_zone.forward(sent, zone[0], zone[1], zone[2], zone[3]) if has_zone else sent
+    return control, command, x[before:].copy(), clean, measured

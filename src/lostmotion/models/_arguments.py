@@ -58,6 +58,8 @@ def coefficients(name: str, values: npt.ArrayLike) -> tuple[float, ...]:
 
 def numbers(name: str, values: npt.ArrayLike) -> FloatArray:
     """Real numbers of any shape as a float array of the caller's own; masked entries become NaN."""
+    if type(values) is np.ndarray and values.dtype == np.float64:
+        return values.copy()
     try:
         if isinstance(values, np.ma.MaskedArray):
             values = np.where(np.ma.getmaskarray(values), np.nan, np.ma.getdata(values))
@@ -84,9 +86,10 @@ def finite_signal(name: str, values: npt.ArrayLike, n: int | None = None) -> Flo
     array = signal(name, values)
     if n is not None and array.size != n:
         raise DataError.expected(f"{name} with {n} samples", array.size, "cut all signals to the same length")
-    bad = np.flatnonzero(~np.isfinite(array))
-    if bad.size:
-        raise DataError.expected(f"finite {name}", f"{array[bad[0]]} in row {bad[0]}", "mend the signal")
+    finite_rows = np.isfinite(array)
+    if not finite_rows.all():
+        row = int(np.argmin(finite_rows))
+        raise DataError.expected(f"finite {name}", f"{array[row]} in row {row}", "mend the signal")
     return array
 
 

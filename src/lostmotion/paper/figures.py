@@ -54,7 +54,8 @@ def trajectories(study: EstimationStudy) -> Figure:
     calm(b_axes, "(b): polynomial B", "", "")
     calm(zone_axes, f"(c): dead zone; grey: {len(runs) - 1} more seeds", "time, s", "")
     for axes in (a_axes, b_axes, zone_axes):
-        axes.axvline(CONVERGED_BY, color="0.5", lw=0.8, ls=":")
+        if time[-1] > CONVERGED_BY:
+            axes.axvline(CONVERGED_BY, color="0.5", lw=0.8, ls=":")
     return figure
 
 

@@ -141,8 +141,8 @@ def _control_text(control: ControlStudy) -> str:
     away = (TABLE_2[track][case][1] - control.mean(case, track)[1]) / control.spread(case, track)[1]
     quiet = max(control.limit_cycle["with", 2], control.limit_cycle["with", 3])
     text = (
-        f"The spread is from seed to seed; the paper's numbers are of one noise sequence. The farthest eps2, track "
-        f"{track} {case} compensation, is {100 * worst[0]:.1f} % off its mean here, {abs(away):.1f} spreads of one run. "
+        f"The spread is from seed to seed; the paper has one noise sequence. The farthest eps2, track "
+        f"{track} {case} compensation, is {100 * worst[0]:.1f} % off its mean, {abs(away):.1f} spreads of one run. "
         f"Compensated with table 1's estimates the IAE over all tracks is {control.iae('with'):.4f}, without dead zone "
         f"{control.iae('ideal'):.4f}, uncompensated {control.iae('without'):.4f}. Without noise the level swings by "
         f"{control.limit_cycle['without', 2]:.2f} and {control.limit_cycle['without', 3]:.2f} % in tracks 2 and 3 "

@@ -3,7 +3,10 @@
 from lostmotion import _verbs
 from lostmotion.identify import HammersteinFit
 from lostmotion.plot.fit_figure import fit_figure
+from lostmotion.plot.loop_figure import loop_figure
+from lostmotion.simulate import LoopResponse
 
 _verbs.plot.register(HammersteinFit, fit_figure)
+_verbs.plot.register(LoopResponse, loop_figure)
 
-__all__ = ["fit_figure"]
+__all__ = ["fit_figure", "loop_figure"]

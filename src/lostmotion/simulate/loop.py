@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.errors import ParameterError
 from lostmotion.kernels.loop import closed_loop
@@ -39,6 +41,21 @@ class LoopResponse:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def indices(self, start: float = 0.0, stop: float | None = None) -> dict[str, float]:
+        """Control variance eps1, mean absolute error eps2 (paper, eqs 32-33), travel and reversals of a track.
+
+        Parameters
+        ----------
+        start, stop : float
+            Track in seconds; default all.
+        """
+        result: dict[str, float] = _verbs.indices(self, start=start, stop=stop)
+        return result
+
+    def plot(self, **options: Any) -> Any:
+        """Figure of level and control (needs the extra ``lostmotion[plot]``)."""
+        return _verbs.plot(self, **options)
 
 
 def simulate_loop(
