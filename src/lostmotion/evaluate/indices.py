@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion import _verbs
-from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import finite_signal
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.models._arguments import FloatArray, finite, finite_signal
 from lostmotion.simulate import LoopResponse
 
 
@@ -42,7 +42,7 @@ def control_variance(u: npt.ArrayLike) -> float:
     >>> control_variance([0.0, 2.0, 0.0, 2.0])
     1.0
     """
-    return float(np.var(finite_signal("u", u)))
+    return float(np.var(_filled("u", u)))
 
 
 def mean_absolute_error(reference: npt.ArrayLike, y: npt.ArrayLike) -> float:
@@ -53,7 +53,7 @@ def mean_absolute_error(reference: npt.ArrayLike, y: npt.ArrayLike) -> float:
     >>> mean_absolute_error([1.0, 1.0], [0.5, 2.0])
     0.75
     """
-    r = finite_signal("reference", reference)
+    r = _filled("reference", reference)
     return float(np.mean(np.abs(r - finite_signal("y", y, r.size))))
 
 
@@ -69,20 +69,38 @@ def travel(command: npt.ArrayLike) -> float:
 
 
 def reversals(command: npt.ArrayLike, band: float = 0.0) -> int:
-    """How often the command turned round; moves smaller than `band` do not count.
+    """How often the command turned round by at least `band` (and more than nothing).
+
+    Raises
+    ------
+    ParameterError
+        A negative band.
 
     Examples
     --------
     >>> reversals([0.0, 1.0, 1.0, 0.0, 0.1, 0.0, 1.0], band=0.5)
     2
     """
-    count, direction, turning = 0, 0, None
-    for value in finite_signal("command", command).tolist():
-        turning = value if turning is None else turning
-        move = value - turning
-        if direction and move * direction > 0:
-            turning = value
-        elif abs(move) > band:
-            count += direction != 0
-            direction, turning = (1 if move > 0 else -1), value
+    if not finite("band", band) >= 0:
+        raise ParameterError.expected("band >= 0", band, "give the noise band in units of the command")
+    values = _filled("command", command).tolist()
+    low = high = extreme = values[0]
+    direction, count = 0, 0
+    for value in values:
+        if direction == 0:  # not yet known: watch both extremes
+            low, high = min(low, value), max(high, value)
+            if high > low and high - low >= band:
+                direction, extreme = (1 if value == high else -1), value
+        elif direction * (value - extreme) >= 0:
+            extreme = value
+        elif abs(value - extreme) >= band:
+            count, direction, extreme = count + 1, -direction, value
     return count
+
+
+def _filled(name: str, values: npt.ArrayLike) -> FloatArray:
+    """Finite signal with at least one sample."""
+    array = finite_signal(name, values)
+    if not array.size:
+        raise DataError.expected(f"{name} with samples", "none", "give a longer track")
+    return array

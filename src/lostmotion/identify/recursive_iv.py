@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import math
+import zipfile
+import zlib
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -12,6 +15,7 @@ from scipy import stats
 
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.kernels import recursive_iv as kernel
+from lostmotion.kernels.linear import is_stable
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
 from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive, whole
 
@@ -20,6 +24,7 @@ FORMS = ("convergent", "printed")
 _STATE = ("theta", "p", "memory", "zone", "held", "tuning", "span", "orders", "scratch", "info")
 _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
+_BROKEN = (ValueError, OSError, KeyError, EOFError, TypeError, IndexError, zipfile.BadZipFile, zlib.error)
 _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
@@ -53,6 +58,8 @@ class RecursiveEstimate:
         """Confidence interval of a parameter at `level` in (0, 1)."""
         if name not in self.parameters:
             raise ParameterError.expected(f"one of {list(self.parameters)}", repr(name), "see parameters")
+        if not 0 < level < 1:
+            raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
         reach = float(stats.norm.ppf(0.5 + level / 2)) * self.standard_errors[name]
         return self.parameters[name] - reach, self.parameters[name] + reach
 
@@ -110,7 +117,9 @@ class RecursiveIV:
     (3) theta0 = 0, P0 = 1e3; (4) the model output is simulated with the last stable parameters; (5) br >= 0 >= bl,
     both inside the range of u seen, and positive slopes are enforced on what rebuilds x, not on theta; (6) the slope
     comes from the fixed-point form of eq 26, gain mr (1 + sum a) = b0 mr + m sum b, which never divides by the
-    small b0. ``form="printed"`` has none of these.
+    small b0; slope ratios beyond 10 are not taken over. ``form="printed"`` has (4) only. In both nothing is
+    updated in the first `delay` samples, nor where the denominator of eq 16 vanishes; and where P has grown beyond
+    1e9 for want of excitation, nothing more is forgotten.
 
     Standard errors are those of an instrumental-variable estimate under output error, with the dependence of the
     rebuilt x on the estimate included (Soderstrom and Stoica, *System Identification*, chapter 8); they hold where
@@ -143,7 +152,7 @@ class RecursiveIV:
         constant_for: int = 2000,
     ) -> None:
         na, nb, delay = whole("na", na, 0), whole("nb", nb, 0), whole("delay", delay, 0)
-        if method not in INSTRUMENTS or form not in FORMS:
+        if not isinstance(method, str) or method not in INSTRUMENTS or form not in FORMS:
             raise ParameterError.expected(
                 f"method in {list(INSTRUMENTS)} and form in {list(FORMS)}", f"{method!r}, {form!r}", "see the docstring"
             )
@@ -193,7 +202,11 @@ class RecursiveIV:
         DataError
             u or y is not a finite number; nothing has changed then.
         """
-        if not (np.isfinite(u) and np.isfinite(y)):
+        try:
+            good = math.isfinite(u) and math.isfinite(y)
+        except TypeError:
+            good = False
+        if not good:
             raise DataError.expected("finite u and y", f"u={u}, y={y}", "leave missing samples out")
         return float(_STEP(u, y, *self._arguments))
 
@@ -228,10 +241,12 @@ class RecursiveIV:
         theta, zone, span, tuning = (self._state[name] for name in ("theta", "zone", "span", "tuning"))
         na, nb = (int(value) for value in self._state["orders"][:2])
         product = theta[na] + zone[3] * theta[na + 4 : na + 4 + nb].sum()
-        informed = np.sqrt(np.abs(np.diag(covariance)[:2])) < 0.25 * (span[1] - span[0])
+        errors = np.sqrt(np.abs(np.diag(covariance)[:4]))
+        informed = errors[:2] < 0.25 * (span[1] - span[0])
         if informed.any() and tuning[0] * product * (1.0 + theta[:na].sum()) < 0:
             return Status.WRONG_GAIN
         known = bool(informed.all()) and span[0] < zone[0] and zone[1] < span[1]
+        known = known and bool(np.all(errors[2:] < 0.5 * zone[2:])) and bool(is_stable(theta[:na].copy(), 1.0))
         return Status.OK if known else Status.CANNOT_TELL
 
     def _values(self) -> tuple[dict[str, float], LinearModel]:
@@ -266,12 +281,23 @@ class RecursiveIV:
             moved = _zone_and_model(shifted, na, nb, gain)
             jacobian[:, column] = [np.imag(moved[name]) / 1e-30 for name in names]
         try:
-            curvature = np.linalg.inv(p).T + info[n : 2 * n, :4] @ jacobian[:4]
+            curvature = np.linalg.inv(p) + info[n : 2 * n, :4] @ jacobian[:4]
             root = np.linalg.solve(curvature, info[:n, :n])
             covariance = np.linalg.solve(curvature, root.T) * (squares / weight)
         except np.linalg.LinAlgError:
             return unknown
         return np.asarray(jacobian @ covariance @ jacobian.T)
+
+    @classmethod
+    def _check_shapes(cls, parts: dict[str, Any]) -> None:
+        """Raise ValueError unless the arrays fit each other: the kernel does not look."""
+        na, nb, delay = (int(value) for value in parts["orders"][:3])
+        method, form = (str(label) for label in parts["labels"])
+        made = cls(na, nb, delay, 1.0, method=method, form=form)
+        for name in _STATE:
+            wanted = made._state[name]
+            if parts[name].shape != wanted.shape or parts[name].dtype != wanted.dtype:
+                raise ValueError(name)
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""
@@ -292,7 +318,17 @@ class RecursiveIV:
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as stored:
                 parts = {name: stored[name] for name in (*_STATE, "labels", "dt")}
-        except (ValueError, OSError, KeyError, EOFError) as error:
+            cls._check_shapes(parts)
+        except (
+            ValueError,
+            OSError,
+            KeyError,
+            EOFError,
+            TypeError,
+            IndexError,
+            zipfile.BadZipFile,
+            zlib.error,
+        ) as error:
             raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
         new = cls.__new__(cls)
         new.method, new.form = (str(label) for label in parts["labels"])

@@ -20,6 +20,7 @@ LEAST_SQUARES = 0
 MODEL_OUTPUT = 1
 PRINTED = 2
 LARGEST_RATIO = 10.0
+MOST_COVARIANCE = 1e9
 
 # layout of `memory`: [y (na) | model y (na) | u (delay + nb + older) | x (nb) | residuals (ne)], newest first
 # layout of `zone`: left, right, left slope, right slope
@@ -132,7 +133,10 @@ def update_gain(p: FloatArray, phi: FloatArray, z: FloatArray, lam: float, gain:
         weight = phi[i]
         for j in range(n):
             row[j] += weight * p[i, j]
-    scale = 1.0 / lam
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(p[i, i]))
+    scale = 1.0 / lam if largest < MOST_COVARIANCE else 1.0  # without excitation nothing is forgotten any more
     for i in range(n):
         weight = gain[i]
         for j in range(n):
@@ -177,8 +181,9 @@ def gather_information(
     for j in range(na - 1, 0, -1):
         for i in range(n):
             info[past + j, i] = info[past + j - 1, i]
-    for i in range(n):
-        info[past, i] = z[i]
+    if na > 0:
+        for i in range(n):
+            info[past, i] = z[i]
     first = past + na
     for j in range(nb - 1, 0, -1):
         for c in range(4):
@@ -253,7 +258,7 @@ def step(
     push(memory, na, na, output)
     push(memory, at_x, nb, x)
     push(memory, at_x + nb, ne, residual)
-    if count >= tuning[3]:
+    if count + 1 >= tuning[3]:
         tuning[1] = tuning[2] * tuning[1] + 1.0 - tuning[2]
     orders[7] = count + 1
     return error
