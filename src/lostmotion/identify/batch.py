@@ -10,7 +10,7 @@ from lostmotion.identify.problem import Problem
 from lostmotion.models._arguments import FloatArray
 
 MOST_STEPS = 100
-FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
+FIRST_DAMPING = 1e-5  # relative; the starts are good, so the first step is nearly a Newton step
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
 

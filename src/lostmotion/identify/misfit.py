@@ -75,7 +75,6 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     """
     problem, theta = fitted.problem, fitted.fit.theta
     s = problem.structure
-    x, dx = problem.internal(theta)
     order, first = (s.noise_order, s.first) if prewhitened else (0, s.start)
     if not prewhitened:
         theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
@@ -83,7 +82,8 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     knots, jumps = _other_shapes(problem.u, eta)
     added = len(knots) + len(jumps)
     wide = np.empty((eta.size + added, problem.u.size))
-    wide[: eta.size] = dx
+    x = np.empty(problem.u.size)
+    problem.family.evaluate(eta, problem.u, x, wide[: eta.size])
     for row, knot in enumerate(knots, eta.size):
         np.maximum(problem.u - knot, 0.0, out=wide[row])
     for row, edge in enumerate(jumps, eta.size + len(knots)):

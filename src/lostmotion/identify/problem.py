@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -53,12 +53,6 @@ class Problem:
     segments: npt.NDArray[np.int64]
     family: Family
     structure: Structure
-    _x: FloatArray = field(init=False, repr=False)
-    _dx: FloatArray = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_x", np.empty(self.u.size))
-        object.__setattr__(self, "_dx", np.empty((len(self.family.names), self.u.size)))
 
     @property
     def size(self) -> int:
@@ -102,9 +96,10 @@ class Problem:
         return float(cost), gradient, hessian
 
     def internal(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Internal variable (n,) and dx/deta (ne, n) in this problem's buffers, valid until the next evaluation."""
-        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, self._x, self._dx)
-        return self._x, self._dx
+        """Internal variable x (n,) and dx/deta (ne, n)."""
+        x, dx = np.empty(self.u.size), np.empty((len(self.family.names), self.u.size))
+        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, x, dx)
+        return x, dx
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
