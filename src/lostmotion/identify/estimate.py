@@ -254,6 +254,10 @@ def _evidence(
         n * (alone - _bic(linear, floor) / linear.problem.errors),
         below,
         above,
+        tuple(
+            (data.u_centre + data.u_scale * float(eta[0]), data.u_centre + data.u_scale * float(eta[1]), behind)
+            for eta, behind in fitted.rivals
+        ),
     )
 
 

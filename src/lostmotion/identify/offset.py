@@ -42,4 +42,4 @@ def settle_offset(fitted: Fitted, scaling: Scaling, choice: str) -> Fitted:
     basis = without_column(fitted.fit.theta.size, column)
     theta = fitted.fit.theta.copy()
     theta[column] = zero
-    return Fitted(fitted.problem, refine(fitted.problem, theta, basis), basis)
+    return Fitted(fitted.problem, refine(fitted.problem, theta, basis), basis, fitted.rivals)

@@ -34,12 +34,15 @@ class Evidence:
         BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
     samples_left, samples_right : int
         Rows in which OP is beyond the break points.
+    rivals : tuple of (left, right, behind)
+        Other dead zones that fit about as well, and by how much BIC they are behind (rough fits).
     """
 
     gain_over_linear: float
     gain_over_no_input: float
     samples_left: int
     samples_right: int
+    rivals: tuple[tuple[float, float, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

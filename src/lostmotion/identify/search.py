@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,8 @@ _Attempt = tuple[FloatArray, Start, HighOrderArx]
 START_NOISE_LAGS = 15
 MOST_ROUNDS = 4
 IMPLAUSIBLE = 1e12
+RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
+APART = 0.3  # deviations of OP between the break points of two rivals
 ROUGH_STEPS = 15
 AUTO_LAGS = 30  # past inputs where the delay is unknown
 
@@ -45,6 +47,7 @@ class Fitted:
     problem: Problem
     fit: LocalFit
     basis: FloatArray | None = None  # directions that were free; None: all
+    rivals: tuple[tuple[FloatArray, float], ...] = ()  # other actuators that fit about as well, and by how much less
 
     @property
     def variance(self) -> float:
@@ -99,9 +102,9 @@ def best_fit(
     if noise is None:
         d = choose_noise(best.output_residual())
     s = best.problem.structure
-    if best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order:
-        return best
-    return refined(data, family, best, d)
+    if not (best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order):
+        best = refined(data, family, best, d)
+    return replace(best, rivals=search.rivals())
 
 
 def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fitted:
@@ -133,6 +136,7 @@ class _Search:
     family: Family
     orders: tuple[int, int, int] | None
     noise: int | None
+    seen: list[tuple[FloatArray, float]] = field(default_factory=list)
 
     def likely(self, eta: FloatArray) -> list[_Attempt]:
         """The structures to try for one start of the actuator."""
@@ -142,8 +146,28 @@ class _Search:
         return [(eta, start, arx) for start in likely_structures(arx)]
 
     def over(self, attempts: list[_Attempt]) -> Fitted:
-        """Best of the attempts."""
-        return min((self._rough(*attempt) for attempt in attempts), key=self._score)
+        """Best of the attempts; all are remembered."""
+        fits = [self._rough(*attempt) for attempt in attempts]
+        for fitted in fits:
+            eta = fitted.fit.theta[fitted.problem.eta_at : fitted.problem.noise_at]
+            self.seen.append((eta, self._score(fitted)))
+        return min(fits, key=self._score)
+
+    def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
+        """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
+        if not self.seen or not self.seen[0][0].size:
+            return ()
+        ordered = sorted(self.seen, key=lambda item: item[1])
+        best = ordered[0][1]
+        kept = [ordered[0][0]]
+        found = []
+        for eta, score in ordered[1:]:
+            if score - best > RIVAL:
+                break
+            if all(np.abs(eta[:2] - other[:2]).max() > APART for other in kept):
+                kept.append(eta)
+                found.append((eta, score - best))
+        return tuple(found)
 
     def improve(self, best: Fitted) -> Fitted:
         """Look again from the actuator found, then at neighbouring structures, while it helps."""

@@ -118,6 +118,9 @@ def _checks(fit: HammersteinFit) -> str:
             "The simulated fit is low: most of PV is disturbance, the numbers rest on the prediction errors; "
             "a test with OP moves of your own would confirm them. "
         )
+    if evidence.rivals and fit.preferred == "dead zone":
+        others = ", ".join(f"{left:.3g} .. {right:.3g} ({behind:.0f})" for left, right, behind in evidence.rivals[:3])
+        text += f"Beware: other dead zones fit about as well: {others} (BIC behind the one reported). "
     return _fill(text)
 
 
