@@ -10,8 +10,9 @@ from lostmotion.identify.problem import Problem
 from lostmotion.models._arguments import FloatArray
 
 MOST_STEPS = 100
-FIRST_DAMPING = 1e-5  # relative; the starts are good, so the first step is nearly a Newton step
+FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
+STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the likelihood has kinks to zigzag on
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
 
 
@@ -45,6 +46,7 @@ def refine(
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
     damping, converged, steps = FIRST_DAMPING, False, 0
+    history = [cost]
     while steps < most_steps and not converged:
         steps += 1
         step, promised = _damped_step(hessian, gradient, basis, damping)
@@ -67,6 +69,9 @@ def refine(
         else:
             damping *= 8.0
             converged = damping > 1e10
+        history.append(cost)
+        stalled = steps > STALL and history[-1 - STALL] - cost <= STALL_GAIN * variance
+        converged = converged or stalled
     return LocalFit(theta, cost, hessian, steps, converged)
 
 

@@ -13,6 +13,7 @@ from lostmotion.identify.search import Fitted
 from lostmotion.models._arguments import FloatArray
 
 CUTOFF = 1e-13  # relative eigenvalue below which a direction of the information matrix is empty
+ROUNDING = 1e-5  # components of such a direction that are nothing but rounding: it is often one of initial states
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) ->
     values, vectors = np.linalg.eigh(block / np.outer(scale, scale))
     seen = values > CUTOFF * values[-1]
     root = (vectors[:, seen] / np.sqrt(values[seen])) / scale[:, None]
-    empty = vectors[:, ~seen] / scale[:, None]
+    blind = np.where(np.abs(vectors[:, ~seen]) > ROUNDING, vectors[:, ~seen], 0.0)
+    empty = blind / scale[:, None]
     if basis is not None:
         root, empty = basis @ root, basis @ empty
     return root @ root.T, empty
@@ -92,6 +94,8 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
     for direction in empty.T:
         move, room = jacobian @ direction[: theta.size], _room(fitted, direction)
+        if not move.any():
+            continue
         if np.isfinite(room):
             covariance += np.outer(move, move) * room**2 / 12.0  # anywhere in the gap is equally good
         else:

@@ -1,0 +1,9 @@
+"""Hypothesis: the same examples in every CI run, new ones at the desk."""
+
+import os
+
+from hypothesis import settings
+
+settings.register_profile("ci", derandomize=True, deadline=None)
+settings.register_profile("desk", deadline=None)
+settings.load_profile("ci" if os.environ.get("CI") else "desk")
