@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from lostmotion.cli.options import Dt, File, Json, Op, OpSpan, Pv, Tag, Time, show
+from lostmotion.cli.options import Dt, File, Json, NoTime, Op, OpSpan, Pv, Tag, Time, show
 from lostmotion.files import read_loop
 from lostmotion.records import check as check_record
 
@@ -15,6 +15,7 @@ def check(
     pv: Pv = "PV",
     time: Time = None,
     dt: Dt = None,
+    ignore_time: NoTime = False,
     tag: Tag = None,
     op_span: OpSpan = None,
     json: Json = False,
@@ -25,7 +26,7 @@ def check(
 
     Exit code 1 where the record cannot be identified as it is.
     """
-    record = read_loop(file, op=op, pv=pv, time=time, dt=dt, tag=tag, op_span=op_span)
+    record = read_loop(file, op=op, pv=pv, time=False if ignore_time else time, dt=dt, tag=tag, op_span=op_span)
     report = check_record(record)
     show(report.summary(), report.to_dict(), json)
     raise typer.Exit(0 if report.usable else 1)

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from lostmotion.cli.options import Dt, File, Force, Json, Op, Pv, Time, refuse_existing, show
+from lostmotion.cli.options import Dt, File, Force, Json, NoTime, Op, Pv, Time, refuse_existing, show
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.errors import ParameterError
 from lostmotion.files import read_fit, read_loop, write_columns
@@ -43,6 +43,7 @@ def compensate(
     pv: Pv = "PV",
     time: Time = None,
     dt: Dt = None,
+    ignore_time: NoTime = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -52,7 +53,7 @@ def compensate(
     """
     refuse_existing(out, force)
     block = DeadZoneCompensator.from_dead_zone(_zone(fit, left, right, left_slope, right_slope), centre)
-    record = read_loop(file, op=op, pv=pv, sp=None, time=time, dt=dt)
+    record = read_loop(file, op=op, pv=pv, sp=None, time=False if ignore_time else time, dt=dt)
     command = np.asarray(block(record.op))
     write_columns(out, {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}, force)
     move = float(np.nanmax(np.abs(command - record.op)))

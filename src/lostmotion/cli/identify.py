@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from lostmotion.cli.options import Dt, File, Force, Json, Op, OpSpan, Pv, Tag, Time, refuse_existing, show
+from lostmotion.cli.options import Dt, File, Force, Json, NoTime, Op, OpSpan, Pv, Tag, Time, refuse_existing, show
 from lostmotion.errors import ParameterError, Status
 from lostmotion.files import read_loop, write_text
 from lostmotion.identify import identify as identify_model
@@ -36,6 +36,7 @@ def identify(
     pv: Pv = "PV",
     time: Time = None,
     dt: Dt = None,
+    ignore_time: NoTime = False,
     tag: Tag = None,
     op_span: OpSpan = None,
     nonlinearity: Kind = "dead zone",
@@ -57,7 +58,7 @@ def identify(
     """
     for path in (figure, out):
         refuse_existing(path, force)
-    record = read_loop(file, op=op, pv=pv, time=time, dt=dt, tag=tag, op_span=op_span)
+    record = read_loop(file, op=op, pv=pv, time=False if ignore_time else time, dt=dt, tag=tag, op_span=op_span)
     fit = identify_model(
         record.split() if split else record,
         nonlinearity=nonlinearity,

@@ -20,6 +20,7 @@ Dt = Annotated[
     typer.Option("--dt", help="Sampling time in seconds; default: from the time column.", show_default=False),
 ]
 Time = Annotated[str | None, typer.Option("--time", help="Time column, if it has an unusual name.", show_default=False)]
+NoTime = Annotated[bool, typer.Option("--ignore-time", help="Rows are equally spaced in truth; needs --dt.")]
 Tag = Annotated[
     str | None, typer.Option("--tag", help="Name of the loop; default: name of the file.", show_default=False)
 ]

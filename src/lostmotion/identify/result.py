@@ -102,9 +102,10 @@ class HammersteinFit:
 
     @property
     def preferred(self) -> str:
-        """Kind of the model that the record supports: this one's, or "none" where a linear model does as well."""
-        seen = self.status not in (Status.NOT_SEEN, Status.CANNOT_TELL)
-        return self.nonlinearity.kind if seen else "none"
+        """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
+        if self.status is Status.NOT_SEEN:
+            return "none"
+        return self.nonlinearity.kind if self.status.ok or self.status is Status.COLOURED else "cannot tell"
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter.
@@ -143,7 +144,17 @@ class HammersteinFit:
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
             if name in ("left", "right", "slope_ratio", "left_slope"):
                 return -np.inf, np.inf
+        if self.status is Status.ONE_SIDED and name in self.unvisited:
+            return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
         return low, high
+
+    @property
+    def unvisited(self) -> tuple[str, ...]:
+        """Parameters of a side on which OP has hardly been (status ONE_SIDED), and what hangs on them."""
+        if self.status is not Status.ONE_SIDED:
+            return ()
+        fewer_left = self.evidence.samples_left < self.evidence.samples_right
+        return ("left", "left_slope", "slope_ratio", "width") if fewer_left else ("right", "slope_ratio", "width")
 
     def summary(self) -> str:
         """Report as text, with as many digits as the standard errors allow."""

@@ -61,6 +61,10 @@ def finding(fit: HammersteinFit) -> str:
             kink = " The gain differs between low and high OP, but without a dead zone between them."
         bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
         return f"A dead zone wider than {bound} would have been seen (95 %).{kink}"
+    if fit.status is Status.ONE_SIDED:
+        side = "right" if "left" in fit.unvisited else "left"
+        shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
+        return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
     value, error = fit.parameters["width"], fit.standard_errors["width"]
     low, high = fit.interval("width")
     shown, deviation = digits(value, error)
@@ -82,7 +86,7 @@ def _table(fit: HammersteinFit) -> str:
         error = source.standard_errors[name]
         value, deviation = digits(source.parameters[name], error)
         low, high = source.interval(name)
-        if hidden and name == "width":
+        if (hidden and name == "width") or name in fit.unvisited:
             value, deviation = "not seen", ""
         between = "" if deviation == "given" else span(low, high, error)
         lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")

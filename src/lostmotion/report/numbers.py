@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+HOPELESS = 1e3  # a standard error this many times its value says nothing about it
+
 
 def digits(value: float, error: float) -> tuple[str, str]:
     """Value and standard error, both to two digits of the error.
@@ -18,6 +20,8 @@ def digits(value: float, error: float) -> tuple[str, str]:
     ('3', 'unknown')
     """
     if not math.isfinite(value):
+        return "unknown", "unknown"
+    if error > HOPELESS * abs(value) and error > HOPELESS:
         return "unknown", "unknown"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
