@@ -21,7 +21,7 @@ def digits(value: float, error: float) -> tuple[str, str]:
     """
     if not math.isfinite(value):
         return "unknown", "unknown"
-    if error > HOPELESS * abs(value) and error > HOPELESS:
+    if math.isfinite(error) and error > HOPELESS * max(abs(value), 1.0):
         return "unknown", "unknown"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
