@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.data import IdentificationData, collect
+from lostmotion.identify.evidence import decide, weigh
 from lostmotion.identify.families import DeadZoneFamily, LinearFamily
 from lostmotion.identify.misfit import residual_tests
-from lostmotion.identify.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.offset import settle_offset
 from lostmotion.identify.parameters import Scaling, name_parameters
 from lostmotion.identify.profile import Lags, profile
-from lostmotion.identify.result import Evidence, HammersteinFit
+from lostmotion.identify.result import HammersteinFit
 from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
 from lostmotion.identify.width_bound import width_bound
 from lostmotion.kernels.threads import one_thread
@@ -27,7 +27,6 @@ from lostmotion.records import LoopRecord
 
 KINDS = ("dead zone", "none", "auto")
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
-FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 
 
 @one_thread
@@ -161,9 +160,9 @@ def _package(
     simulated, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
-    evidence = _evidence(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
+    evidence = weigh(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
     tests = residual_tests(fitted, errors)
-    status = _status(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance)
+    status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance)
     widest = width_bound(fitted) * scaling.u_scale if status is Status.NOT_SEEN else None
     return HammersteinFit(
         status=status,
@@ -216,79 +215,6 @@ def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> f
     y = np.concatenate([data.y[start + first : stop] for start, stop in data.segments])
     miss = y - np.concatenate(simulated)
     return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
-
-
-def _bic(fitted: Fitted, floor: float) -> float:
-    """Information criterion of the fit; `floor` is the rounding of the data.
-
-    Noise coefficients count as they do where their number is chosen (Akaike), everything else as in BIC.
-    """
-    n = fitted.problem.errors
-    p = fitted.problem.structure.noise_order
-    return float(n * np.log(max(fitted.fit.cost / n, floor)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
-
-
-def _evidence(
-    scaled: ScaledData,
-    fitted: Fitted,
-    linear: Fitted,
-    values: dict[str, float],
-    data: IdentificationData,
-    noise: int | None,
-) -> Evidence:
-    floor = 1e-26
-    n = min(fitted.problem.errors, linear.problem.errors)
-    per_row = _bic(linear, floor) / linear.problem.errors - _bic(fitted, floor) / fitted.problem.errors
-    models, variances, rows = autoregressions(
-        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
-        MOST_NOISE_LAGS if noise is None else noise,
-    )
-    alone = min(
-        float(np.log(max(value, floor)) + (np.log(rows) + PENALTY * d.size) / rows)
-        for d, value in zip(models, variances, strict=True)
-    )
-    below = int(np.sum(data.u < values["left"])) if "left" in values else 0
-    above = int(np.sum(data.u > values["right"])) if "right" in values else 0
-    return Evidence(
-        n * per_row if fitted is not linear else 0.0,
-        n * (alone - _bic(linear, floor) / linear.problem.errors),
-        below,
-        above,
-        tuple(
-            (data.u_centre + data.u_scale * float(eta[0]), data.u_centre + data.u_scale * float(eta[1]), behind)
-            for eta, behind in fitted.rivals
-        ),
-    )
-
-
-def _status(
-    fitted: Fitted,
-    evidence: Evidence,
-    coloured: bool,
-    misfit: bool,
-    values: dict[str, float],
-    covariance: FloatArray,
-) -> Status:
-    """First thing that the reader must know."""
-    if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
-        return Status.CANNOT_TELL
-    if "width" in values:
-        names = list(values)
-        error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
-        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values["right"])  # collapsed: no information
-        if evidence.gain_over_linear <= 0 or values["width"] <= reach:
-            return Status.NOT_SEEN
-        if not np.isfinite(error):
-            return Status.CANNOT_TELL
-        if not fitted.fit.converged:
-            return Status.NOT_CONVERGED
-        if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
-            return Status.ONE_SIDED
-    if not fitted.fit.converged:
-        return Status.NOT_CONVERGED
-    if misfit:
-        return Status.MISFIT
-    return Status.COLOURED if coloured else Status.OK
 
 
 def _check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:

@@ -1,0 +1,89 @@
+"""What speaks for the dead zone, and what the reader must know first."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.errors import Status
+from lostmotion.identify.data import IdentificationData
+from lostmotion.identify.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
+from lostmotion.identify.result import Evidence
+from lostmotion.identify.search import Fitted, ScaledData
+from lostmotion.models._arguments import FloatArray
+
+FLOOR = 1e-26  # variance of scaled residuals that is rounding
+FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
+
+
+def _criterion(fitted: Fitted, floor: float) -> float:
+    """Information criterion of the fit; `floor` is the rounding of the data.
+
+    Noise coefficients count as they do where their number is chosen (Akaike), everything else as in BIC.
+    """
+    n = fitted.problem.errors
+    p = fitted.problem.structure.noise_order
+    return float(n * np.log(max(fitted.fit.cost / n, floor)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
+
+
+def weigh(
+    scaled: ScaledData,
+    fitted: Fitted,
+    linear: Fitted,
+    values: dict[str, float],
+    data: IdentificationData,
+    noise: int | None,
+) -> Evidence:
+    """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
+    floor = FLOOR
+    n = min(fitted.problem.errors, linear.problem.errors)
+    per_row = _criterion(linear, floor) / linear.problem.errors - _criterion(fitted, floor) / fitted.problem.errors
+    models, variances, rows = autoregressions(
+        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
+        MOST_NOISE_LAGS if noise is None else noise,
+    )
+    alone = min(
+        float(np.log(max(value, floor)) + (np.log(rows) + PENALTY * d.size) / rows)
+        for d, value in zip(models, variances, strict=True)
+    )
+    below = int(np.sum(data.u < values["left"])) if "left" in values else 0
+    above = int(np.sum(data.u > values["right"])) if "right" in values else 0
+    return Evidence(
+        n * per_row if fitted is not linear else 0.0,
+        n * (alone - _criterion(linear, floor) / linear.problem.errors),
+        below,
+        above,
+        tuple(
+            (data.u_centre + data.u_scale * float(eta[0]), data.u_centre + data.u_scale * float(eta[1]), behind)
+            for eta, behind in fitted.rivals
+        ),
+    )
+
+
+def decide(
+    fitted: Fitted,
+    evidence: Evidence,
+    coloured: bool,
+    misfit: bool,
+    values: dict[str, float],
+    covariance: FloatArray,
+) -> Status:
+    """First thing that the reader must know."""
+    if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
+        return Status.CANNOT_TELL
+    if "width" in values:
+        names = list(values)
+        error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
+        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values["right"])  # collapsed: no information
+        if evidence.gain_over_linear <= 0 or values["width"] <= reach:
+            return Status.NOT_SEEN
+        if not np.isfinite(error):
+            return Status.CANNOT_TELL
+        if not fitted.fit.converged:
+            return Status.NOT_CONVERGED
+        if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
+            return Status.ONE_SIDED
+    if not fitted.fit.converged:
+        return Status.NOT_CONVERGED
+    if misfit:
+        return Status.MISFIT
+    return Status.COLOURED if coloured else Status.OK
