@@ -84,18 +84,6 @@ def test_linear_simulate(na, nb, delay):
     np.testing.assert_array_equal(short, result[:2])
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_linear_step_is_simulate_sample_by_sample(seed):
-    rng = np.random.default_rng(seed)
-    a, b, x = stable_polynomial(rng, 3), rng.normal(size=3), rng.normal(size=50)
-    past_x, past_y, y = np.zeros(5), np.zeros(4), []
-    for k, value in enumerate(x):
-        past_x[k % 5] = value
-        y.append(linear.step(a, b, past_x, past_y, k % 5, (k - 1) % 4))
-        past_y[k % 4] = y[-1]
-    np.testing.assert_allclose(y, slow_linear.simulate(a, b, 0, x), rtol=1e-12, atol=1e-13)
-
-
 @pytest.mark.parametrize("order", range(7))
 @pytest.mark.parametrize("seed", SEEDS)
 def test_stability(seed, order):

@@ -11,9 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
 
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.kernels import recursive_iv as kernel
 from lostmotion.kernels.linear import is_stable
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
@@ -29,7 +29,7 @@ _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
 @dataclass(frozen=True, eq=False)
-class RecursiveEstimate:
+class RecursiveEstimate(NamedEstimate):
     """What a recursive estimator knows after a sample; names as in ``HammersteinFit``."""
 
     status: Status
@@ -37,31 +37,6 @@ class RecursiveEstimate:
     parameters: dict[str, float]
     covariance: FloatArray
     samples: int
-
-    @property
-    def nonlinearity(self) -> Nonlinearity:
-        """Actuator model."""
-        return self.model.nonlinearity
-
-    @property
-    def linear(self) -> LinearModel:
-        """Linear part."""
-        return self.model.linear
-
-    @property
-    def standard_errors(self) -> dict[str, float]:
-        """One standard error of each parameter, same keys as `parameters`; infinite where not yet known."""
-        variances = np.diag(self.covariance)
-        return dict(zip(self.parameters, np.sqrt(np.maximum(variances, 0.0)).tolist(), strict=True))
-
-    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Confidence interval of a parameter at `level` in (0, 1)."""
-        if name not in self.parameters:
-            raise ParameterError.expected(f"one of {list(self.parameters)}", repr(name), "see parameters")
-        if not 0 < level < 1:
-            raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
-        reach = float(stats.norm.ppf(0.5 + level / 2)) * self.standard_errors[name]
-        return self.parameters[name] - reach, self.parameters[name] + reach
 
 
 @dataclass(frozen=True, eq=False)

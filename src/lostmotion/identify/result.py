@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy import stats
 
 from lostmotion import _verbs
-from lostmotion.errors import ParameterError, Status
+from lostmotion.errors import Status
 from lostmotion.identify.misfit import ResidualTests
-from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity
+from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.models._arguments import FloatArray
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Evidence:
 
 
 @dataclass(frozen=True, eq=False)
-class HammersteinFit:
+class HammersteinFit(NamedEstimate):
     """Result of :func:`identify`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -85,22 +85,6 @@ class HammersteinFit:
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
 
     @property
-    def nonlinearity(self) -> Nonlinearity:
-        """Actuator model."""
-        return self.model.nonlinearity
-
-    @property
-    def linear(self) -> LinearModel:
-        """Linear part."""
-        return self.model.linear
-
-    @property
-    def standard_errors(self) -> dict[str, float]:
-        """One standard error of each parameter, same keys as `parameters`."""
-        errors = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        return dict(zip(self.parameters, errors.tolist(), strict=True))
-
-    @property
     def preferred(self) -> str:
         """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
         if self.status is Status.NOT_SEEN:
@@ -128,16 +112,11 @@ class HammersteinFit:
         ParameterError
             Unknown name or a level outside (0, 1).
         """
-        if name not in self.parameters:
-            raise ParameterError.expected(f"one of {list(self.parameters)}", repr(name), "see fit.parameters")
-        if not 0 < level < 1:
-            raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
-        reach = float(stats.norm.ppf(0.5 + level / 2)) * self.standard_errors[name]
-        low, high = self.parameters[name] - reach, self.parameters[name] + reach
+        low, high = super().interval(name, level)
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:
-            factor = np.exp(reach / self.parameters[name])
+            factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
         if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind == "dead zone":
             if name == "width":

@@ -1,4 +1,4 @@
-"""Linear part: stability of A, the filter B/A with delay, and one step of it."""
+"""Linear part: stability of A, and the filter B/A with delay."""
 
 from __future__ import annotations
 
@@ -49,14 +49,3 @@ def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatAr
                 value -= a[i] * y[j]
         y[k] = value
     return y
-
-
-@njit(cache=True)
-def step(a: FloatArray, b: FloatArray, past_x: FloatArray, past_y: FloatArray, slot_x: int, slot_y: int) -> float:
-    """One output sample from ring buffers: `past_x` ends at the delayed input, `slot` is the newest entry."""
-    value = 0.0
-    for i in range(b.size):
-        value += b[i] * past_x[(slot_x - i) % past_x.size]
-    for i in range(a.size):
-        value -= a[i] * past_y[(slot_y - i) % past_y.size]
-    return value

@@ -57,7 +57,8 @@ ERRATA = (
     (
         "Disturbance",
         "Where the disturbance of -10 enters is not said. Through the lag of the tank at unit gain, 0.9/(s + 0.9), "
-        "the published indices come out; as a step at the output or at the input they do not.",
+        "the published indices come out. As a step at the output or at the input of the plant, eps2 of track 1 "
+        "compensated is 0.53 or 0.66 instead of 0.37, and the uncompensated loop runs away.",
     ),
     (
         "eps1, tracks 2 and 3",
