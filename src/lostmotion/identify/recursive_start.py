@@ -172,7 +172,8 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
     state[kernel.WEIGHT] = weight
     state[kernel.SQUARES] = max(best.cost / max(problem.errors - n, 1), SMALLEST_VARIANCE) * weight
     state[kernel.LOW], state[kernel.HIGH] = family.low, family.high
-    layout[kernel.COUNT] = layout[kernel.LEFT_AT] = layout[kernel.RIGHT_AT] = u.size
+    for name in (kernel.COUNT, kernel.LEFT_AT, kernel.RIGHT_AT, kernel.PERIOD_FROM):
+        layout[name] = u.size
     layout[kernel.SINCE] = 0
     _run_up(state, layout, u, y)
     kernel.newton_step(state, layout)

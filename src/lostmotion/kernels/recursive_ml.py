@@ -34,6 +34,7 @@ TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT
 LEFT, RIGHT, GAIN = range(3)  # directions that are tested for a change
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 RIDGE = 1e-11  # relative information put into every direction, about the present estimate
+SMALLEST = 1e-200  # information below this is none: filters fade to denormal numbers
 HALVINGS = 20
 RADIUS = 1.0 - 1e-7
 ENOUGH = 4  # blocks of an alarm that are fitted again at least
@@ -159,11 +160,11 @@ def factor(h: FloatArray, root: FloatArray) -> None:
         for j in range(i + 1):
             total = h[i, j]
             if i == j:
-                total = total * (1.0 + RIDGE) if total > 0.0 else 1.0
+                total = total * (1.0 + RIDGE) if total > SMALLEST else 1.0
             for k in range(j):
                 total -= root[i, k] * root[j, k]
             if i == j:
-                floor = RIDGE * h[i, i] if h[i, i] > 0.0 else 1.0
+                floor = RIDGE * h[i, i] if h[i, i] > SMALLEST else 1.0
                 root[i, i] = np.sqrt(max(total, floor))
             else:
                 root[i, j] = total / root[j, j]
