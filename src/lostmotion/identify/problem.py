@@ -130,7 +130,7 @@ class Problem:
             return None
         na = self.structure.na
         inside = np.eye(na, na - 1) - np.eye(na, na - 1, k=-1)
-        rest = np.delete(np.eye(self.size)[na:], self.eta_at - 1 - na, axis=1)
+        rest = np.delete(np.eye(self.size - na), self.eta_at - 1 - na, axis=1)
         return np.block([[inside, np.zeros((na, rest.shape[1]))], [np.zeros((len(rest), na - 1)), rest]])
 
     def admissible(self, theta: FloatArray) -> bool:
