@@ -13,7 +13,7 @@ from lostmotion.identify.noise_order import autoregressions, choose_noise
 from lostmotion.identify.pole_grid import GridStart, grid_starts
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.start import fit_arx, linear_start
-from lostmotion.identify.structure import LADDER, distinct, first_delay, plausible
+from lostmotion.identify.structure import LADDER, distinct, first_delay, null_space_starts, plausible
 from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
@@ -28,6 +28,8 @@ APART = 0.3  # deviations of OP between the break points of two rivals
 ROUGH_STEPS = 25
 LATEST_DELAY = 25
 MOST_STRUCTURES = 3
+MOST_NULL_SPACE = 2
+START_LAGS = 30
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
@@ -201,11 +203,15 @@ class _Search:
         white = np.zeros(self.noise or 0)
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
         attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        arx = fit_arx(x, self.data.y, self.data.segments, self.delays[0], START_LAGS)
         if self.orders is not None:
-            arx = fit_arx(x, self.data.y, self.data.segments, self.orders[2])
             a, b, misfit = linear_start(arx, *self.orders)
-            attempts.append((eta, GridStart(*self.orders, a, b, misfit, 0.0), d))
-        return attempts
+            return [*attempts, (eta, GridStart(*self.orders, a, b, misfit, 0.0), d)]
+        p = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0) if self.noise is None else self.noise
+        longer = np.zeros(p)
+        longer[: min(p, arx.a.size)] = arx.a[:p]
+        starts = null_space_starts(arx, LADDER)[:MOST_NULL_SPACE]
+        return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps."""
