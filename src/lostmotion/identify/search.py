@@ -210,7 +210,7 @@ class _Search:
         p = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0) if self.noise is None else self.noise
         longer = np.zeros(p)
         longer[: min(p, arx.a.size)] = arx.a[:p]
-        starts = null_space_starts(arx, LADDER)[:MOST_NULL_SPACE]
+        starts = null_space_starts(arx)[:MOST_NULL_SPACE]
         return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
 
     def improve(self, best: Fitted) -> Fitted:

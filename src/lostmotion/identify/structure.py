@@ -13,7 +13,8 @@ from lostmotion.models._arguments import FloatArray
 LADDER = ((1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 1), (3, 2))
 LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
 SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
-LATER = 1  # delays tried after the first significant lag; before it, all are
+FULL = ((1, 0), (2, 1), (3, 2))  # orders of sampled processes
+EARLIER, LATER = 2, 1  # delays tried before and after the first significant lag
 SIGNIFICANT = 3.5  # standard errors of the first response
 FEEDBACK_LAGS = 10
 FEEDBACK_LEVEL = 1e-4  # of the test whether OP answers PV
@@ -32,16 +33,16 @@ def plausible(a: FloatArray) -> bool:
     return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
 
 
-def null_space_starts(arx: HighOrderArx, ladder: tuple[tuple[int, int], ...]) -> list[GridStart]:
+def null_space_starts(arx: HighOrderArx) -> list[GridStart]:
     """The structures that explain a high-order ARX best (misfit plus k log n), one for each delay, best first.
 
     They serve fast processes in strong feedback, where noise and dynamics can be told apart by the ARX alone.
     """
-    latest = _first_response(arx)
+    response = _first_response(arx)
     room = min(arx.a.size, arx.b.size)
     best: dict[int, GridStart] = {}
-    for delay in range(arx.delay, latest + LATER + 1):
-        for na, nb in ladder:
+    for delay in range(max(response - EARLIER, arx.delay), response + LATER + 1):
+        for na, nb in FULL:
             if na + nb + 1 + delay - arx.delay > room:
                 continue
             a, b, misfit = linear_start(arx, na, nb, delay)

@@ -17,7 +17,7 @@ from lostmotion.kernels.types import FloatArray, IntArray
 RIDGE = 1e-12
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _add_segment(
     x: FloatArray,
     y: FloatArray,
@@ -36,25 +36,29 @@ def _add_segment(
     size = lags + 2
     part = np.zeros((size, size))
     with_decay = np.zeros(size)
-    weight, whole = 1.0, 0.0
+    mode = np.empty(n)  # the decay
+    mode[first] = 1.0
+    for k in range(first + 1, n):
+        mode[k] = mode[k - 1] * decay
+    levels, outputs, whole, one, two, three = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(first, n):
-        with_decay[lags] += weight * level[k]
-        with_decay[lags + 1] += weight * y[k]
-        whole += weight * weight
-        part[lags, lags] += level[k] * level[k]
-        part[lags + 1, lags] += level[k] * y[k]
-        part[lags + 1, lags + 1] += y[k] * y[k]
-        weight *= decay
+        levels += mode[k] * level[k]
+        outputs += mode[k] * y[k]
+        whole += mode[k] * mode[k]
+        one += level[k] * level[k]
+        two += level[k] * y[k]
+        three += y[k] * y[k]
+    with_decay[lags], with_decay[lags + 1] = levels, outputs
+    part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = one, two, three
     for lag in range(lags):
         shift = low + lag
-        product, cross, sums, weight, decayed = 0.0, 0.0, 0.0, 1.0, 0.0
+        product, cross, sums, decayed = 0.0, 0.0, 0.0, 0.0
         for k in range(first, n):
             value = x[k - shift]
             product += value * x[k - low]
             cross += value * y[k]
             sums += value * level[k]
-            decayed += value * weight
-            weight *= decay
+            decayed += value * mode[k]
         part[lag, 0] = product
         part[lags + 1, lag] = cross
         part[lags, lag] = sums
