@@ -1,9 +1,12 @@
 """Text and JSON of results."""
 
 from lostmotion import _verbs
+from lostmotion.evaluate import MonteCarloResult
 from lostmotion.identify import HammersteinFit
 from lostmotion.report.fit_text import fit_summary
+from lostmotion.report.monte_carlo_text import monte_carlo_summary
 
 _verbs.summary.register(HammersteinFit, fit_summary)
+_verbs.summary.register(MonteCarloResult, monte_carlo_summary)
 
-__all__ = ["fit_summary"]
+__all__ = ["fit_summary", "monte_carlo_summary"]
