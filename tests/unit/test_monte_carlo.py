@@ -49,7 +49,8 @@ def test_the_truth_scores_full_marks():
     figures = result.score()
     assert (figures["cases"], figures["errors"]) == (COUNT, 0)
     assert figures["identifiable"] == sum(loop.identifiable for loop in loops())
-    for name in ("success", "within", "coverage", "delay", "honest"):
+    assert figures["delays_told"] == sum(loop.identifiable and loop.delay_told for loop in loops())
+    for name in ("success", "within", "coverage", "delay", "delay_told", "honest"):
         assert figures[name] == 1.0, name
     assert figures["bias"] == pytest.approx(0.0, abs=1e-9)
     assert figures["efficiency"] == pytest.approx(0.0, abs=1e-9)

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 import lostmotion as lm
@@ -132,6 +133,25 @@ def test_bound_of_a_record_not_from_rest(index):
 def test_bound_refuses_a_clean_output_of_another_length():
     loop = random_loop(0, samples=300)
     assert "clean" in refusal(lm.DataError, cramer_rao, loop.model, loop.u, loop.noise, clean=loop.clean[1:])
+
+
+def test_delay_margin_against_a_search():
+    """Slow twin for first order: the poles and break points of the wrong delay by a general optimiser."""
+    loop = next(loop for loop in map(random_loop, range(100)) if loop.orders[0] == 1 and not loop.noise.order)
+    delay, n = loop.orders[2], loop.u.size
+
+    def residuals(theta: np.ndarray, late: int) -> np.ndarray:
+        x = np.asarray(lm.DeadZone(theta[1], theta[1] + abs(theta[2]), abs(theta[3]), 1.0)(loop.u))
+        poles = lfilter([1.0], [1.0, -theta[0]], np.column_stack([x, np.r_[1.0, np.zeros(n - 1)]]), axis=0)
+        start = delay + 1
+        columns = np.column_stack([poles[start - delay - late : n - delay - late, 0], poles[: n - start, 1],
+                                   np.ones(n - start)])  # fmt: skip
+        target = loop.clean[start:]
+        return (target - columns @ np.linalg.lstsq(columns, target, rcond=None)[0]) / loop.noise.variance**0.5
+
+    truth = [-loop.model.linear.a[0], loop.zone.left, loop.zone.width, loop.zone.left_slope]
+    costs = [2.0 * least_squares(residuals, truth, args=(late,), x_scale=np.abs(truth)).cost for late in (-1, 1)]
+    assert loop.delay_margin == pytest.approx(min(costs), rel=0.02)
 
 
 @pytest.mark.statistics

@@ -156,6 +156,7 @@ def measure(loop: RandomLoop, estimator: Estimator) -> CaseResult:
         snr_db=loop.snr_db,
         share=loop.share,
         identifiable=loop.identifiable,
+        delay_told=loop.delay_told,
         truth=loop.truth,
         expected=loop.expected,
         seconds=seconds,

@@ -24,6 +24,8 @@ class CaseResult:
     index, closed, coloured, order, process, delay, snr_db, share : as in ``RandomLoop``
     identifiable : bool
         The expected 95 % intervals of both break points are narrower than a third of the width.
+    delay_told : bool
+        The record tells the delay: models of the true orders with one sample more or less fit clearly worse.
     truth, expected : dict of float
         True values and the standard errors that the record allows: left, right, width, slope_ratio.
     found, reported : dict of float
@@ -48,6 +50,7 @@ class CaseResult:
     snr_db: float
     share: float
     identifiable: bool
+    delay_told: bool
     truth: dict[str, float]
     expected: dict[str, float]
     found: dict[str, float]
@@ -116,9 +119,9 @@ def score(cases: Sequence[CaseResult]) -> Score:
 
     success : identifiable cases found (break points within three expected standard errors) and said to be usable;
     within : found, whatever the status; coverage : reported 95 % intervals of left and right that hold the truth;
-    delay : exact; bias and efficiency : mean and root mean square of the error in expected standard errors, over
-    the cases found (the others are no question of efficiency); honest : unidentifiable cases that are refused or
-    whose intervals hold the truth. Shares are in 0 .. 1.
+    delay : exact; delay_told : the same where the record tells it; bias and efficiency : mean and root mean square
+    of the error in expected standard errors, over the cases found (the others are no question of efficiency);
+    honest : unidentifiable cases that are refused or whose intervals hold the truth. Shares are in 0 .. 1.
     """
     can = [case for case in cases if case.identifiable]
     cannot = [case for case in cases if not case.identifiable]
@@ -131,6 +134,8 @@ def score(cases: Sequence[CaseResult]) -> Score:
         "within": _share([case.within for case in can]),
         "coverage": _share([case.covered(name) for case in can for name in BREAK_POINTS]),
         "delay": _share([case.delay_found == case.delay for case in can]),
+        "delays_told": sum(case.delay_told for case in can),
+        "delay_told": _share([case.delay_found == case.delay for case in can if case.delay_told]),
         "bias": _of(np.mean, misses),
         "efficiency": _of(lambda values: np.sqrt(np.mean(values**2)), misses),
         "honest": _share([case.honest for case in cannot]),

@@ -5,13 +5,17 @@ from __future__ import annotations
 from lostmotion.evaluate.monte_carlo import MonteCarloResult
 from lostmotion.evaluate.scores import Score
 
-HEAD = ("group", "cases", "ident.", "success", "within", "cover", "delay", "bias", "eff.", "honest", "s med/max")
-WIDTHS = (14, 5, 6, 7, 6, 6, 6, 6, 5, 6, 11)
+COLUMNS = {
+    "group": 14, "cases": 5, "ident.": 6, "success": 7, "within": 6, "cover": 6, "delay": 6, "told": 10, "bias": 6,
+    "eff.": 5, "honest": 6, "s med/max": 11,
+}  # fmt: skip
+HEAD, WIDTHS = tuple(COLUMNS), tuple(COLUMNS.values())
 LEGEND = (
     "ident.: the expected 95 % intervals of both break points are narrower than a third of the width; of these:\n"
     "success: break points within 3 expected standard errors and status usable; within: whatever the status;\n"
-    "cover: reported 95 % intervals that hold the truth; delay: exact; bias, eff.: mean and RMS error in expected\n"
-    "standard errors where within. honest: of the others, refused or intervals that hold the truth. All in %."
+    "cover: reported 95 % intervals that hold the truth; delay: exact; told: exact, of those whose record tells it;\n"
+    "bias, eff.: mean and RMS error in expected standard errors where within. honest: of the others, refused or\n"
+    "intervals that hold the truth. All in %."
 )
 
 
@@ -30,6 +34,7 @@ def cells(group: str, figures: Score) -> tuple[str, ...]:
         str(figures["cases"]),
         str(figures["identifiable"]),
         *(percent(figures[name]) for name in ("success", "within", "coverage", "delay")),
+        f"{percent(figures['delay_told'])} ({figures['delays_told']})",
         *("-" if figures[name] is None else f"{figures[name]:.2f}" for name in ("bias", "efficiency")),
         percent(figures["honest"]),
         f"{figures['seconds_median']:.2f}/{figures['seconds_worst']:.2f}",
