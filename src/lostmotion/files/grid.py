@@ -60,6 +60,13 @@ class Rows:
     def __len__(self) -> int:
         return self.op.size
 
+    def part(self, first: int, stop: int) -> Rows:
+        """Samples from `first` up to `stop`, without the notes."""
+        rows = slice(first, stop)
+        automatic = None if self.automatic is None else self.automatic[rows]
+        breaks = self.breaks[(self.breaks >= first) & (self.breaks < stop)] - first
+        return Rows(self.time[rows], self.op[rows], self.pv[rows], automatic, breaks)
+
 
 class Grid:
     """Clock of a growing record.
