@@ -302,7 +302,7 @@ def explain(memory: Memory) -> Explanation | None:
     least = memory.replay(stretch, prior.centre, memory.state[kernel.CLIP] * np.sqrt(variance)).cost
     for kind, names in kinds.items():
         loose = forget(prior, names, weak)
-        blind = int(memory.layout[kernel.SETTLING]) if 0 in names else 0
+        blind = int(kernel.settling(prior.centre, memory.layout)) if 0 in names else 0
         here = Stretch(blocks, prior.centre, misfit, min(blind, blocks * memory.block // 4))
         start = _scan(memory, here, prior.centre, [i for i in names if i >= eta])
         refit = fit_again(memory, here, loose, start, variance)

@@ -121,7 +121,7 @@ def allocate(na: int, nb: int, delay: int, p: int, tuning: Tuning) -> tuple[Floa
         kernel.SUM_H: square, kernel.SUM_G: n, kernel.RING_H: ring * square, kernel.RING_R: ring * n,
         kernel.RING_F: ring * filters, kernel.RING_S: 2 * ring, kernel.U: ring * block, kernel.Y: ring * block,
         kernel.USED: ring * block, kernel.TOTAL_H: square, kernel.TOTAL_R: n, kernel.ROOT: square,
-        kernel.PERIOD_H: square, kernel.PERIOD_R: n, kernel.WORK: square,
+        kernel.INVERSE: square, kernel.PERIOD_H: square, kernel.PERIOD_R: n, kernel.WORK: square,
     }  # fmt: skip
     at = int(kernel.HEAD)
     for name, size in sizes.items():
@@ -172,7 +172,8 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
     state[kernel.WEIGHT] = weight
     state[kernel.SQUARES] = max(best.cost / max(problem.errors - n, 1), SMALLEST_VARIANCE) * weight
     state[kernel.LOW], state[kernel.HIGH] = family.low, family.high
-    layout[kernel.COUNT] = layout[kernel.LEFT_AT] = layout[kernel.RIGHT_AT] = u.size
+    for name in (kernel.COUNT, kernel.LEFT_AT, kernel.RIGHT_AT, kernel.PERIOD_FROM):
+        layout[name] = u.size
     layout[kernel.SINCE] = 0
     _run_up(state, layout, u, y)
     kernel.newton_step(state, layout)
@@ -188,7 +189,7 @@ def _run_up(state: FloatArray, layout: IntArray, u: FloatArray, y: FloatArray) -
     held = u[np.isfinite(u)][0]
     filters[: delay + 1] = held
     settled = 0
-    needed = kernel.settling_time(theta[:na]) + delay + nb1
+    needed = int(kernel.settling(theta, layout))
     for value, output in zip(u, y, strict=True):
         held = value if np.isfinite(value) else held
         settled = settled + 1 if np.isfinite(value) else 0

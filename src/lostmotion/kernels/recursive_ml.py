@@ -26,7 +26,7 @@ NA, NB1, DELAY, P, N, BLOCK, RING, FILTERS = range(8)
 THETA, SHOWN, FILTER, REF_H, REF_R, SUM_H, SUM_G, RING_H, RING_R, RING_F, U, Y, USED = range(8, 21)
 TOTAL_H, TOTAL_R, ROOT, PERIOD_H, PERIOD_R, WORK, SIZE = range(21, 28)
 COUNT, FILLED, BLOCKS, SETTLE, WAIT, LOST, SINCE, LEFT_AT, RIGHT_AT, CLIPPED, MISSING, MASKED = range(28, 40)
-PERIOD_FROM, WINDOW, SETTLING, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, LAYOUT_SIZE = range(40, 49)
+PERIOD_FROM, WINDOW, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, INVERSE, LAYOUT_SIZE = range(40, 49)
 
 # head of `state`
 TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT, STATISTIC, HEAD = range(13)
@@ -34,6 +34,8 @@ TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT
 LEFT, RIGHT, GAIN = range(3)  # directions that are tested for a change
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 RIDGE = 1e-11  # relative information put into every direction, about the present estimate
+SMALLEST = 1e-200  # information below this is none: filters fade to denormal numbers
+UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
 HALVINGS = 20
 RADIUS = 1.0 - 1e-7
 ENOUGH = 4  # blocks of an alarm that are fitted again at least
@@ -159,11 +161,11 @@ def factor(h: FloatArray, root: FloatArray) -> None:
         for j in range(i + 1):
             total = h[i, j]
             if i == j:
-                total = total * (1.0 + RIDGE) if total > 0.0 else 1.0
+                total = total * (1.0 + RIDGE) if total > SMALLEST else 1.0
             for k in range(j):
                 total -= root[i, k] * root[j, k]
             if i == j:
-                floor = RIDGE * h[i, i] if h[i, i] > 0.0 else 1.0
+                floor = RIDGE * h[i, i] if h[i, i] > SMALLEST else 1.0
                 root[i, i] = np.sqrt(max(total, floor))
             else:
                 root[i, j] = total / root[j, j]
@@ -302,34 +304,59 @@ def settling_time(a: FloatArray) -> int:
 
 
 @njit(cache=True, nogil=True)
-def informs(h: FloatArray, variance: float, eta: int, side: int, reach: float, work: FloatArray) -> bool:
-    """Whether one block alone could place a break point inside the range of u, everything else unknown."""
+def informed_sides(h: FloatArray, variance: float, eta: int, reach: float, root: FloatArray) -> tuple[bool, bool]:
+    """Whether one block alone could place each break point inside the range of u, everything else unknown."""
+    least = variance / (reach * reach)
+    if not (h[eta, eta] > least or h[eta + 1, eta + 1] > least):
+        return False, False
     n = h.shape[0]
-    if not h[eta + side, eta + side] > 0.0:
-        return False
-    order = n - 1
-    root = work[:order, :order]
-    column = np.empty(order)
-    for i in range(order):
-        row = i if i < eta + side else i + 1
-        column[i] = h[row, eta + side]
-        for j in range(order):
-            root[i, j] = h[row, j if j < eta + side else j + 1]
-    lower = np.zeros((order, order))
-    factor(root, lower)
-    rest = h[eta + side, eta + side]
-    for i in range(order):
-        total = column[i]
-        for k in range(i):
-            total -= lower[i, k] * column[k]
-        column[i] = total / lower[i, i]
-        rest -= column[i] * column[i]
-    return bool(rest * reach * reach > variance)
+    others = n - 2
+    for i in range(n):  # the break points last
+        row = i if i < eta else (i + 2 if i < others else i - others + eta)
+        for j in range(i + 1):
+            total = h[row, j if j < eta else (j + 2 if j < others else j - others + eta)]
+            whole = total
+            for k in range(min(j, others)):
+                total -= root[i, k] * root[j, k]
+            if i >= others and j >= others:
+                root[i, j] = total
+            elif i == j:
+                root[i, i] = np.sqrt(max(total, RIDGE * whole)) if whole > SMALLEST else 1.0
+            else:
+                root[i, j] = total / root[j, j]
+    left, right, cross = root[n - 2, n - 2], root[n - 1, n - 1], root[n - 1, n - 2]
+    shared = cross * cross
+    return (
+        bool(right > 0.0 and left - shared / right > least) or bool(right <= 0.0 and left > least),
+        bool(left > 0.0 and right - shared / left > least) or bool(left <= 0.0 and right > least),
+    )
+
+
+@njit(cache=True, nogil=True)
+def invert(root: FloatArray, inverse: FloatArray) -> None:
+    """Inverse of root root'."""
+    n = root.shape[0]
+    for i in range(n):  # inverse of the factor, in the lower triangle
+        inverse[i, i] = 1.0 / root[i, i]
+        for j in range(i):
+            total = 0.0
+            for k in range(j, i):
+                total -= root[i, k] * inverse[k, j]
+            inverse[i, j] = total / root[i, i]
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(i, n):
+                total += inverse[k, i] * inverse[k, j]
+            inverse[j, i] = total
+    for i in range(n):
+        for j in range(i):
+            inverse[i, j] = inverse[j, i]
 
 
 @njit(cache=True, nogil=True)
 def total_information(state: FloatArray, layout: IntArray) -> None:
-    """Sum reference and ring into TOTAL and factor it into ROOT."""
+    """Sum reference and ring into TOTAL; its factor into ROOT and its inverse into INVERSE."""
     n, ring = layout[N], layout[RING]
     square = n * n
     h = state[layout[TOTAL_H] : layout[TOTAL_H] + square]
@@ -343,7 +370,9 @@ def total_information(state: FloatArray, layout: IntArray) -> None:
         at = layout[RING_R] + slot * n
         for i in range(n):
             r[i] += state[at + i]
-    factor(h.reshape(n, n), state[layout[ROOT] : layout[ROOT] + square].reshape(n, n))
+    root = state[layout[ROOT] : layout[ROOT] + square].reshape(n, n)
+    factor(h.reshape(n, n), root)
+    invert(root, state[layout[INVERSE] : layout[INVERSE] + square].reshape(n, n))
 
 
 @njit(cache=True, nogil=True)
@@ -363,7 +392,6 @@ def newton_step(state: FloatArray, layout: IntArray) -> None:
     wanted = theta + move
     constrain(wanted, root, eta, state[LOW], state[HIGH], state[RATIO_LIMIT])
     step_to(theta, wanted, na, RADIUS)
-    layout[SETTLING] = settling_time(theta[:na]) + layout[DELAY] + layout[NB1]
     show(state, layout)
 
 
@@ -374,16 +402,14 @@ def show(state: FloatArray, layout: IntArray) -> None:
     ZERO: nan free, 0 decide, 1 always zero. Zero inside the dead zone is asked for, as in the batch.
     """
     n, at = layout[N], layout[NA] + layout[NB1]
-    square = n * n
     theta = state[layout[THETA] : layout[THETA] + n]
     shown = state[layout[SHOWN] : layout[SHOWN] + n]
-    root = state[layout[ROOT] : layout[ROOT] + square].reshape(n, n)
     shown[:] = theta
     if not pinned(state, layout):
         return
-    c = np.zeros(n)
-    c[at] = 1.0
-    pin(shown, root, c, 0.0)
+    column = layout[INVERSE] + at * n
+    for i in range(n):
+        shown[i] -= state[column + i] * (theta[at] / state[column + at])
     shown[at] = 0.0
     if not is_stable(shown[: layout[NA]], RADIUS):
         shown[:] = theta
@@ -400,10 +426,7 @@ def pinned(state: FloatArray, layout: IntArray) -> bool:
     theta = state[layout[THETA] : layout[THETA] + n]
     if not theta[at + 1] <= 0.0 <= theta[at + 2]:
         return False
-    c = np.zeros(n)
-    c[at] = 1.0
-    solve(state[layout[ROOT] : layout[ROOT] + n * n].reshape(n, n), c)
-    variance = state[SQUARES] / state[WEIGHT] * c[at]
+    variance = state[SQUARES] / state[WEIGHT] * state[layout[INVERSE] + at * n + at]
     return bool(theta[at] * theta[at] < np.log(max(state[WEIGHT], 2.0)) * variance)
 
 
@@ -417,9 +440,12 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     """
     n, ring, eta = layout[N], layout[RING], layout[NA] + layout[NB1] + 1
     square = n * n
-    root = state[layout[ROOT] : layout[ROOT] + square].reshape(n, n)
-    best = state[layout[TOTAL_R] : layout[TOTAL_R] + n].copy()
-    solve(root, best)
+    inverse = state[layout[INVERSE] : layout[INVERSE] + square].reshape(n, n)
+    right_hand = state[layout[TOTAL_R] : layout[TOTAL_R] + n]
+    best = np.zeros(n)
+    for i in range(n):
+        for j in range(n):
+            best[j] += inverse[i, j] * right_hand[i]
     h = state[layout[WORK] : layout[WORK] + square]
     h[:] = 0.0
     r, c, along, score = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
@@ -451,10 +477,11 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
                 spread += c[i] * along[i]
                 above += c[i] * score[i]
             whole = spread
-            c[:] = along
-            solve(root, along)
             for i in range(n):
-                spread -= c[i] * along[i]
+                value = 0.0
+                for j in range(n):
+                    value += inverse[i, j] * along[j]
+                spread -= along[i] * value
             if spread > 1e-6 * whole and deviation > 0.0:
                 statistic = above / (deviation * np.sqrt(spread))
                 if abs(statistic) > abs(largest):
@@ -487,9 +514,11 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
     state[layout[PERIOD_R] : layout[PERIOD_R] + n] += g
     work = state[layout[WORK] : layout[WORK] + square].reshape(n, n)
     variance, reach = state[SQUARES] / state[WEIGHT], state[HIGH] - state[LOW]
-    for side in range(2):
-        if informs(h.reshape(n, n), variance, eta, side, reach, work):
-            layout[LEFT_AT + side] = layout[COUNT]
+    left, right = informed_sides(h.reshape(n, n), variance, eta, reach, work)
+    if left:
+        layout[LEFT_AT] = layout[COUNT]
+    if right:
+        layout[RIGHT_AT] = layout[COUNT]
     h[:] = 0.0
     g[:] = 0.0
     layout[FILLED] = 0
@@ -512,32 +541,49 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
 
 
 @njit(cache=True, nogil=True)
-def take(u: float, y: float, used: bool, state: FloatArray, layout: IntArray, psi: FloatArray) -> float:
+def settling(theta: FloatArray, layout: IntArray) -> int:
+    """Samples until what is not known about the command no longer matters."""
+    return int(settling_time(theta[: layout[NA]]) + layout[DELAY] + layout[NB1])
+
+
+@njit(cache=True, nogil=True)
+def take(
+    u: float,
+    y: float,
+    used: bool,
+    state: FloatArray,
+    layout: IntArray,
+    theta: FloatArray,
+    filters: FloatArray,
+    h: FloatArray,
+    g: FloatArray,
+    psi: FloatArray,
+) -> float:
     """One sample: bridge or mask what is missing, filter, add to the block. Return the error (NaN without y)."""
-    n, block, p = layout[N], layout[BLOCK], layout[P]
+    p = layout[P]
     if np.isnan(u):
         u = state[HELD]
         layout[MISSING] += 1
         layout[LOST] += 1
         if layout[LOST] > HOLD:
-            layout[SETTLE] = layout[SETTLING]
+            layout[SETTLE] = UNKNOWN
         used = False
     else:
         layout[LOST] = 0
         state[HELD] = u
-        if used:
-            layout[SETTLE] = max(layout[SETTLE] - 1, 0)
-        else:
-            layout[SETTLE] = layout[SETTLING]
+        if not used:
+            layout[SETTLE] = UNKNOWN
             layout[MASKED] += 1
-    filters = state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
+        elif layout[SETTLE] == UNKNOWN:
+            layout[SETTLE] = settling(theta, layout)
+        elif layout[SETTLE] > 0:
+            layout[SETTLE] -= 1
     slot = layout[BLOCKS] % layout[RING]
     if layout[FILLED] == 0:
         at = layout[RING_F] + slot * layout[FILTERS]
         state[at : at + layout[FILTERS]] = filters
         state[layout[RING_S] + 2 * slot] = state[SQUARES]
         state[layout[RING_S] + 2 * slot + 1] = state[WEIGHT]
-    theta = state[layout[THETA] : layout[THETA] + n]
     error = advance(u, y, theta, filters, layout[NA], layout[NB1], layout[DELAY], p, psi)
     if np.isnan(y):
         layout[MISSING] += 1
@@ -551,20 +597,14 @@ def take(u: float, y: float, used: bool, state: FloatArray, layout: IntArray, ps
         state[LOW], state[HIGH] = min(state[LOW], u), max(state[HIGH], u)
         limit = state[CLIP] * np.sqrt(state[SQUARES] / state[WEIGHT])
         weight = influence(error, limit)
-        gather(
-            psi,
-            error,
-            weight,
-            state[layout[SUM_H] : layout[SUM_H] + n * n].reshape(n, n),
-            state[layout[SUM_G] : layout[SUM_G] + n],
-        )
+        gather(psi, error, weight, h, g)
         state[SQUARES] = state[KEEP] * state[SQUARES] + min(error * error, limit * limit)
         state[WEIGHT] = state[KEEP] * state[WEIGHT] + 1.0
         if weight < 1.0:
             layout[CLIPPED] += 1
             if p > 0:  # the outlier is no noise that goes on
                 filters[filters.size - 5 * p - layout[NA] - layout[NB1] - p] -= (1.0 - weight) * error
-    at = slot * block + layout[FILLED]
+    at = slot * layout[BLOCK] + layout[FILLED]
     state[layout[U] + at] = u
     state[layout[Y] + at] = y
     state[layout[USED] + at] = 1.0 if used else 0.0
@@ -593,8 +633,12 @@ def run(
     n = layout[N]
     psi = np.zeros(n)
     shown = state[layout[SHOWN] : layout[SHOWN] + n]
+    theta = state[layout[THETA] : layout[THETA] + n]
+    filters = state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
+    h = state[layout[SUM_H] : layout[SUM_H] + n * n].reshape(n, n)
+    g = state[layout[SUM_G] : layout[SUM_G] + n]
     for k in range(begin, u.size):
-        errors[k] = take(u[k], y[k], used[k], state, layout, psi)
+        errors[k] = take(u[k], y[k], used[k], state, layout, theta, filters, h, g, psi)
         reason = NOTHING
         if layout[FILLED] == layout[BLOCK]:
             reason = close_block(state, layout)
@@ -610,7 +654,12 @@ def run(
 @njit(cache=True, nogil=True)
 def one(u: float, y: float, used: bool, state: FloatArray, layout: IntArray, psi: FloatArray) -> tuple[float, int]:
     """One sample from Python: error and reason to look closer."""
-    error = take(u, y, used, state, layout, psi)
+    n = layout[N]
+    theta = state[layout[THETA] : layout[THETA] + n]
+    filters = state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
+    h = state[layout[SUM_H] : layout[SUM_H] + n * n].reshape(n, n)
+    g = state[layout[SUM_G] : layout[SUM_G] + n]
+    error = take(u, y, used, state, layout, theta, filters, h, g, psi)
     return error, close_block(state, layout) if layout[FILLED] == layout[BLOCK] else NOTHING
 
 

@@ -42,12 +42,14 @@ def _words(estimate: RecursiveEstimate) -> str:
     if estimate.status is Status.NOT_SEEN:
         high = max(estimate.interval("width")[1], 0.0)
         return f"no dead zone is seen; one wider than {high:.2g} would have been (95 %)."
-    return estimate.status.value
+    return str(estimate.status.value)
 
 
 def _table(estimate: RecursiveEstimate) -> list[str]:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}", "-" * WIDTH]
     for name, meaning in MEANING.items():
+        if name not in estimate.parameters:
+            continue
         error = estimate.standard_errors[name]
         value, deviation = digits(estimate.parameters[name], error)
         between = "" if deviation == "given" else span(*estimate.interval(name), error)
