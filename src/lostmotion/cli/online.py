@@ -78,7 +78,7 @@ def online(
     fit: Fit = None,
     gain: Gain = None,
     noise: Noise = "auto",
-    forgetting: Forgetting = 1.0,
+    forgetting: Forgetting = 0.9998,
     start_samples: Start = 1000,
     op: Op = "OP",
     pv: Pv = "PV",

@@ -80,8 +80,10 @@ def read_cells(lines: Sequence[bytes], layout: Layout) -> tuple[Cells, Layout]:
     >>> cells.op, cells.pv, cells.garbled.tolist(), layout.decimal
     (array([1. , 1.5, nan]), array([ 2., nan, nan]), [False, False, True], ',')
     """
-    text = [_decoded(line) for line in lines]
-    kept = [place for place, line in enumerate(text) if has_cells(line) and line != layout.header]
+    text = _decoded(lines)
+    kept = [place for place, line in enumerate(text) if line and line != layout.header]
+    if any(b"#" in line or b"//" in line or line.isspace() for line in lines):
+        kept = [place for place in kept if has_cells(text[place])]
     frame, broken = _frame([text[place] for place in kept], layout)
     layout = _settle_decimal(frame, layout)
     numbers = [_numbers(frame[name], layout.decimal) for name in (layout.op, layout.pv)]
@@ -95,7 +97,19 @@ def read_cells(lines: Sequence[bytes], layout: Layout) -> tuple[Cells, Layout]:
     return Cells(stamps, numbers[0][0], numbers[1][0], automatic, garbled, places, moved), layout
 
 
-def _decoded(line: bytes) -> str:
+def _decoded(lines: Sequence[bytes]) -> list[str]:
+    """Text of each line: UTF-8, or else Latin-1; what looks like a line end in it is a blank."""
+    try:
+        text = b"\n".join(lines).decode().split("\n")
+        if len(text) == len(lines):
+            return text
+    except UnicodeDecodeError:
+        pass
+    return [decoded(line).replace("\n", " ") for line in lines]
+
+
+def decoded(line: bytes) -> str:
+    """Text of one line: UTF-8, or else Latin-1."""
     try:
         return line.decode()
     except UnicodeDecodeError:
@@ -105,7 +119,7 @@ def _decoded(line: bytes) -> str:
 def _frame(rows: list[str], layout: Layout) -> tuple[pl.DataFrame, Bools]:
     """Cells as stripped text, and rows that do not fit the header: all their cells are missing."""
     broken = np.zeros(len(rows), dtype=bool)
-    quoted = [place for place, row in enumerate(rows) if row.count('"') % 2]
+    quoted = [place for place, row in enumerate(rows) if '"' in row and row.count('"') % 2]
     for place in quoted:  # would swallow the next line
         rows[place] = ""
     broken[quoted] = True

@@ -10,7 +10,7 @@ from typing import Any, BinaryIO, Self
 import numpy as np
 
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.files.cells import Cells, read_cells
+from lostmotion.files.cells import Cells, decoded, read_cells
 from lostmotion.files.grid import Grid, Rows
 from lostmotion.files.growing import GrowingFile, GrowingStream, Source
 from lostmotion.files.layout import HEAD_ROWS, Asked, Layout, find_layout
@@ -195,10 +195,7 @@ class Follower:
 def _text(line: bytes, source: str, first: bool) -> str:
     if first and line.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise DataError.expected("UTF-8 or Latin-1 text", f"UTF-16 in {source!r}", "write the file as UTF-8")
-    try:
-        text = line.decode()
-    except UnicodeDecodeError:
-        text = line.decode("latin-1")
+    text = decoded(line).replace("\n", " ")
     return text.removeprefix("\ufeff") if first else text
 
 

@@ -123,7 +123,8 @@ def has_cells(line: str) -> bool:
     >>> has_cells("#N/A;1"), has_cells("# made by x"), has_cells(" ")
     (True, False, False)
     """
-    return bool(line.strip(" ")) and not _COMMENT.match(line)
+    bare = line.strip(" ")
+    return bool(bare) and (bare[0] not in "#/\t" or not _COMMENT.match(line))
 
 
 def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:

@@ -14,6 +14,7 @@ from lostmotion.online.trend import Line
 
 STALE = 1000  # samples without information that are worth a sentence
 DAY = 86400.0  # s
+Z95 = 1.959963984540054
 SHOWN = ("left", "right", "width", "slope_ratio")
 CHANGED = {
     "left": "The left break point has moved",
@@ -39,19 +40,25 @@ def report(estimate: RecursiveEstimate | None, sample: int, timeline: Timeline) 
         **head,
         "status": estimate.status.name,
         "message": _words(estimate),
-        **{name: _number(estimate, name) for name in SHOWN},
+        **{name: number(estimate, name) for name in SHOWN},
         "no_information": stale or None,
     }
 
 
-def interval(estimate: RecursiveEstimate, name: str) -> tuple[float | None, float | None]:
-    """95 % interval that is earned: open where the status says that nothing is known."""
-    if name != "width" and estimate.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
-        return None, None
-    low, high = estimate.interval(name)
+def number(estimate: RecursiveEstimate, name: str) -> dict[str, float | None]:
+    """Value, standard error and 95 % interval, as far as they are earned: open where nothing is known."""
+    error = float(np.sqrt(max(estimate.covariance[(list(estimate.parameters).index(name),) * 2], 0.0)))
+    low, high = (estimate.parameters[name] + side * Z95 * error for side in (-1.0, 1.0))
     if name == "width":
-        low = max(low, 0.0)
-    return _finite(low), _finite(high)
+        return _numbers(estimate.parameters[name], error, max(low, 0.0), high)
+    if estimate.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+        return _numbers(np.nan, np.nan, np.nan, np.nan)
+    return _numbers(estimate.parameters[name], error, low, high)
+
+
+def _numbers(value: float, error: float, low: float, high: float) -> dict[str, float | None]:
+    found = {"value": value, "standard_error": error, "low": low, "high": high}
+    return {name: _finite(value) for name, value in found.items()}
 
 
 def change(event: ChangeEvent, timeline: Timeline) -> dict[str, Any]:
@@ -91,7 +98,7 @@ def trend(line: Line | None, limit: float | None, timeline: Timeline) -> dict[st
     """Slope of the width and the time to its limit; None with fewer than 4 points."""
     if line is None:
         return None
-    value, error = line.at(line.until)
+    value, error = line.at(timeline.running)
     return {
         "points": line.points,
         "left_out": line.left_out,
@@ -100,8 +107,8 @@ def trend(line: Line | None, limit: float | None, timeline: Timeline) -> dict[st
         "fits": line.fits,
         "chi_square": line.chi_square,
         "probability": line.probability,
-        "width": value if line.fits else None,
-        "width_standard_error": error if line.fits else None,
+        "width_now": value if line.fits else None,
+        "width_now_standard_error": error if line.fits else None,
         "per_day": line.slope * DAY if line.fits else None,
         "per_day_standard_error": line.slope_error * DAY if line.fits else None,
         "significant": line.significant,
@@ -140,8 +147,8 @@ def _limit(line: Line, limit: float, timeline: Timeline) -> dict[str, Any]:
 
 def _words(estimate: RecursiveEstimate) -> str:
     if estimate.status is not Status.NOT_SEEN:
-        return estimate.status.value
-    high = interval(estimate, "width")[1]
+        return str(estimate.status.value)
+    high = number(estimate, "width")["high"]
     bound = "" if high is None else f" One wider than {high:.3g} would have been seen (95 %)."
     return f"No dead zone is seen.{bound}"
 
@@ -151,18 +158,10 @@ def _stale(estimate: RecursiveEstimate, timeline: Timeline) -> list[dict[str, An
     for name, sample in (estimate.informed or {}).items():
         ago = estimate.samples - sample
         if ago > STALE:
-            words = f"Nothing new is known about the {name} break point for {ago} samples: OP hardly crossed it or was masked."
+            words = f"No information about the {name} break point for {ago} samples: OP hardly crossed it, or masked."
             since = timeline.text(timeline.at(sample))
             found.append({"name": name, "since": since, "since_sample": sample, "samples": ago, "message": words})
     return found
-
-
-def _number(estimate: RecursiveEstimate, name: str) -> dict[str, float | None]:
-    low, high = interval(estimate, name)
-    known = name == "width" or estimate.status not in (Status.NOT_SEEN, Status.CANNOT_TELL)
-    value = _finite(estimate.parameters[name]) if known else None
-    error = _finite(estimate.standard_errors[name]) if known else None
-    return {"value": value, "standard_error": error, "low": low, "high": high}
 
 
 def _finite(value: float) -> float | None:

@@ -44,9 +44,7 @@ class Estimator(Protocol):
     def events(self) -> tuple[ChangeEvent, ...]:
         """Last changes."""
 
-    def run(
-        self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1, use: npt.ArrayLike | None = None
-    ) -> Trajectory:
+    def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1, use: npt.ArrayLike | None = None) -> Trajectory:
         """Take samples."""
 
     def period(self) -> tuple[dict[str, float], dict[str, float], int] | None:
@@ -146,7 +144,7 @@ class OnlineMonitor:
 
     def _learn(self, rows: Rows) -> None:
         if self._period_from is None:
-            self._period_from = float(rows.time[0])
+            self._period_from = float(rows.time[0]) - self.dt
         self.timeline.take(self.samples, rows)
         use = self.masks.use(rows)
         errors = self.estimator.run(rows.op, rows.pv, every=len(rows), use=use).errors
@@ -185,7 +183,8 @@ class OnlineMonitor:
         """Tell once that the width is above its limit, with the confidence of its interval."""
         if estimate is None or self.width_limit is None:
             return []
-        low, high = messages.interval(estimate, "width")
+        width = messages.number(estimate, "width")
+        low, high = width["low"], width["high"]
         above = low is not None and low > self.width_limit
         new = above and not self._limit_told
         if above or (high is not None and high < self.width_limit):

@@ -10,7 +10,7 @@ from threading import Event
 from typing import Any
 
 from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
-from lostmotion.files.follow import MOST_ROWS, Follower
+from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
 from lostmotion.files.results import write_bytes
@@ -140,7 +140,7 @@ class Service:
         self._save(hurry=True)
 
     def _read(self, at_end: bool) -> Rows:
-        most = MOST_ROWS if self.monitor is None else self.monitor.to_report
+        most = self.monitor.to_report if self.monitor is not None and self._begun else 0  # 0: the layout only
         try:
             rows = self.follower.finish(most) if at_end else self.follower.read(most)
         except LostMotionError:
@@ -156,17 +156,19 @@ class Service:
         if self.monitor is None:
             self.monitor = self._make(layout)
         self.monitor.width_limit = self.width_limit
-        self.emit({
-            "kind": "start",
-            "source": self.follower.source.name,
-            "op": layout.op,
-            "pv": layout.pv,
-            "time_column": layout.time,
-            "mode": layout.mode,
-            "dt": layout.dt,
-            "sample": self.monitor.samples,
-            "message": " ".join(layout.notes) if not resumed else f"Goes on after sample {self.monitor.samples}.",
-        })
+        self.emit(
+            {
+                "kind": "start",
+                "source": self.follower.source.name,
+                "op": layout.op,
+                "pv": layout.pv,
+                "time_column": layout.time,
+                "mode": layout.mode,
+                "dt": layout.dt,
+                "sample": self.monitor.samples,
+                "message": " ".join(layout.notes) if not resumed else f"Goes on after sample {self.monitor.samples}.",
+            }
+        )
 
     def _take(self, rows: Rows) -> None:
         assert self.monitor is not None  # noqa: S101  there are no rows without a layout

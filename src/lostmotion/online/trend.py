@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records.record import FloatArray
@@ -77,7 +77,7 @@ class Line:
     @property
     def significant(self) -> bool:
         """Whether the slope differs from zero (99 %)."""
-        return self.fits and bool(abs(self.slope) > stats.norm.ppf(0.5 + SIGNIFICANT / 2) * self.slope_error)
+        return self.fits and bool(abs(self.slope) > special.ndtri(0.5 + SIGNIFICANT / 2) * self.slope_error)
 
     def at(self, time: float) -> tuple[float, float]:
         """Value and standard error at a time."""
@@ -93,7 +93,7 @@ class Line:
             return None
         if self.at(self.until)[0] >= limit:
             return Reach("reached", None, None, None)
-        earliest, latest = self._band(limit, float(stats.norm.ppf(0.5 + level / 2)))
+        earliest, latest = self._band(limit, float(special.ndtri(0.5 + level / 2)))
         if not self.significant:
             return Reach("level", None, earliest if earliest is not None and earliest > self.until else None, None)
         if self.slope < 0:
@@ -134,6 +134,7 @@ class Trend:
         self._most = most
         self._points: list[tuple[float, float, float]] = []  # time, value, weight
         self._line: Line | None = None
+        self._fitted = True
 
     def __len__(self) -> int:
         return len(self._points)
@@ -153,7 +154,7 @@ class Trend:
         self._points.append((float(time), float(value), float(error) ** -2))
         if len(self._points) > self._most:
             self._merge()
-        self._line = self._fit()
+        self._fitted = False
 
     @property
     def line(self) -> Line | None:
@@ -161,6 +162,8 @@ class Trend:
 
         Where not even the last 4 agree with a line, that through them, with ``fits`` False.
         """
+        if not self._fitted:
+            self._line, self._fitted = self._fit(), True
         return self._line
 
     def to_dict(self) -> dict[str, Any]:
@@ -172,7 +175,7 @@ class Trend:
         """Trend from :meth:`to_dict`."""
         new = cls(data["most"])
         new._points = [(float(time), float(value), float(weight)) for time, value, weight in data["points"]]
-        new._line = new._fit()
+        new._fitted = False
         return new
 
     def _merge(self) -> None:
@@ -217,5 +220,5 @@ def _line(points: FloatArray, left_out: int) -> Line:
         slope_error=widen * spread**-0.5,
         chi_square=chi_square,
         freedom=freedom,
-        probability=float(stats.chi2.sf(chi_square, freedom)),
+        probability=float(special.gammaincc(0.5 * freedom, 0.5 * chi_square)),
     )
