@@ -13,11 +13,12 @@ from lostmotion.identify.noise_order import autoregressions, choose_noise
 from lostmotion.identify.pole_grid import GridStart, grid_starts
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.start import fit_arx, linear_start
-from lostmotion.identify.structure import LADDER, distinct, first_delay, plausible
+from lostmotion.identify.structure import LADDER, distinct, first_delay, null_space_starts, plausible
 from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
 _Attempt = tuple[FloatArray, GridStart, FloatArray]
+_Key = tuple[int, int, int, bool]
 
 START_NOISE_LAGS = 15
 MOST_ROUNDS = 4
@@ -27,6 +28,9 @@ APART = 0.3  # deviations of OP between the break points of two rivals
 ROUGH_STEPS = 25
 LATEST_DELAY = 25
 MOST_STRUCTURES = 3
+MOST_NULL_SPACE = 2
+START_LAGS = 30
+NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
@@ -85,6 +89,7 @@ def best_fit(
     etas: list[FloatArray],
     orders: tuple[int, int, int] | None,
     noise: int | None,
+    levels: bool = True,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -98,8 +103,10 @@ def best_fit(
         None: chosen from the data.
     noise : int or None
         Order of the AR noise; None: chosen from the data.
+    levels : bool
+        Whether the process may integrate.
     """
-    search = _Search.on(data, family, orders, noise)
+    search = _Search.on(data, family, orders, noise, levels)
     best = search.over([attempt for eta in etas for attempt in search.likely(eta)])
     assert best is not None  # noqa: S101  there is always a start
     if orders is None:
@@ -109,15 +116,16 @@ def best_fit(
         d = choose_noise(best.output_residual())
     s = best.problem.structure
     if not (best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order):
-        best = refined(data, family, best, d)
-    return replace(best, rivals=search.rivals())
+        best = refined(data, best, d)
+    return replace(_without_load(best), rivals=search.rivals())
 
 
-def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fitted:
+def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
     """Converged fit with noise start d, on all rows that its structure allows."""
     s = best.problem.structure
     theta = best.fit.theta
-    problem = Problem(data.u, data.y, data.segments, family, Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size))
+    structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
+    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure)
     start = problem.pack(
         theta[: s.na],
         theta[s.na : s.na + s.nb + 1],
@@ -125,7 +133,19 @@ def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fi
         d,
         theta[best.problem.eta_at - 1],
     )
-    return Fitted(problem, refine(problem, start))
+    return Fitted(problem, refine(problem, start), problem.basis)
+
+
+def _without_load(best: Fitted) -> Fitted:
+    """The same fit of an integrating process without a load, where the load explains nothing."""
+    family = best.problem.family
+    if not family.load:
+        return best
+    plain = replace(best.problem, family=family.with_load(False))
+    at = best.problem.noise_at - 1
+    start = np.delete(best.fit.theta, at)
+    fitted = Fitted(plain, refine(plain, start), plain.basis)
+    return fitted if _criterion(fitted) <= _criterion(best) else best
 
 
 def _criterion(fitted: Fitted) -> float:
@@ -143,16 +163,24 @@ class _Search:
     orders: tuple[int, int, int] | None
     noise: int | None
     delays: tuple[int, int]
+    levels: bool
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
-    tried: set[tuple[int, int, int]] = field(default_factory=set)
+    tried: set[_Key] = field(default_factory=set)
 
     @classmethod
-    def on(cls, data: ScaledData, family: Family, orders: tuple[int, int, int] | None, noise: int | None) -> _Search:
+    def on(
+        cls,
+        data: ScaledData,
+        family: Family,
+        orders: tuple[int, int, int] | None,
+        noise: int | None,
+        levels: bool,
+    ) -> _Search:
         """Search over the orders given, or over the ladder and all delays that the record can show."""
         if orders is not None:
-            return cls(data, family, orders, noise, (orders[2], orders[2]))
+            return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
-        return cls(data, family, None, noise, (first_delay(data.u, data.y, data.segments), latest))
+        return cls(data, family, None, noise, (first_delay(data.u, data.y, data.segments), latest), levels)
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:
@@ -163,8 +191,7 @@ class _Search:
         """Best of the attempts; all are remembered."""
         fits = [self._rough(*attempt) for attempt in attempts]
         for fitted in fits:
-            eta = fitted.fit.theta[fitted.problem.eta_at : fitted.problem.noise_at]
-            self.seen.append((eta, self._score(fitted)))
+            self.seen.append((self._eta(fitted), self._score(fitted)))
         return min(fits, key=self._score) if fits else None
 
     def likely(self, eta: FloatArray) -> list[_Attempt]:
@@ -176,29 +203,29 @@ class _Search:
         white = np.zeros(self.noise or 0)
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
         attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        arx = fit_arx(x, self.data.y, self.data.segments, self.delays[0], START_LAGS)
         if self.orders is not None:
-            arx = fit_arx(x, self.data.y, self.data.segments, self.orders[2])
             a, b, misfit = linear_start(arx, *self.orders)
-            attempts.append((eta, GridStart(*self.orders, a, b, misfit, 0.0), d))
-        return attempts
+            return [*attempts, (eta, GridStart(*self.orders, a, b, misfit, 0.0), d)]
+        p = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0) if self.noise is None else self.noise
+        longer = np.zeros(p)
+        longer[: min(p, arx.a.size)] = arx.a[:p]
+        starts = null_space_starts(arx)[:MOST_NULL_SPACE]
+        return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps."""
         for _ in range(MOST_ROUNDS):
             s = best.problem.structure
-            self.tried.add((s.na, s.nb, s.delay))
-            eta = best.fit.theta[best.problem.eta_at : best.problem.noise_at]
+            self.tried.add((s.na, s.nb, s.delay, s.integrating))
+            eta = self._eta(best)
             d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
             starts = self._grid(self._internal(eta), d, self.delays)
-            here = min(start.score for start in starts if (start.na, start.nb, start.delay) == (s.na, s.nb, s.delay))
-            new = [
-                start
-                for start in starts
-                if (start.na, start.nb, start.delay) not in self.tried and start.score < here + HOPELESS
-            ]
+            here = min(start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay))
+            new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
             attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]
-            attempts += [(eta, start, d) for start in self._next_to(best) if self._untried(start)]
-            self.tried.update((start.na, start.nb, start.delay) for _, start, _ in attempts)
+            attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
+            self.tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
             if challenger is None or self._score(challenger) > self._score(best) - 1.0:
                 break
@@ -221,8 +248,10 @@ class _Search:
                 found.append((eta, score - best))
         return tuple(found)
 
-    def _untried(self, start: GridStart) -> bool:
-        return (start.na, start.nb, start.delay) not in self.tried
+    def _eta(self, fitted: Fitted) -> FloatArray:
+        """Parameters of the actuator, without a load."""
+        at = fitted.problem.eta_at
+        return fitted.fit.theta[at : at + len(self.family.names)]
 
     def _next_to(self, best: Fitted) -> list[GridStart]:
         """The process found, one sample of delay moved into B and back, and with an order less."""
@@ -234,11 +263,16 @@ class _Search:
             moved += [(s.na, s.nb, s.delay + 1, np.append(b[1:], 0.0))]
         moved += [(s.na, s.nb, s.delay - 1, np.append(0.0, b[:-1]) if s.nb > 0 else b)]
         low, high = self.delays
-        return [
-            GridStart(na, nb, delay, a, beta, 0.0, 0.0)
+        decay = 1.0 if s.integrating else 0.0
+        found = [
+            GridStart(na, nb, delay, a, beta, 0.0, decay)
             for na, nb, delay, beta in moved
             if (na, nb) in self.ladder and low <= delay <= high
         ]
+        slowest = float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0))
+        if self.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
+            found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
+        return found
 
     def _score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
@@ -252,7 +286,7 @@ class _Search:
         return x
 
     def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
-        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays)
+        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays, self.levels)
         return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
@@ -270,10 +304,12 @@ class _Search:
     def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray) -> Fitted:
         rows = self.delays[1] + (START_NOISE_LAGS if self.noise is None else self.noise)
         rows = max(min(rows, self.data.shortest // 5), start.delay + d.size)
-        structure = Structure(start.na, start.nb, start.delay, d.size, rows)
-        problem = Problem(self.data.u, self.data.y, self.data.segments, self.family, structure)
-        theta = problem.pack(start.a, start.b, eta, d, 0.0)
-        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS))
+        integrating = start.decay == 1.0
+        structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
+        family = self.family.with_load(integrating)
+        problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure)
+        theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
+        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS), problem.basis)
 
 
 def _without_mode(v: FloatArray, decay: float) -> FloatArray:

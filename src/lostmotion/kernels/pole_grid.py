@@ -1,8 +1,9 @@
 """Least squares for B at many given A, all delays at once: where to begin with a linear part.
 
 With A fixed, A(q) z = B(q) x(k-d) is linear in B: z is a sum of lagged copies of X = (1/A) x. One Gram matrix of the
-lags of X, filled by its shift structure, serves every delay and every order of B. A constant and, for every segment,
-the decay of the slowest mode (the initial state) are eliminated.
+lags of X, filled by its shift structure, serves every delay and every order of B. The response to a constant input
+(offset, or load of an integrating process) is fitted too; for every segment the decay of the slowest mode (its initial
+state) is eliminated.
 """
 
 from __future__ import annotations
@@ -16,9 +17,18 @@ from lostmotion.kernels.types import FloatArray, IntArray
 RIDGE = 1e-12
 
 
-@njit(cache=True, nogil=True)
-def _add_segment(x: FloatArray, y: FloatArray, decay: float, first: int, low: int, lags: int, gram: FloatArray) -> None:
-    """Add the Gram matrix of [X(k-low) .. X(k-low-lags+1), 1, y] over rows k >= first, without the decaying mode.
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _add_segment(
+    x: FloatArray,
+    y: FloatArray,
+    level: FloatArray,
+    decay: float,
+    first: int,
+    low: int,
+    lags: int,
+    gram: FloatArray,
+) -> None:
+    """Add the Gram matrix of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without the decaying mode.
 
     `gram` is (lags + 2, lags + 2).
     """
@@ -26,25 +36,29 @@ def _add_segment(x: FloatArray, y: FloatArray, decay: float, first: int, low: in
     size = lags + 2
     part = np.zeros((size, size))
     with_decay = np.zeros(size)
-    weight, whole = 1.0, 0.0
-    total = np.zeros(size)
+    mode = np.empty(n)  # the decay
+    mode[first] = 1.0
+    for k in range(first + 1, n):
+        mode[k] = mode[k - 1] * decay
+    levels, outputs, whole, one, two, three = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(first, n):
-        with_decay[lags] += weight
-        with_decay[lags + 1] += weight * y[k]
-        whole += weight * weight
-        total[lags + 1] += y[k]
-        part[lags + 1, lags + 1] += y[k] * y[k]
-        weight *= decay
+        levels += mode[k] * level[k]
+        outputs += mode[k] * y[k]
+        whole += mode[k] * mode[k]
+        one += level[k] * level[k]
+        two += level[k] * y[k]
+        three += y[k] * y[k]
+    with_decay[lags], with_decay[lags + 1] = levels, outputs
+    part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = one, two, three
     for lag in range(lags):
         shift = low + lag
-        product, cross, sums, weight, decayed = 0.0, 0.0, 0.0, 1.0, 0.0
+        product, cross, sums, decayed = 0.0, 0.0, 0.0, 0.0
         for k in range(first, n):
             value = x[k - shift]
             product += value * x[k - low]
             cross += value * y[k]
-            sums += value
-            decayed += value * weight
-            weight *= decay
+            sums += value * level[k]
+            decayed += value * mode[k]
         part[lag, 0] = product
         part[lags + 1, lag] = cross
         part[lags, lag] = sums
@@ -54,8 +68,6 @@ def _add_segment(x: FloatArray, y: FloatArray, decay: float, first: int, low: in
             head = x[first - 1 - (low + row - 1)] * x[first - 1 - (low + column - 1)]
             tail = x[n - 1 - (low + row - 1)] * x[n - 1 - (low + column - 1)]
             part[row, column] = part[row - 1, column - 1] + head - tail
-    part[lags, lags] = n - first
-    part[lags + 1, lags] = total[lags + 1]
     for i in range(size):
         for j in range(i + 1):
             gram[i, j] += part[i, j] - with_decay[i] * with_decay[j] / whole
@@ -63,7 +75,7 @@ def _add_segment(x: FloatArray, y: FloatArray, decay: float, first: int, low: in
 
 @njit(cache=True, nogil=True)
 def _least_squares(gram: FloatArray, at: int, count: int, lags: int, b: FloatArray) -> float:
-    """Residual sum of squares of y on X at lags at .. at + count - 1 and a constant; fill b (count,)."""
+    """Residual sum of squares of y on X at lags at .. at + count - 1 and the level; fill b (count,)."""
     size = count + 1
     root = np.zeros((size, size))
     right = np.zeros(size)
@@ -122,7 +134,7 @@ def scan(
         white[start:stop] = y[start:stop]
         add_lagged(d, y[start : stop - 1], white[start + 1 : stop])
         rows += max(stop - start - first, 0)
-    filtered, whitened = np.zeros(y.size), np.zeros(y.size)
+    filtered, whitened, level, ones = np.zeros(y.size), np.zeros(y.size), np.zeros(y.size), np.ones(y.size)
     for m in range(polynomials.shape[0]):
         gram = np.zeros((lags + 2, lags + 2))
         for start, stop in segments:
@@ -131,7 +143,10 @@ def scan(
             all_pole(polynomials[m], x[start:stop], filtered[start:stop])
             whitened[start:stop] = filtered[start:stop]
             add_lagged(d, filtered[start : stop - 1], whitened[start + 1 : stop])
-            _add_segment(whitened[start:stop], white[start:stop], decays[m], first, low, lags, gram)
+            all_pole(polynomials[m], ones[start:stop], filtered[start:stop])
+            level[start:stop] = filtered[start:stop]
+            add_lagged(d, filtered[start : stop - 1], level[start + 1 : stop])
+            _add_segment(whitened[start:stop], white[start:stop], level[start:stop], decays[m], first, low, lags, gram)
         for order in range(orders):
             for delay in range(low, high + 1):
                 rss[m, order, delay - low] = _least_squares(
