@@ -3,12 +3,13 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import dead_zone, lagged, likelihood, linear, loop
+from lostmotion.kernels import dead_zone, lagged, likelihood, linear, loop, stamps
 from tests.naive import dead_zone as slow_zone
 from tests.naive import lagged as slow_lagged
 from tests.naive import likelihood as slow_likelihood
 from tests.naive import linear as slow_linear
 from tests.naive import loop as slow_loop
+from tests.naive import stamps as slow_stamps
 
 SEEDS = range(6)
 
@@ -248,3 +249,22 @@ def test_closed_loop(seed, limit, has_zone, has_inverse):
     )
     for name, quick, plain in zip(("control", "command", "x", "output", "measured"), fast, slow, strict=True):
         np.testing.assert_allclose(quick, plain, rtol=1e-10, atol=1e-12, err_msg=name)
+
+
+@pytest.mark.parametrize("wrap", [0.0, 500.0])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_samples_of_stamps(seed, wrap):
+    rng = np.random.default_rng(seed)
+    steps = rng.choice([1.0, 1.0, 1.0, 1.2, 0.7, 0.1, 0.0, -3.0, 7.0, 2000.0, -8000.0, 4e7], 300)
+    moments = 1e8 + np.cumsum(steps)
+    moments[rng.random(300) < 0.05] = np.nan
+    moments = moments % wrap if wrap else moments
+    state, times = np.array([np.nan, 0.0, 0.0, 0.0]), np.empty(300)
+    counts = [
+        stamps.count_samples(part, 1.0, wrap, state, out)
+        for part, out in zip(np.split(moments, [100, 101]), np.split(times, [100, 101]), strict=True)
+    ]
+    expected, moved, after = slow_stamps.count_samples(moments, 1.0, wrap)
+    np.testing.assert_array_equal(np.concatenate(counts), expected)
+    np.testing.assert_allclose(times, moved, rtol=1e-15)
+    np.testing.assert_allclose(state, after, rtol=1e-12)

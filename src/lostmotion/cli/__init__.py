@@ -14,6 +14,7 @@ import typer
 from lostmotion.cli.check import check
 from lostmotion.cli.compensate import compensate
 from lostmotion.cli.identify import identify
+from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
 from lostmotion.errors import LostMotionError
 
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, identify, compensate, paper):
+for command in (check, identify, compensate, online, paper):
     app.command()(command)
 
 

@@ -62,7 +62,7 @@ def identify(
     fit = identify_model(
         record.split() if split else record,
         nonlinearity=nonlinearity,
-        orders=orders if orders == "auto" else _orders(orders),
+        orders=orders if orders == "auto" else read_orders(orders),
         noise=int(noise) if noise.isdigit() else noise,
         gain=gain,
         offset=offset,
@@ -75,7 +75,8 @@ def identify(
     raise typer.Exit(0 if fit.status.ok or fit.status is Status.NOT_SEEN else 1)
 
 
-def _orders(text: str) -> tuple[int, int, int]:
+def read_orders(text: str) -> tuple[int, int, int]:
+    """Three numbers from na,nb,delay."""
     try:
         na, nb, delay = (int(part) for part in text.split(","))
     except ValueError as error:

@@ -61,7 +61,7 @@ def find_clock(stamps: Stamps | None, dt: float | None = None, ts: float | None 
     seconds, notes = _filled(stamps, dt)
     steps = np.diff(seconds)
     _refuse_unsorted(stamps, steps)
-    if _counts(stamps, steps):
+    if counts_samples(stamps, steps):
         return _counted(stamps, steps, dt, ts)
     still = float(np.mean(steps == 0)) if len(steps) else 0.0
     if still >= COARSE_SHARE:
@@ -128,7 +128,7 @@ def _repeated(stamps: Stamps, steps: FloatArray) -> TimeError:
     )
 
 
-def _counts(stamps: Stamps, steps: FloatArray) -> bool:
+def counts_samples(stamps: Stamps, steps: FloatArray) -> bool:
     """Recognise plain numbers 0, 1, 2.. or 1, 2, 3.. with few rows left out."""
     if not stamps.plain or stamps.seconds[0] not in (0.0, 1.0) or not len(steps):
         return False

@@ -86,7 +86,7 @@ def resolve(
         "position": position,
         "time": time,
     }
-    found = {role: _named(role, name, names) for role, name in wanted.items() if _is_named(role, name)}
+    found = {role: named(role, name, names) for role, name in wanted.items() if _is_named(role, name)}
     notes = []
     for role, name in wanted.items():
         if role in found or name is False:
@@ -170,7 +170,14 @@ def _is_named(role: str, name: Wanted) -> bool:
     return isinstance(name, str) and name.strip().lower() != role
 
 
-def _named(role: str, name: Wanted, names: Sequence[str]) -> str:
+def named(role: str, name: Wanted, names: Sequence[str]) -> str:
+    """Column that the user named, exactly or else without regard to case.
+
+    Raises
+    ------
+    ColumnError
+        It is not there, or several differ in case only.
+    """
     wanted = str(name)
     if wanted in names:
         return wanted

@@ -16,9 +16,9 @@ from lostmotion.records.record import FloatArray
 LONGEST_STEP = 20.0
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _DATE = (
-    r"^(?:(?P<a>\d{1,4})[-/. ](?P<b>\d{1,2}|[A-Za-z]{3,9})[-/. ](?P<c>\d{1,4})[T ,]*)?"
-    r"(?:(?P<hour>\d{1,2}):(?P<minute>\d{2})(?::(?P<second>\d{2})(?:[.,](?P<fraction>\d{1,9}))?)?)?"
-    r"\s*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?\s*(?P<zone>Z|UTC|[+-]\d{2}:?\d{2})?$"
+    r"^(?:(?P<a>[0-9]{1,4})[-/. ](?P<b>[0-9]{1,2}|[A-Za-z]{3,9})[-/. ](?P<c>[0-9]{1,4})[T ,]*)?"
+    r"(?:(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2})(?::(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9}))?)?)?"
+    r"[ \t]*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?[ \t]*(?P<zone>Z|UTC|[+-][0-9]{2}:?[0-9]{2})?$"
 )
 _ORDERS = {"day first": "dmy", "month first": "mdy", "year first": "ymd"}
 IntArray = npt.NDArray[np.int64]
@@ -71,6 +71,67 @@ def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, 
     if not dated.any():
         return seconds, ()
     return _choose(table, name, cells, _readings(parts, filled), seconds)
+
+
+def date_orders(table: Table, name: str, cells: pl.Series) -> tuple[str, ...]:
+    """Orders of day, month and year that read the column as :func:`parse_dates` does, up to a constant.
+
+    Returns
+    -------
+    tuple of str
+        Keys for :func:`dates_in_order`; ("",) where the cells hold times of day only.
+
+    Examples
+    --------
+    >>> import narwhals.stable.v2 as nw
+    >>> cells = pl.Series("t", ["05/06/2024 10:00", "05/06/2024 10:01"])
+    >>> date_orders(Table(nw.from_native(cells.to_frame(), eager_only=True), "a"), "t", cells)
+    ('day first', 'month first')
+    """
+    seconds, _ = parse_dates(table, name, cells)
+    known = ~np.isnan(seconds)
+    parts = cells.str.extract_groups(_DATE).struct.unnest()
+    if not parts["a"].is_not_null().any():
+        return ("",)
+    first = int(np.argmax(known))
+    elapsed = seconds - seconds[first]
+    readings = {order: dates_in_order(cells, order) for order in _readings(parts, known)}
+    return tuple(
+        order
+        for order, times in readings.items()
+        if np.allclose(times - times[first], elapsed, rtol=0.0, atol=1e-3, equal_nan=True)
+    )
+
+
+def dates_in_order(cells: pl.Series, order: str) -> FloatArray:
+    """Seconds of dates in one order of day, month and year; NaN for every cell that is no such date.
+
+    Parameters
+    ----------
+    cells : polars.Series of str
+        Stripped cells; null where empty.
+    order : str
+        From :func:`date_orders`.
+
+    Examples
+    --------
+    >>> dates_in_order(pl.Series(["02.01.1970 00:00:01", "soon", None]), "day first")
+    array([86401.,    nan,    nan])
+    """
+    parts = cells.str.extract_groups(_DATE).struct.unnest()
+    timed = parts["hour"].is_not_null().to_numpy()
+    dated = parts["a"].is_not_null().to_numpy()
+    seconds = _time_of_day(parts)
+    if not order:
+        return np.where(timed & ~dated, seconds, np.nan)
+    columns = {"a": _ints(parts["a"]), "b": _month_numbers(parts["b"]), "c": _ints(parts["c"])}
+    place = {part: columns[side] for side, part in zip("abc", _ORDERS[order], strict=True)}
+    return np.where(dated, days_from_date(place["y"], place["m"], place["d"]) * 86400.0 + seconds, np.nan)
+
+
+def states_zone(cells: pl.Series) -> bool:
+    """Tell dates that carry a time zone; they are then seconds of UTC."""
+    return bool(cells.str.extract_groups(_DATE).struct.field("zone").is_not_null().any())
 
 
 def _choose(

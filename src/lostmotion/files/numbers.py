@@ -25,8 +25,8 @@ BAD_WORDS = frozenset({
 })  # fmt: skip
 # No process value is larger; historians fill missing cells with the largest float, 3.4e38.
 LARGEST = 1e30
-_DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
-_DECIMAL_DOT = r"^[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?$"
+DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
+DECIMAL_DOT = r"^[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?$"
 _MAYBE_THOUSANDS = r"^[+-]?[1-9]\d{0,2},\d{3}$"
 
 
@@ -93,8 +93,8 @@ def decimal_mark(table: Table, names: list[str]) -> str:
         if not is_text(series):
             continue
         cells = text_cells(series)
-        with_comma = cells.filter(cells.str.contains(_DECIMAL_COMMA))
-        with_dot = cells.filter(cells.str.contains(_DECIMAL_DOT))
+        with_comma = cells.filter(cells.str.contains(DECIMAL_COMMA))
+        with_dot = cells.filter(cells.str.contains(DECIMAL_DOT))
         comma = comma or (f"{with_comma[0]!r} in {name!r}" if len(with_comma) else None)
         dot = dot or (f"{with_dot[0]!r} in {name!r}" if len(with_dot) else None)
         proven = proven or not with_comma.str.contains(_MAYBE_THOUSANDS).all()

@@ -93,13 +93,13 @@ def read_loop(
     table = load(source)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
-    sampling = _sampling_column(table, (op, pv, sp, position, time))
+    sampling = sampling_column(table, (op, pv, sp, position, time))
     names = [name for name in table.names if name != sampling]
     columns = resolve(names, op, pv, sp, position, time)
     decimal = _decimal(table, columns, sampling)
     signals, notes = _signals(table, columns, decimal)
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
-    ts = None if sampling is None else _sampling_time(table, sampling, decimal)
+    ts = None if sampling is None else sampling_time(table, sampling, decimal)
     clock = find_clock(stamps, dt, ts)
     if missing == "error":
         _refuse_missing(table, signals, stamps)
@@ -126,7 +126,7 @@ def _check_settings(dt: float | None, missing: str) -> None:
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
 
 
-def _sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:
+def sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:
     """Column such as `ts` that repeats one number: the sampling time. Asked for by name, it is a column."""
     asked = {name.strip().lower() for name in wanted if isinstance(name, str)}
     for name in table.names:
@@ -139,7 +139,8 @@ def _sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:
     return None
 
 
-def _sampling_time(table: Table, name: str, decimal: str) -> float | None:
+def sampling_time(table: Table, name: str, decimal: str) -> float | None:
+    """Seconds that :func:`sampling_column` repeats; None where they are no sampling time."""
     values, _ = to_numbers(table, name, decimal)
     value = float(values[~np.isnan(values)][0]) * (time_unit(name) or 1.0)
     return value if value > 0 else None

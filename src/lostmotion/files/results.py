@@ -22,14 +22,28 @@ def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> 
     target = Path(path)
     if target.exists() and not force:
         raise FileAccessError(f"expected a new file, got {target} which exists; use --force to replace it")
-    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    return write_bytes(target, text.encode("utf-8"))
+
+
+def write_bytes(path: Path, data: bytes) -> Path:
+    """Replace a file in one step: after a crash or a power cut it is the old one or the new one.
+
+    Raises
+    ------
+    FileAccessError
+        The folder cannot be written.
+    """
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(target)
+        with beside.open("xb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True)
-        raise FileAccessError(f"expected to write {target}, got {error.strerror}; check the folder") from error
-    return target
+        raise FileAccessError(f"expected to write {path}, got {error.strerror}; check the folder") from error
+    return path
 
 
 def read_fit(path: str | os.PathLike[str]) -> dict[str, Any]:

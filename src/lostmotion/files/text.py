@@ -43,10 +43,10 @@ def parse_text(raw: bytes, source: str) -> Table:
     """
     text = decode(raw, source).replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n")
-    header, rows = _layout(lines, source)
+    header, rows = find_rows(lines, source)
     body = [lines[row] for row in rows]
     delimiter = find_delimiter(header, body[:SAMPLE_LINES], source)
-    names = _split(header, delimiter)
+    names = split_line(header, delimiter)
     numbers = [row + 1 for row in rows]
     frame = _parse(body, names, delimiter, numbers, source)
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
@@ -99,10 +99,10 @@ def find_delimiter(header: str, body: list[str], source: str = "") -> str:
     """
     best, delimiter = (0.0, 0), ""
     for candidate in DELIMITERS:
-        fields = len(_split(header, candidate))
+        fields = len(split_line(header, candidate))
         if fields < 2:
             continue
-        alike = sum(0 <= len(_split(line, candidate)) - fields <= 1 for line in body)
+        alike = sum(0 <= len(split_line(line, candidate)) - fields <= 1 for line in body)
         score = (alike / max(len(body), 1), fields)
         if not delimiter or score > best:
             best, delimiter = score, candidate
@@ -115,9 +115,27 @@ def find_delimiter(header: str, body: list[str], source: str = "") -> str:
     return delimiter
 
 
-def _layout(lines: list[str], source: str) -> tuple[str, list[int]]:
-    """Header line and the places of the rows, without blank lines, comments and a blank tail."""
-    rows = [place for place, line in enumerate(lines) if line.strip(" ") and not _COMMENT.match(line)]
+def has_cells(line: str) -> bool:
+    """Tell a header or a row from a blank line or a comment.
+
+    Examples
+    --------
+    >>> has_cells("#N/A;1"), has_cells("# made by x"), has_cells(" ")
+    (True, False, False)
+    """
+    bare = line.strip(" ")
+    return bool(bare) and (bare[0] not in "#/\t" or not _COMMENT.match(line))
+
+
+def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:
+    """Header line and the places of the rows, without blank lines, comments and a blank tail.
+
+    Raises
+    ------
+    DataError
+        No header, or nothing below it.
+    """
+    rows = [place for place, line in enumerate(lines) if has_cells(line)]
     while rows and not lines[rows[-1]].strip(' ,;\t"'):
         rows.pop()
     if not rows:
@@ -144,7 +162,8 @@ def _is_numeric(line: str) -> bool:
     return bool(filled) and all(_NUMBER.fullmatch(field) for field in filled)
 
 
-def _split(line: str, delimiter: str) -> list[str]:
+def split_line(line: str, delimiter: str) -> list[str]:
+    """Fields of one line."""
     return next(csv.reader([line], delimiter=delimiter), [])
 
 
@@ -164,7 +183,7 @@ def _parse(body: list[str], names: list[str], delimiter: str, numbers: list[int]
 
 def _ragged(body: list[str], fields: int, delimiter: str, numbers: list[int], source: str) -> DataError:
     for number, line in zip(numbers, body, strict=True):
-        found = _split(line, delimiter)
+        found = split_line(line, delimiter)
         if any(field.strip() for field in found[fields:]):
             return DataError.expected(
                 f"{fields} fields as in the header",

@@ -83,16 +83,32 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
     return _from_numbers(table, name, values, notes)
 
 
+def time_text(seconds: float, calendar: str = "") -> str:
+    """Time as a date where it counts from 1970 ("local" or "UTC"), else in seconds.
+
+    Examples
+    --------
+    >>> time_text(86400.5, "UTC"), time_text(86400.0, "local"), time_text(12.25)
+    ('1970-01-02T00:00:00.500Z', '1970-01-02T00:00:00', '12.25 s')
+    """
+    if np.isnan(seconds):
+        return "no time"
+    if not calendar:
+        return f"{seconds:.12g} s"
+    moment = np.datetime64(round(seconds * 1e3), "ms")
+    text = str(moment).removesuffix(".000")
+    return f"{text}Z" if calendar == "UTC" else text
+
+
 def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str, ...]) -> Stamps:
     known = values[~np.isnan(values)]
+    scale, label = number_scale(name, known)
+    if scale is not None and not label:
+        return _stamps(table, name, values * scale, notes=notes)
+    if scale is not None:
+        note = f"Times in {name!r} were read as {label} since 1970."
+        return _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
     middle = float(np.median(known)) if len(known) else 0.0
-    unit = time_unit(name)
-    if unit is not None:
-        return _stamps(table, name, values * unit, notes=notes)
-    for above, scale, label in EPOCHS:
-        if middle > above:
-            note = f"Times in {name!r} were read as {label} since 1970."
-            return _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
     if _excel_days(known, middle):
         raise TimeError.expected(
             f"times in seconds or dates in column {name!r}",
@@ -100,6 +116,24 @@ def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str,
             "export it as date and time, or call the column time_s if it is in seconds",
         )
     return _stamps(table, name, values, plain=True, notes=notes)
+
+
+def number_scale(name: str, known: FloatArray) -> tuple[float | None, str]:
+    """Seconds in one unit of a numeric time column, and the unit where it counts from 1970; None: not stated.
+
+    Examples
+    --------
+    >>> number_scale("t_ms", np.array([0.0, 250.0])), number_scale("time", np.array([1.7e12]))
+    ((0.001, ''), (0.001, 'ms'))
+    """
+    unit = time_unit(name)
+    if unit is not None:
+        return unit, ""
+    middle = float(np.median(known)) if len(known) else 0.0
+    for above, scale, label in EPOCHS:
+        if middle > above:
+            return scale, label
+    return None, ""
 
 
 def _excel_days(known: FloatArray, middle: float) -> bool:

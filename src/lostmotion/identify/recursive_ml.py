@@ -421,26 +421,30 @@ class RecursiveML:
         Returns
         -------
         (values, standard errors, samples) or None
-            Given the other parameters as they are known by now. None: no information in the period.
+            From these samples alone: all other parameters are estimated anew with them, since what is known of them
+            from before would make the periods depend on each other and their errors look too small. None: a break
+            point is not known to a quarter of the range of u.
         """
         if self._state is None:
             return None
         memory = Memory(self._state, self._layout)
-        places = [memory.eta, memory.eta + 1]
         h, r = memory.part(kernel.PERIOD_H, memory.n, memory.n), memory.part(kernel.PERIOD_R, memory.n)
         count = int(self._layout[kernel.COUNT] - self._layout[kernel.PERIOD_FROM])
-        block, right_hand = h[np.ix_(places, places)].copy(), (r - h @ memory.theta)[places]
+        information, score = h.copy(), r - h @ memory.theta
         h[:], r[:] = 0.0, 0.0
         self._layout[kernel.PERIOD_FROM] = self._layout[kernel.COUNT]
-        reach = (memory.state[kernel.HIGH] - memory.state[kernel.LOW]) ** 2
-        if not np.all(np.diag(block) * reach > memory.variance) or np.linalg.cond(block) > 1e12:
+        inverse, empty = information_inverse(information, None)
+        zone = slice(memory.eta, memory.eta + 2)
+        if not count or (np.abs(empty[zone]) > 1e-6 * np.abs(empty).max(axis=0, initial=1e-300)).any():
             return None
-        covariance = memory.variance * np.linalg.inv(block) * self._scales[0] ** 2
-        left, right = (memory.theta[places] + np.linalg.solve(block, right_hand)) * self._scales[0]
+        left, right = (memory.theta[zone] + (inverse @ score)[zone]) * self._scales[0]
+        covariance = memory.variance * inverse[zone, zone] * self._scales[0] ** 2
         wide = covariance[0, 0] + covariance[1, 1] - 2.0 * covariance[0, 1]
-        values = {"left": float(left), "right": float(right), "width": float(right - left)}
-        spread = {"left": covariance[0, 0], "right": covariance[1, 1], "width": wide}
-        return values, {name: float(np.sqrt(value)) for name, value in spread.items()}, count
+        spread = dict(zip(("left", "right", "width"), np.sqrt([*np.diag(covariance), wide]).tolist(), strict=True))
+        reach = 0.25 * (memory.state[kernel.HIGH] - memory.state[kernel.LOW]) * self._scales[0]
+        if not max(spread["left"], spread["right"]) < reach:
+            return None
+        return {"left": float(left), "right": float(right), "width": float(right - left)}, spread, count
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""

@@ -1,0 +1,173 @@
+"""``lostmotion online``."""
+
+from __future__ import annotations
+
+import json as json_module
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event
+from typing import Annotated, Any
+
+import typer
+
+from lostmotion.cli.identify import Noise, read_orders
+from lostmotion.cli.options import Dt, Json, NoTime, Op, Pv, Time
+from lostmotion.errors import ParameterError
+from lostmotion.files import read_fit
+from lostmotion.files.follow import Follower
+from lostmotion.files.layout import Asked, Layout
+from lostmotion.identify import RecursiveML
+from lostmotion.online import OnlineMonitor
+from lostmotion.online.service import Kept, Service
+from lostmotion.report.online_text import online_line
+
+Source = Annotated[str, typer.Argument(help="CSV or text file that grows, or - for standard input.")]
+Orders = Annotated[
+    str | None, typer.Option("--orders", help="na,nb,delay as in 3,2,3; or give --fit.", show_default=False)
+]
+Fit = Annotated[
+    Path | None,
+    typer.Option("--fit", help="Result of `identify --out`: orders, noise order, gain.", show_default=False),
+]
+Gain = Annotated[
+    float | None, typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False)
+]
+Forgetting = Annotated[float, typer.Option("--forgetting", help="1 - 1/memory in samples; 1 forgets at changes only.")]
+Start = Annotated[int, typer.Option("--start-samples", help="Samples of the first window, which is fitted in batch.")]
+Mode = Annotated[
+    str | None,
+    typer.Option("--mode", help="Column of the controller mode: learn in automatic only.", show_default=False),
+]
+Auto = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--auto-value", help="What the mode column holds in automatic; default AUTO, CAS ..", show_default=False
+    ),
+]
+Limits = Annotated[
+    tuple[float, float] | None,
+    typer.Option("--op-limits", help="Where OP saturates, e.g. 0 100: no learning there.", show_default=False),
+]
+Frozen = Annotated[
+    int | None,
+    typer.Option("--frozen", help="Equal values of PV in a row that mean a frozen transmitter.", show_default=False),
+]
+Width = Annotated[
+    float | None,
+    typer.Option("--width-limit", help="Width of the dead zone at which something must be done.", show_default=False),
+]
+ReportEvery = Annotated[int, typer.Option("--report-every", min=1, help="Samples from report to report.")]
+TrendEvery = Annotated[
+    int | None,
+    typer.Option("--trend-every", help="Samples to a point of the trend; default: ten reports.", show_default=False),
+]
+State = Annotated[
+    Path | None,
+    typer.Option("--state", help="File that keeps all that is known, to go on after a stop.", show_default=False),
+]
+Follow = Annotated[bool, typer.Option("--follow/--no-follow", help="Wait for more rows, or stop at the end.")]
+
+
+def online(
+    source: Source,
+    orders: Orders = None,
+    fit: Fit = None,
+    gain: Gain = None,
+    noise: Noise = "auto",
+    forgetting: Forgetting = 0.9998,
+    start_samples: Start = 1000,
+    op: Op = "OP",
+    pv: Pv = "PV",
+    time: Time = None,
+    dt: Dt = None,
+    ignore_time: NoTime = False,
+    mode: Mode = None,
+    auto_value: Auto = None,
+    op_limits: Limits = None,
+    frozen: Frozen = None,
+    width_limit: Width = None,
+    report_every: ReportEvery = 1000,
+    trend_every: TrendEvery = None,
+    state: State = None,
+    follow: Follow = True,
+    json: Json = False,  # noqa: ARG001  the output is JSON in any case
+) -> None:
+    """Watch the dead zone of a loop in service: one JSON line per report, event or note.
+
+    Example: lostmotion online FIC-101.csv --fit fic101.json --state fic101.state --width-limit 3
+
+    Ctrl-C and SIGTERM keep the state and exit with 0; after a kill the next start goes on from the state file, and
+    lines since it was last written come again. Standard input: tail -F log.csv | lostmotion online - --orders 2,1,3
+
+    At the end of the input the exit code is 1 where a change was found, the width is above its limit, or the record
+    did not tell.
+    """
+    model = _model(fit, orders, gain, noise) | {"forgetting": forgetting, "start_samples": start_samples}
+    watch = {"report_every": report_every, "trend_every": trend_every, "op_limits": op_limits, "frozen": frozen}
+    asked = Asked(op, pv, False if ignore_time else time, mode, tuple(auto_value or ()), dt)
+    kept = Kept(state, {**model, **watch})
+    rows = sys.stdin.buffer if source == "-" else Path(source)
+    with _stop_on_signals() as stop, Follower(rows, asked, kept.position) as follower:
+
+        def make(layout: Layout) -> OnlineMonitor:
+            return _monitor(layout, model, watch, fit)
+
+        service = Service(follower, kept, make, _emit, width_limit)
+        service.run(follow, stop)
+        raise typer.Exit(0 if stop.is_set() or service.quiet else 1)
+
+
+def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str) -> dict[str, Any]:
+    """Settings of the estimator, from the options or else from a fit."""
+    if orders is None and fit is None:
+        raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
+    model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
+    if fit is not None:
+        found = read_fit(fit)
+        linear = found["model"]["linear"]
+        model |= {"na": len(linear["a"]), "nb": len(linear["b"]) - 1, "delay": linear["delay"]}
+        if noise == "auto":
+            model["noise"] = len(found["noise"]["d"])
+        if gain is None:
+            model["gain"] = found["settings"].get("gain")
+    if orders is not None:
+        model |= dict(zip(("na", "nb", "delay"), read_orders(orders), strict=True))
+    return model
+
+
+def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:
+    if fit is not None:
+        known = read_fit(fit)["model"]["linear"]["dt"]
+        if abs(known - layout.dt) > 0.01 * layout.dt:
+            raise ParameterError.expected(f"a fit at dt = {layout.dt:g} s", f"{known:g} s", "check --dt and the fit")
+    return OnlineMonitor(RecursiveML(**model, dt=layout.dt), dt=layout.dt, calendar=layout.calendar, **watch)
+
+
+@contextmanager
+def _stop_on_signals() -> Iterator[Event]:
+    """Event that the first signal sets; a second one of its kind does what it did before."""
+    stop = Event()
+    before: dict[int, Any] = {}
+
+    def handle(number: int, _: object) -> None:
+        stop.set()
+        signal.signal(number, before[number])
+
+    if threading.current_thread() is threading.main_thread():
+        numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        before = {number: signal.signal(number, handle) for number in numbers}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _emit(message: dict[str, Any]) -> None:
+    typer.echo(json_module.dumps(message, allow_nan=False))
+    if sys.stderr.isatty():
+        typer.echo(online_line(message), err=True)

@@ -1,0 +1,188 @@
+"""Follow a record, keep the state, tell what happens: until the end, a signal, or an error."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
+from lostmotion.files.follow import Follower
+from lostmotion.files.grid import Rows
+from lostmotion.files.layout import Layout
+from lostmotion.files.results import write_bytes
+from lostmotion.models._arguments import positive
+from lostmotion.online.monitor import OnlineMonitor
+from lostmotion.online.packing import pack, unpack
+
+KIND = "lostmotion online state 1"
+POLL = 0.5  # s between looks at a file that does not grow
+SAVE_EVERY = 1.0  # s: while catching up the state is not written more often than this
+
+Make = Callable[[Layout], OnlineMonitor]
+
+
+class Kept:
+    """State file: position in the source and monitor, replaced in one step.
+
+    Parameters
+    ----------
+    path : Path or None
+        None: nothing is kept.
+    settings : dict
+        What the service was started with, JSON-ready; another start must say the same.
+
+    Raises
+    ------
+    DataError
+        The file is something else, or damaged.
+    ParameterError
+        It was made with other settings.
+    """
+
+    def __init__(self, path: Path | None, settings: dict[str, Any]) -> None:
+        self.path = path
+        self.settings = json.loads(json.dumps(settings))
+        self.position: dict[str, Any] | None = None
+        self.monitor: OnlineMonitor | None = None
+        self._saved = -float("inf")
+        if path is not None and path.exists():
+            self._load(path)
+        elif path is not None and not path.parent.is_dir():
+            raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+
+    def _load(self, path: Path) -> None:
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
+        header, blob = unpack(KIND, data)
+        stored = header["settings"]
+        for name, value in self.settings.items():
+            if stored.get(name) != value:
+                got = f"{stored.get(name)} in {path}"
+                raise ParameterError.expected(f"{name} = {value}", got, "start as before, or with another state file")
+        self.position = header["position"]
+        self.monitor = OnlineMonitor.from_bytes(blob) if blob else None
+
+    def save(self, follower: Follower, monitor: OnlineMonitor | None, hurry: bool = True) -> None:
+        """Write the state; without `hurry` not more often than once a second."""
+        now = time.monotonic()
+        if self.path is None or (not hurry and now - self._saved < SAVE_EVERY):
+            return
+        header = {"settings": self.settings, "position": follower.position}
+        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""))
+        self._saved = now
+
+
+class Service:
+    """One loop in service.
+
+    Parameters
+    ----------
+    follower : Follower
+        Where rows come from.
+    kept : Kept
+        State to go on from, and where it is written.
+    make : callable
+        ``make(layout)`` gives the monitor of a new start.
+    emit : callable
+        Takes each message, a JSON-ready dictionary, in order. After a kill the messages since the state was last
+        written come once more: the same, told by kind and sample.
+    width_limit : float, optional
+        Limit of the width from now on.
+    """
+
+    def __init__(
+        self,
+        follower: Follower,
+        kept: Kept,
+        make: Make,
+        emit: Callable[[dict[str, Any]], None],
+        width_limit: float | None = None,
+    ) -> None:
+        self.follower, self.kept, self.emit = follower, kept, emit
+        self.monitor = kept.monitor
+        self.width_limit = None if width_limit is None else positive("width_limit", width_limit)
+        self._events = 0
+        self._make = make
+        self._begun = False
+        self._unsaved = False
+
+    @property
+    def quiet(self) -> bool:
+        """There is an estimate, nothing has happened in this run, and the width is not above its limit."""
+        return self.monitor is not None and self.monitor.calm and not self._events
+
+    def run(self, follow: bool, stop: Event) -> None:
+        """Work until `stop` is set or, without `follow`, until the end of the file.
+
+        Raises
+        ------
+        LostMotionError
+            The source cannot be read further; what was read is kept.
+        """
+        at_end = False
+        while not stop.is_set():
+            rows = self._read(at_end)
+            if len(rows) or self.follower.more:
+                self._take(rows)
+                continue
+            self._save(hurry=True)
+            if at_end:
+                break
+            at_end = self.follower.source.ended or not follow
+            if not at_end:
+                self.follower.wait(POLL, stop)
+        self._save(hurry=True)
+
+    def _read(self, at_end: bool) -> Rows:
+        most = self.monitor.to_report if self.monitor is not None and self._begun else 0  # 0: the layout only
+        try:
+            rows = self.follower.finish(most) if at_end else self.follower.read(most)
+        except LostMotionError:
+            self._save(hurry=True)
+            raise
+        if self.follower.layout is not None and not self._begun:
+            self._begin(self.follower.layout)
+        return rows
+
+    def _begin(self, layout: Layout) -> None:
+        self._begun = True
+        resumed = self.monitor is not None
+        if self.monitor is None:
+            self.monitor = self._make(layout)
+        self.monitor.width_limit = self.width_limit
+        self.emit(
+            {
+                "kind": "start",
+                "source": self.follower.source.name,
+                "op": layout.op,
+                "pv": layout.pv,
+                "time_column": layout.time,
+                "mode": layout.mode,
+                "dt": layout.dt,
+                "sample": self.monitor.samples,
+                "message": " ".join(layout.notes) if not resumed else f"Goes on after sample {self.monitor.samples}.",
+            }
+        )
+
+    def _take(self, rows: Rows) -> None:
+        assert self.monitor is not None  # noqa: S101  there are no rows without a layout
+        for note in rows.notes:
+            self.emit({"kind": "note", "line": note.line, "message": note.text})
+        found = self.monitor.take(rows)
+        for message in found:
+            self.emit(message)
+        self._events += sum(message["kind"] == "event" for message in found)
+        self._unsaved = self._unsaved or len(rows) > 0
+        if found:
+            self._save(hurry=not self.follower.more)
+
+    def _save(self, hurry: bool) -> None:
+        if self._unsaved and self._begun:
+            self.kept.save(self.follower, self.monitor, hurry)
+            self._unsaved = not hurry
