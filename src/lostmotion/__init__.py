@@ -23,7 +23,7 @@ from lostmotion.errors import (
 )
 from lostmotion.evaluate import control_variance, mean_absolute_error
 from lostmotion.files import read_loop
-from lostmotion.identify import HammersteinFit, RecursiveIV, identify
+from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, check
 from lostmotion.simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
@@ -32,6 +32,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "PI",
+    "ChangeEvent",
     "ColumnError",
     "DataError",
     "DeadZone",
@@ -48,6 +49,7 @@ __all__ = [
     "NoiseModel",
     "ParameterError",
     "RecursiveIV",
+    "RecursiveML",
     "Status",
     "TimeError",
     "check",

@@ -83,13 +83,7 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     problem = fitted.problem
     theta = fitted.fit.theta[: problem.initial_at]
     s = problem.structure
-    names, values = _transform(theta, problem.family.kind, s.na, s.nb, scaling, gain)
-    jacobian = np.empty((len(names), theta.size))
-    for column in range(theta.size):
-        shifted = theta.astype(complex)
-        shifted[column] += 1e-30j
-        _, moved = _transform(shifted, problem.family.kind, s.na, s.nb, scaling, gain)
-        jacobian[:, column] = np.imag(moved) / 1e-30
+    values, jacobian = named_values(theta, problem.family.kind, s.na, s.nb, scaling, gain)
     inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
     for direction in empty.T:
@@ -101,7 +95,21 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
         else:
             unknown = np.abs(move) > 1e-6 * np.abs(move).max(initial=1e-300)
             covariance[unknown, unknown] = np.inf
-    return Named(dict(zip(names, np.real(values).tolist(), strict=True)), covariance)
+    return Named(values, covariance)
+
+
+def named_values(
+    theta: FloatArray, kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
+) -> tuple[dict[str, float], FloatArray]:
+    """Named parameters and their derivatives with respect to the scaled vector (complex step)."""
+    names, values = _transform(theta, kind, na, nb, scaling, gain)
+    jacobian = np.empty((len(names), theta.size))
+    for column in range(theta.size):
+        shifted = theta.astype(complex)
+        shifted[column] += 1e-30j
+        _, moved = _transform(shifted, kind, na, nb, scaling, gain)
+        jacobian[:, column] = np.imag(moved) / 1e-30
+    return dict(zip(names, np.real(values).tolist(), strict=True)), jacobian
 
 
 def _transform(

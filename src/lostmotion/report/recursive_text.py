@@ -1,0 +1,61 @@
+"""A recursive estimate as text."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+
+from lostmotion.errors import Status
+from lostmotion.identify import RecursiveEstimate
+from lostmotion.report.fit_text import MEANING, WIDTH
+from lostmotion.report.numbers import digits, span
+
+
+def recursive_summary(estimate: RecursiveEstimate) -> str:
+    """Report of a recursive estimate as plain text."""
+    lines = [f"After {estimate.samples} samples", "=" * WIDTH, _fill(f"{estimate.status.name}: {_words(estimate)}")]
+    if estimate.status is not Status.CANNOT_TELL:
+        lines += _table(estimate)
+    lines += [_fill(sentence) for sentence in since(estimate)]
+    return "\n".join(lines)
+
+
+def since(estimate: RecursiveEstimate) -> list[str]:
+    """Since when nothing new is known about a break point."""
+    sentences = []
+    for name, sample in (estimate.informed or {}).items():
+        if estimate.samples - sample > STALE:
+            sentences.append(
+                f"No information about the {name} break point since sample {sample} "
+                f"({estimate.samples - sample} samples ago): OP has hardly crossed it, or was masked."
+            )
+    return sentences
+
+
+STALE = 1000  # samples without information that are worth a sentence
+
+
+def _words(estimate: RecursiveEstimate) -> str:
+    if not np.isfinite(estimate.parameters["width"]):
+        return "the first window has told nothing yet; no number is given."
+    if estimate.status is Status.NOT_SEEN:
+        high = max(estimate.interval("width")[1], 0.0)
+        return f"no dead zone is seen; one wider than {high:.2g} would have been (95 %)."
+    return str(estimate.status.value)
+
+
+def _table(estimate: RecursiveEstimate) -> list[str]:
+    lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}", "-" * WIDTH]
+    for name, meaning in MEANING.items():
+        if name not in estimate.parameters:
+            continue
+        error = estimate.standard_errors[name]
+        value, deviation = digits(estimate.parameters[name], error)
+        between = "" if deviation == "given" else span(*estimate.interval(name), error)
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")
+    return lines
+
+
+def _fill(text: str) -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent="  ")
