@@ -60,6 +60,7 @@ class Run:
 
     def _block(self, number: int) -> None:
         block = self.service.block(BLOCK)
+        self.ledger.stuck = [*self.ledger.stuck[-10:], *block.stuck]
         seen = block.u[np.isfinite(block.u) & block.use]
         self.span = (min(self.span[0], seen.min()), max(self.span[1], seen.max()))
         for start in range(0, BLOCK, PIECE):

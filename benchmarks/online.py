@@ -106,7 +106,7 @@ def accuracy(share: float) -> tuple[str, dict[str, object]]:
 def speed_rows(yardstick: float) -> tuple[str, float]:
     """Lines of the speed table, and the rate of a plain multiply-add loop."""
     peak, lines = speeds.peak_rate(), []
-    for name, make in ours.ONLINE.items():
+    for name, make in {**ours.ONLINE, **ours.TRACKING}.items():
         found = speeds.speed(make)
         rate = found.operations / found.run
         cells = [

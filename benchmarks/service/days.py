@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,7 +24,7 @@ SPIKES, SPIKE_SIZE = 1e-4, 3.0  # share of the samples, deviation: 17 times that
 
 @dataclass(frozen=True)
 class Block:
-    """Record as an estimator gets it (n,), and the truth behind it."""
+    """Record as an estimator gets it (n,), the truth behind it, and the samples at which PV got stuck."""
 
     first: int
     u: Array
@@ -32,6 +32,7 @@ class Block:
     use: Array
     left: Array
     right: Array
+    stuck: list[int] = field(default_factory=list)
 
 
 def repairs(samples: int) -> Array:
@@ -97,6 +98,7 @@ class Service:
         block.y[spikes] += random.normal(scale=SPIKE_SIZE, size=int(spikes.sum()))
         for piece in stretches(n, STUCK_RATE, STUCK_LENGTH, random):
             block.y[piece] = block.y[piece.start]
+            block.stuck.append(block.first + piece.start)
         for piece in stretches(n, GAP_RATE, GAP_LENGTH, random):
             block.y[piece] = np.nan
             if random.random() < 0.5:

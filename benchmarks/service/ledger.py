@@ -12,6 +12,7 @@ from service.days import DAY, WORK, Array, Block
 SIDES = ("left", "right")
 TIMES = ("working hours", "night", "after a repair")
 AFTER = 20_000  # samples after a repair within which its event is looked for, and apart from which coverage is told
+AFTER_STUCK = 1000
 LARGEST_MEMORY = 1_000_000  # bytes that the saved state may grow by: a hundred stored events
 
 
@@ -35,7 +36,8 @@ class Ledger:
     told: dict[str, int] = field(default_factory=lambda: dict.fromkeys(TIMES, 0))
     covered: dict[tuple[str, str], int] = field(default_factory=lambda: {(t, s): 0 for t in TIMES for s in SIDES})
     misses: dict[str, list[float]] = field(default_factory=lambda: {side: [] for side in SIDES})
-    events: list[tuple[Any, bool]] = field(default_factory=list)
+    events: list[tuple[Any, str]] = field(default_factory=list)
+    stuck: list[int] = field(default_factory=list)
     first_size: int = 0
     last_size: int = 0
 
@@ -68,10 +70,16 @@ class Ledger:
                 self.misses[side].append(abs(estimate.parameters[side] - truth[side]))
 
     def note_events(self, events: list[Any]) -> None:
-        """Sort new events into those near a repair and others."""
+        """Sort new events by what came before them."""
         for event in events:
-            since = event.sample - self.repairs
-            self.events.append((event, bool(np.any((since >= 0) & (since < AFTER)))))
+            self.events.append((event, self._cause(event.sample)))
+
+    def _cause(self, sample: int) -> str:
+        for name, starts, reach in (("repair", self.repairs, AFTER), ("stuck", np.array(self.stuck), AFTER_STUCK)):
+            since = sample - starts
+            if np.any((since >= 0) & (since < reach)):
+                return name
+        return "nothing"
 
     def delays(self, side: str) -> list[int]:
         """Samples from each repair to its event of this side; none where there was none."""

@@ -25,6 +25,7 @@ def recursive_ml(forgetting: float = 1.0) -> Any:
 ONLINE: dict[str, Callable[[], Any]] = {"RecursiveIV": recursive_iv}
 if HAS_ML:
     ONLINE["RecursiveML"] = recursive_ml
+TRACKING = {"RecursiveML, forgetting 0.999": lambda: recursive_ml(0.999)} if HAS_ML else {}
 
 
 def online(make: Callable[[], Any]) -> Callable[[Array, Array], Any]:
