@@ -14,6 +14,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import argparse  # noqa: E402
 import resource  # noqa: E402
 import sys  # noqa: E402
+import tempfile  # noqa: E402
 import time  # noqa: E402
 from pathlib import Path  # noqa: E402
 from typing import Any  # noqa: E402
@@ -22,7 +23,7 @@ import numpy as np  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from service import days, pages  # noqa: E402
-from service.ledger import Ledger  # noqa: E402
+from service.ledger import DivergedError, Ledger  # noqa: E402
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "endurance.md"
 TANK = lm.platforms.level_tank()
@@ -65,7 +66,7 @@ class Run:
         self.span = (min(self.span[0], seen.min()), max(self.span[1], seen.max()))
         for start in range(0, BLOCK, PIECE):
             piece = slice(start, start + PIECE)
-            twin, started = None, self.estimator.started
+            twin, started, before = None, self.estimator.started, self.estimator.to_bytes()
             if start == 0 and number % RESTART_EVERY == 1:
                 twin = self.ledger.restart(self.estimator)
             trajectory = self._run(self.estimator, block, piece)
@@ -74,7 +75,11 @@ class Run:
                 self.ledger.same(self.estimator, twin)
                 self.estimator = twin
             if started:
-                self.ledger.check(self.estimator, trajectory, block, piece, self.span)
+                try:
+                    self.ledger.check(self.estimator, trajectory, block, piece, self.span)
+                except DivergedError:
+                    keep(before, block, piece)
+                    raise
 
     def _run(self, one: Any, block: days.Block, piece: slice) -> Any:
         """One piece, timed; new events are told to the ledger by the estimator that goes on."""
@@ -94,6 +99,14 @@ class Run:
             f"{1e9 * self.seconds / ((number + 1) * BLOCK):.0f} ns a sample",
             flush=True,
         )
+
+
+def keep(before: bytes, block: days.Block, piece: slice) -> None:
+    """Store what is needed to see a failed check again."""
+    path = Path(tempfile.gettempdir()) / "endurance-failure.npz"
+    state = np.frombuffer(before, dtype=np.uint8)
+    np.savez(path, state=state, u=block.u[piece], y=block.y[piece], use=block.use[piece])
+    print(f"state before the failed piece, and the piece: {path}")
 
 
 def id_of(event: Any) -> tuple[int, str]:
