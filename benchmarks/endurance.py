@@ -1,6 +1,6 @@
 """Months of service for RecursiveML: does it stay finite, stable, honest and of constant size?
 
-Run: ``.venv/bin/python benchmarks/endurance.py`` (10^8 samples, one thread, some minutes); writes docs/endurance.md.
+Run: ``.venv/bin/python benchmarks/endurance.py`` (10^8 samples, one thread, about 8 minutes); writes docs/endurance.md.
 ``benchmarks/endurance.py 1e6`` is a quick look that writes nothing.
 """
 
@@ -37,80 +37,75 @@ def estimator() -> Any:
     return lm.RecursiveML(3, 2, 3, TANK.linear.gain, FORGETTING, dt=TANK.linear.dt)
 
 
-class Run:
-    """The estimator in service, its checks, and what is reported of it."""
+class Lane:
+    """One estimator in service and its checks."""
 
-    def __init__(self, samples: int, seed: int) -> None:
-        self.samples, self.seed = samples, seed
-        self.service = days.Service(seed)
-        warm = days.Service(seed + 1).block(BLOCK)  # compiles
-        estimator().run(warm.u, warm.y, use=warm.use)
-        self.estimator: Any = estimator()
+    def __init__(self, title: str, masks_repeats: bool, samples: int) -> None:
+        self.title, self._masks_repeats = title, masks_repeats
+        self.estimator = estimator()
         self.ledger = Ledger(days.repairs(samples))
-        self.seconds, self.span = 0.0, (np.inf, -np.inf)
-        self.memory = [0, 0]  # largest resident memory in bytes, after the first blocks and at the end
+        self.seconds = 0.0
 
-    def all(self) -> None:
-        """Go through all blocks."""
-        for number in range(self.samples // BLOCK):
-            self._block(number)
-            used = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-            self.memory = [used, used] if number < 2 * RESTART_EVERY else [self.memory[0], used]
-            if number % max(self.samples // BLOCK // 50, 1) == 0:
-                self._say(number)
-
-    def _block(self, number: int) -> None:
-        block = self.service.block(BLOCK)
+    def block(self, block: days.Block, number: int, span: tuple[float, float]) -> None:
+        """Take a block piece by piece; now and then go on from a saved state and beside it."""
         self.ledger.stuck = [*self.ledger.stuck[-10:], *block.stuck]
-        seen = block.u[np.isfinite(block.u) & block.use]
-        self.span = (min(self.span[0], seen.min()), max(self.span[1], seen.max()))
+        use = block.use & ~days.repeats(block.y) if self._masks_repeats else block.use
         for start in range(0, BLOCK, PIECE):
             piece = slice(start, start + PIECE)
-            twin, started, before = None, self.estimator.started, self.estimator.to_bytes()
-            if start == 0 and number % RESTART_EVERY == 1:
-                twin = self.ledger.restart(self.estimator)
-            trajectory = self._run(self.estimator, block, piece)
+            data = (block.u[piece], block.y[piece], use[piece])
+            started, before = self.estimator.started, self.estimator.to_bytes()
+            twin = self.ledger.restart(self.estimator) if start == 0 and number % RESTART_EVERY == 1 else None
+            trajectory = self._run(*data)
             if twin is not None:
-                self._run(twin, block, piece)
+                twin.run(*data[:2], every=EVERY, use=data[2])
                 self.ledger.same(self.estimator, twin)
                 self.estimator = twin
             if started:
                 try:
-                    self.ledger.check(self.estimator, trajectory, block, piece, self.span)
+                    self.ledger.check(self.estimator, trajectory, block, piece, span)
                 except DivergedError:
-                    keep(before, block, piece)
+                    keep(before, *data)
                     raise
 
-    def _run(self, one: Any, block: days.Block, piece: slice) -> Any:
-        """One piece, timed; new events are told to the ledger by the estimator that goes on."""
-        known = {id_of(event) for event in one.events}
+    def _run(self, u: days.Array, y: days.Array, use: days.Array) -> Any:
+        """One piece, timed; new events go to the ledger."""
+        known = {(event.sample, event.name) for event in self.estimator.events}
         begin = time.process_time()
-        trajectory = one.run(block.u[piece], block.y[piece], every=EVERY, use=block.use[piece])
-        if one is self.estimator:
-            self.seconds += time.process_time() - begin
-            self.ledger.note_events([event for event in one.events if id_of(event) not in known])
+        trajectory = self.estimator.run(u, y, every=EVERY, use=use)
+        self.seconds += time.process_time() - begin
+        self.ledger.note_events([new for new in self.estimator.events if (new.sample, new.name) not in known])
         return trajectory
 
-    def _say(self, number: int) -> None:
+    def __str__(self) -> str:
         estimate = self.estimator.estimate
-        width = " .. ".join(f"{estimate.parameters[name]:.3f}" for name in ("left", "right"))
-        print(
-            f"{(number + 1) * BLOCK:>12,} samples  {width}  {estimate.status.name}  {len(self.ledger.events)} events  "
-            f"{1e9 * self.seconds / ((number + 1) * BLOCK):.0f} ns a sample",
-            flush=True,
-        )
+        zone = " .. ".join(f"{estimate.parameters[name]:.3f}" for name in ("left", "right"))
+        return f"{zone} {estimate.status.name} {len(self.ledger.events)} events"
 
 
-def keep(before: bytes, block: days.Block, piece: slice) -> None:
+def serve(samples: int, seed: int) -> tuple[list[Lane], list[int]]:
+    """Run all blocks through both lanes; largest resident memory in bytes after the first blocks and at the end."""
+    warm = days.Service(seed + 1).block(BLOCK)  # compiles
+    estimator().run(warm.u, warm.y, use=warm.use)
+    lanes = [Lane("every PV taken", False, samples), Lane("a PV equal to the last one masked", True, samples)]
+    service, span, memory = days.Service(seed), (np.inf, -np.inf), [0, 0]
+    for number in range(samples // BLOCK):
+        block = service.block(BLOCK)
+        seen = block.u[np.isfinite(block.u) & block.use]
+        span = (min(span[0], seen.min()), max(span[1], seen.max()))
+        for lane in lanes:
+            lane.block(block, number, span)
+        used = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        memory = [used, used] if number < 2 * RESTART_EVERY else [memory[0], used]
+        if number % max(samples // BLOCK // 50, 1) == 0:
+            print(f"{(number + 1) * BLOCK:>12,} samples:", *lanes, sep="   ", flush=True)
+    return lanes, memory
+
+
+def keep(before: bytes, u: days.Array, y: days.Array, use: days.Array) -> None:
     """Store what is needed to see a failed check again."""
     path = Path(tempfile.gettempdir()) / "endurance-failure.npz"
-    state = np.frombuffer(before, dtype=np.uint8)
-    np.savez(path, state=state, u=block.u[piece], y=block.y[piece], use=block.use[piece])
+    np.savez(path, state=np.frombuffer(before, dtype=np.uint8), u=u, y=y, use=use)
     print(f"state before the failed piece, and the piece: {path}")
-
-
-def id_of(event: Any) -> tuple[int, str]:
-    return event.sample, event.name
 
 
 def main() -> int:
@@ -121,11 +116,11 @@ def main() -> int:
     if not hasattr(lm, "RecursiveML"):
         print("lostmotion has no RecursiveML yet")
         return 1
-    run = Run(int(arguments.samples), arguments.seed)
-    run.all()
-    text = pages.page(run.samples, run.seed, run.ledger, run.seconds, run.memory)
+    samples = int(arguments.samples)
+    lanes, memory = serve(samples, arguments.seed)
+    text = pages.page(samples, arguments.seed, lanes, memory)
     print(text)
-    if run.samples >= FULL:
+    if samples >= FULL:
         OUTPUT.write_text(text, encoding="utf-8")
     return 0
 

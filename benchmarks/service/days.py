@@ -55,6 +55,11 @@ def stretches(n: int, rate: float, length: int, random: np.random.Generator) -> 
     return [slice(start, start + 1 + int(random.exponential(length))) for start in starts]
 
 
+def repeats(y: Array) -> Array:
+    """Samples whose PV is to the last bit that of the sample before: it did not come from the transmitter."""
+    return np.concatenate([[False], y[1:] == y[:-1]])
+
+
 class Service:
     """Makes block after block; memory does not grow."""
 
