@@ -34,12 +34,13 @@ def refine(
     most_steps: int = MOST_STEPS,
     tied: bool = False,
 ) -> LocalFit:
-    """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: everything).
+    """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: the problem's).
 
     Steps that make A unstable are refused like steps uphill; actuator parameters are projected on their valid
     set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units
     (More, 1978).
     """
+    basis = problem.basis if basis is None else basis
     if not tied:
         theta = problem.project(theta)
     cost, gradient, hessian = problem.evaluate(theta)

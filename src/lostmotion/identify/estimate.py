@@ -122,18 +122,19 @@ def identify(
         (data.y - scaling.y_centre) / scaling.y_scale,
         data.segments,
     )
-    linear = best_fit(scaled, LinearFamily(), [np.zeros(0)], orders_given, noise_given)
+    linear = best_fit(scaled, LinearFamily(), [np.zeros(0)], orders_given, noise_given, levels=gain is None)
     linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     if nonlinearity == "none":
         return linear_result
-    zone = settle_offset(_fit_dead_zone(scaled, orders_given, noise_given), scaling, offset)
+    found = _fit_dead_zone(scaled, orders_given, noise_given, levels=gain is None)
+    zone = settle_offset(found, scaling, offset)
     result = replace(_package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result)
     if nonlinearity == "auto" and result.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
         return linear_result
     return result
 
 
-def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None) -> Fitted:
+def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None, levels: bool) -> Fitted:
     low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
     if orders is None:
         lags = Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
@@ -142,7 +143,7 @@ def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise:
     candidates = profile(data.u, data.y, data.segments, lags, low, high)
     etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
     family = DeadZoneFamily(low, high)
-    return best_fit(data, family, etas, orders, noise)
+    return best_fit(data, family, etas, orders, noise, levels)
 
 
 def _package(
@@ -156,7 +157,7 @@ def _package(
 ) -> HammersteinFit:
     """Result in engineering units with status."""
     named = name_parameters(fitted, scaling, gain)
-    model = _model(named.values, fitted, data.dt)
+    model = _model(named.values, fitted, data.dt, data.y_centre)
     simulated, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
@@ -178,14 +179,20 @@ def _package(
         widest=widest,
         settings={
             **settings,
-            "chosen": {"na": s.na, "nb": s.nb, "delay": s.delay, "noise_order": s.noise_order},
+            "chosen": {
+                "na": s.na,
+                "nb": s.nb,
+                "delay": s.delay,
+                "noise_order": s.noise_order,
+                "integrating": s.integrating,
+            },
             "offset_fixed": fitted.basis is not None,
         },
         data=data,
     )
 
 
-def _model(values: dict[str, float], fitted: Fitted, dt: float) -> Hammerstein:
+def _model(values: dict[str, float], fitted: Fitted, dt: float, level: float) -> Hammerstein:
     s = fitted.problem.structure
     linear = LinearModel(
         tuple(values[f"a{i + 1}"] for i in range(s.na)),
@@ -198,7 +205,7 @@ def _model(values: dict[str, float], fitted: Fitted, dt: float) -> Hammerstein:
         actuator = DeadZone(
             min(values["left"], values["right"]), values["right"], values["left_slope"], values["right_slope"]
         )
-    return Hammerstein(actuator, linear, values["offset"])
+    return Hammerstein(actuator, linear, values.get("offset", level))
 
 
 def _on_rows(

@@ -23,7 +23,7 @@ def settle_offset(fitted: Fitted, scaling: Scaling, choice: str) -> Fitted:
     With choice "auto" the offset is dropped if its t-ratio is below sqrt(log n) (BIC), OP = 0 lies inside the dead
     zone, and the record was not centred by subtracting its mean. "free" keeps it.
     """
-    if choice == "free":
+    if choice == "free" or fitted.problem.structure.integrating:
         return fitted
     column = fitted.problem.eta_at - 1
     zero = -scaling.y_centre / scaling.y_scale

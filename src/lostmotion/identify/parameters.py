@@ -12,6 +12,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify.search import Fitted
 from lostmotion.models._arguments import FloatArray
 
+SMALLEST_REST = 1e-12  # of A(1): below it the process integrates, and has no gain
 CUTOFF = 1e-13  # relative eigenvalue below which a direction of the information matrix is empty
 ROUNDING = 1e-5  # components of such a direction that are nothing but rounding: it is often one of initial states
 
@@ -84,6 +85,8 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     theta = fitted.fit.theta[: problem.initial_at]
     s = problem.structure
     values, jacobian = named_values(theta, problem.family.kind, s.na, s.nb, scaling, gain)
+    if s.integrating:
+        values, jacobian = _of_integrator(values, jacobian, theta, problem.eta_at, problem.family.load, scaling)
     inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
     for direction in empty.T:
@@ -96,6 +99,23 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
             unknown = np.abs(move) > 1e-6 * np.abs(move).max(initial=1e-300)
             covariance[unknown, unknown] = np.inf
     return Named(values, covariance)
+
+
+def _of_integrator(
+    values: dict[str, float], jacobian: FloatArray, theta: FloatArray, eta_at: int, load: bool, scaling: Scaling
+) -> tuple[dict[str, float], FloatArray]:
+    """Instead of gain and offset an integrating process has a load, in units of x."""
+    names = list(values)
+    kept = [index for index, name in enumerate(names) if name not in ("gain", "offset")]
+    rows = [jacobian[kept]]
+    result = {names[index]: values[names[index]] for index in kept}
+    if load:
+        at = eta_at + (3 if "left" in result else 0)
+        row = np.zeros((1, theta.size))
+        row[0, at] = scaling.u_scale
+        rows.append(row)
+        result["load"] = scaling.u_scale * float(theta[at]) + (0.0 if "left" in result else -scaling.u_centre)
+    return {**result, "gain": float(np.inf)}, np.concatenate([*rows, np.zeros((1, theta.size))])
 
 
 def named_values(
@@ -117,7 +137,8 @@ def _transform(
 ) -> tuple[list[str], npt.NDArray[Any]]:
     """Names and values of all parameters for one scaled vector (real or complex)."""
     a, b = theta[:na], theta[na : na + nb + 1] * (scaling.y_scale / scaling.u_scale)
-    product = b.sum() / (1.0 + a.sum())
+    rest = 1.0 + a.sum()
+    product = b.sum() / (rest if abs(rest) > SMALLEST_REST else SMALLEST_REST)
     offset = scaling.y_centre + scaling.y_scale * theta[na + nb + 1]
     names: list[str] = []
     values: list[Any] = []

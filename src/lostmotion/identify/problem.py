@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ class Structure:
     delay: int
     noise_order: int
     start: int  # rows skipped at the head of each segment, >= delay + noise_order; equal where fits are compared
+    integrating: bool = False  # A has a root at 1: A(1) = 0; the level is an initial state, no offset
 
     @property
     def first(self) -> int:
@@ -118,9 +120,25 @@ class Problem:
             errors.append(e)
         return simulated, errors
 
+    @cached_property
+    def basis(self) -> FloatArray | None:
+        """Directions that are free (size, free); None: all.
+
+        An integrating process keeps the sum of A, and its offset is an initial state.
+        """
+        if not self.structure.integrating:
+            return None
+        na = self.structure.na
+        inside = np.eye(na, na - 1) - np.eye(na, na - 1, k=-1)
+        rest = np.delete(np.eye(self.size - na), self.eta_at - 1 - na, axis=1)
+        return np.block([[inside, np.zeros((na, rest.shape[1]))], [np.zeros((len(rest), na - 1)), rest]])
+
     def admissible(self, theta: FloatArray) -> bool:
-        """Whether A is stable."""
-        return bool(is_stable(np.ascontiguousarray(theta[: self.structure.na]), POLE_RADIUS))
+        """Whether A is stable, but for the integrator."""
+        a = theta[: self.structure.na]
+        if self.structure.integrating:
+            a = 1.0 + np.cumsum(a)[:-1]  # A / (1 - q^-1)
+        return bool(is_stable(np.ascontiguousarray(a), POLE_RADIUS))
 
     def project(self, theta: FloatArray) -> FloatArray:
         """The same vector with valid actuator parameters."""

@@ -9,21 +9,28 @@ import numpy.typing as npt
 
 from lostmotion.identify.batch import LocalFit, refine
 from lostmotion.identify.families import Family
-from lostmotion.identify.noise_order import choose_noise
+from lostmotion.identify.noise_order import autoregressions, choose_noise
+from lostmotion.identify.pole_grid import GridStart, grid_starts
 from lostmotion.identify.problem import Problem, Structure
-from lostmotion.identify.start import HighOrderArx, fit_arx
-from lostmotion.identify.structure import Start, given_structure, likely_structures, neighbours, plausible
+from lostmotion.identify.start import fit_arx, linear_start
+from lostmotion.identify.structure import LADDER, distinct, first_delay, plausible
+from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
-_Attempt = tuple[FloatArray, Start, HighOrderArx]
+_Attempt = tuple[FloatArray, GridStart, FloatArray]
+_Key = tuple[int, int, int, bool]
 
 START_NOISE_LAGS = 15
 MOST_ROUNDS = 4
 IMPLAUSIBLE = 1e12
 RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
 APART = 0.3  # deviations of OP between the break points of two rivals
-ROUGH_STEPS = 15
-AUTO_LAGS = 30  # past inputs where the delay is unknown
+ROUGH_STEPS = 25
+LATEST_DELAY = 25
+MOST_STRUCTURES = 3
+NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
+HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
+AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
 
 @dataclass(frozen=True)
@@ -80,6 +87,7 @@ def best_fit(
     etas: list[FloatArray],
     orders: tuple[int, int, int] | None,
     noise: int | None,
+    levels: bool = True,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -93,9 +101,12 @@ def best_fit(
         None: chosen from the data.
     noise : int or None
         Order of the AR noise; None: chosen from the data.
+    levels : bool
+        Whether the process may integrate.
     """
-    search = _Search(data, family, orders, noise)
-    best = search.over([pair for eta in etas for pair in search.likely(eta)])
+    search = _Search.on(data, family, orders, noise, levels)
+    best = search.over([attempt for eta in etas for attempt in search.likely(eta)])
+    assert best is not None  # noqa: S101  there is always a start
     if orders is None:
         best = search.improve(best)
     d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
@@ -103,15 +114,16 @@ def best_fit(
         d = choose_noise(best.output_residual())
     s = best.problem.structure
     if not (best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order):
-        best = refined(data, family, best, d)
-    return replace(best, rivals=search.rivals())
+        best = refined(data, best, d)
+    return replace(_without_load(best), rivals=search.rivals())
 
 
-def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fitted:
+def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
     """Converged fit with noise start d, on all rows that its structure allows."""
     s = best.problem.structure
     theta = best.fit.theta
-    problem = Problem(data.u, data.y, data.segments, family, Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size))
+    structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
+    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure)
     start = problem.pack(
         theta[: s.na],
         theta[s.na : s.na + s.nb + 1],
@@ -119,7 +131,19 @@ def refined(data: ScaledData, family: Family, best: Fitted, d: FloatArray) -> Fi
         d,
         theta[best.problem.eta_at - 1],
     )
-    return Fitted(problem, refine(problem, start))
+    return Fitted(problem, refine(problem, start), problem.basis)
+
+
+def _without_load(best: Fitted) -> Fitted:
+    """The same fit of an integrating process without a load, where the load explains nothing."""
+    family = best.problem.family
+    if not family.load:
+        return best
+    plain = replace(best.problem, family=family.with_load(False))
+    at = best.problem.noise_at - 1
+    start = np.delete(best.fit.theta, at)
+    fitted = Fitted(plain, refine(plain, start), plain.basis)
+    return fitted if _criterion(fitted) <= _criterion(best) else best
 
 
 def _criterion(fitted: Fitted) -> float:
@@ -136,22 +160,71 @@ class _Search:
     family: Family
     orders: tuple[int, int, int] | None
     noise: int | None
+    delays: tuple[int, int]
+    levels: bool
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
+    tried: set[_Key] = field(default_factory=set)
 
-    def likely(self, eta: FloatArray) -> list[_Attempt]:
-        """The structures to try for one start of the actuator."""
-        arx = self._arx(eta)
-        if self.orders is not None:
-            return [(eta, given_structure(arx, *self.orders), arx)]
-        return [(eta, start, arx) for start in likely_structures(arx)]
+    @classmethod
+    def on(
+        cls,
+        data: ScaledData,
+        family: Family,
+        orders: tuple[int, int, int] | None,
+        noise: int | None,
+        levels: bool,
+    ) -> _Search:
+        """Search over the orders given, or over the ladder and all delays that the record can show."""
+        if orders is not None:
+            return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
+        latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
+        return cls(data, family, None, noise, (first_delay(data.u, data.y, data.segments), latest), levels)
 
-    def over(self, attempts: list[_Attempt]) -> Fitted:
+    @property
+    def ladder(self) -> tuple[tuple[int, int], ...]:
+        """Orders (na, nb) that are tried."""
+        return LADDER if self.orders is None else (self.orders[:2],)
+
+    def over(self, attempts: list[_Attempt]) -> Fitted | None:
         """Best of the attempts; all are remembered."""
         fits = [self._rough(*attempt) for attempt in attempts]
         for fitted in fits:
-            eta = fitted.fit.theta[fitted.problem.eta_at : fitted.problem.noise_at]
-            self.seen.append((eta, self._score(fitted)))
-        return min(fits, key=self._score)
+            self.seen.append((self._eta(fitted), self._score(fitted)))
+        return min(fits, key=self._score) if fits else None
+
+    def likely(self, eta: FloatArray) -> list[_Attempt]:
+        """The structures to try for one start of the actuator: best on the grid, the output error white or coloured."""
+        x = self._internal(eta)
+        plain = self._grid(x, np.zeros(0), self.delays)
+        d = self._noise_of(x, plain[0])
+        starts = self._grid(x, d, self.delays) if d.size else []
+        white = np.zeros(self.noise or 0)
+        attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
+        attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        if self.orders is not None:
+            arx = fit_arx(x, self.data.y, self.data.segments, self.orders[2])
+            a, b, misfit = linear_start(arx, *self.orders)
+            attempts.append((eta, GridStart(*self.orders, a, b, misfit, 0.0), d))
+        return attempts
+
+    def improve(self, best: Fitted) -> Fitted:
+        """Look at other structures from the actuator and noise found, while it helps."""
+        for _ in range(MOST_ROUNDS):
+            s = best.problem.structure
+            self.tried.add((s.na, s.nb, s.delay, s.integrating))
+            eta = self._eta(best)
+            d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
+            starts = self._grid(self._internal(eta), d, self.delays)
+            here = min(start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay))
+            new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
+            attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]
+            attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
+            self.tried.update(start.key for _, start, _ in attempts)
+            challenger = self.over(attempts)
+            if challenger is None or self._score(challenger) > self._score(best) - 1.0:
+                break
+            best = challenger
+        return best
 
     def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
         """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
@@ -169,44 +242,71 @@ class _Search:
                 found.append((eta, score - best))
         return tuple(found)
 
-    def improve(self, best: Fitted) -> Fitted:
-        """Look again from the actuator found, then at neighbouring structures, while it helps."""
-        for _ in range(MOST_ROUNDS):
-            s = best.problem.structure
-            eta = best.fit.theta[best.problem.eta_at : best.problem.noise_at]
-            arx = self._arx(eta)
-            tried = [(eta, start, arx) for start in neighbours(arx, s.na, s.nb, s.delay)]
-            if eta.size:
-                tried += self.likely(eta)
-            challenger = self.over(tried)
-            if self._score(challenger) > self._score(best) - 1.0:
-                break
-            best = challenger
-        return best
+    def _eta(self, fitted: Fitted) -> FloatArray:
+        """Parameters of the actuator, without a load."""
+        at = fitted.problem.eta_at
+        return fitted.fit.theta[at : at + len(self.family.names)]
+
+    def _next_to(self, best: Fitted) -> list[GridStart]:
+        """The process found, one sample of delay moved into B and back, and with an order less."""
+        s, theta = best.problem.structure, best.fit.theta
+        a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
+        moved = [(s.na, s.nb + 1, s.delay - 1, np.append(0.0, b)), (s.na, s.nb + 1, s.delay, np.append(b, 0.0))]
+        if s.nb > 0:
+            moved += [(s.na, s.nb - 1, s.delay + 1, b[1:]), (s.na, s.nb - 1, s.delay, b[:-1])]
+            moved += [(s.na, s.nb, s.delay + 1, np.append(b[1:], 0.0))]
+        moved += [(s.na, s.nb, s.delay - 1, np.append(0.0, b[:-1]) if s.nb > 0 else b)]
+        low, high = self.delays
+        decay = 1.0 if s.integrating else 0.0
+        found = [
+            GridStart(na, nb, delay, a, beta, 0.0, decay)
+            for na, nb, delay, beta in moved
+            if (na, nb) in self.ladder and low <= delay <= high
+        ]
+        slowest = float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0))
+        if self.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
+            found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
+        return found
 
     def _score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         a = fitted.fit.theta[: fitted.problem.structure.na]
         return _criterion(fitted) + (0.0 if self.orders is not None or plausible(a) else IMPLAUSIBLE)
 
-    def _arx(self, eta: FloatArray) -> HighOrderArx:
+    def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
         x, dx = np.empty(data.u.size), np.empty((len(self.family.names), data.u.size))
         self.family.evaluate(eta, data.u, x, dx)
-        if self.orders is None:
-            return fit_arx(x, data.y, data.segments, 1, AUTO_LAGS)
-        return fit_arx(x, data.y, data.segments, self.orders[2])
+        return x
 
-    def _rough(self, eta: FloatArray, start: Start, arx: HighOrderArx) -> Fitted:
-        latest = AUTO_LAGS if self.orders is None else start.delay
-        latest = min(latest, max(self.data.shortest // 10, start.delay))
-        p = self.noise
-        if p is None:
-            p = max(min(START_NOISE_LAGS, (self.data.shortest - latest) // 20), 0)
-        structure = Structure(start.na, start.nb, start.delay, p, latest + p)
-        problem = Problem(self.data.u, self.data.y, self.data.segments, self.family, structure)
-        d = np.zeros(p)
-        shared = min(p, arx.a.size)
-        d[:shared] = arx.a[:shared]
-        theta = problem.pack(start.a, start.b, eta, d, 0.0)
-        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS))
+    def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
+        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays, self.levels)
+        return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
+
+    def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
+        """AR model of what a start leaves over; of the order asked for."""
+        residuals = []
+        for begin, stop in self.data.segments:
+            z = simulate(np.ascontiguousarray(start.a), np.ascontiguousarray(start.b), start.delay, x[begin:stop])
+            residuals.append(_without_mode(self.data.y[begin:stop] - z, start.decay))
+        most = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0)
+        if self.noise is not None:
+            models, _, _ = autoregressions(residuals, self.noise)
+            return np.asarray(models[-1]) if models[-1].size == self.noise else np.zeros(self.noise)
+        return choose_noise(residuals, most)
+
+    def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray) -> Fitted:
+        rows = self.delays[1] + (START_NOISE_LAGS if self.noise is None else self.noise)
+        rows = max(min(rows, self.data.shortest // 5), start.delay + d.size)
+        integrating = start.decay == 1.0
+        structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
+        family = self.family.with_load(integrating)
+        problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure)
+        theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
+        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS), problem.basis)
+
+
+def _without_mode(v: FloatArray, decay: float) -> FloatArray:
+    """Residual without its mean and the decay of the slowest mode: an unknown initial state is no noise."""
+    columns = np.column_stack([np.ones(v.size), decay ** np.arange(v.size)])
+    return np.asarray(v - columns @ np.linalg.lstsq(columns, v, rcond=1e-10)[0])

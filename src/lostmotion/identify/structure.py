@@ -1,72 +1,19 @@
-"""Orders and delay from a high-order ARX, before any iteration on the data."""
+"""Which orders and delays are tried, and which poles a sampled process can have."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+import numpy.typing as npt
+from scipy import stats
 
-from lostmotion.identify.start import HighOrderArx, linear_start
+from lostmotion.identify.pole_grid import GridStart
 from lostmotion.models._arguments import FloatArray
 
 LADDER = ((1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 1), (3, 2))
-LATER = 1  # delays tried after the first significant lag; before it, all are
-SIGNIFICANT = 3.5  # standard errors of the first response
 LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
 SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
-MOST_STRUCTURES = 3  # of different delays
-
-
-@dataclass(frozen=True)
-class Start:
-    """Orders, delay and start values of the linear part."""
-
-    na: int
-    nb: int
-    delay: int
-    a: FloatArray
-    b: FloatArray
-    score: float = 0.0
-
-
-def given_structure(arx: HighOrderArx, na: int, nb: int, delay: int) -> Start:
-    """Start values for orders that the caller gave."""
-    a, b, misfit = linear_start(arx, na, nb, delay)
-    return Start(na, nb, delay, a, b, misfit)
-
-
-def likely_structures(arx: HighOrderArx) -> list[Start]:
-    """The few structures that explain the ARX best (misfit plus k log n), best first."""
-    latest = _first_response(arx)
-    room = min(arx.a.size, arx.b.size)
-    starts = []
-    for delay in range(arx.delay, latest + LATER + 1):
-        for na, nb in LADDER:
-            if na + nb + 1 + delay - arx.delay > room:
-                continue
-            a, b, misfit = linear_start(arx, na, nb, delay)
-            starts.append(Start(na, nb, delay, a, b, misfit + (na + nb + 1) * np.log(arx.samples)))
-    if not starts:
-        starts = [given_structure(arx, 1, 0, max(arx.delay, 1))]
-    starts.sort(key=lambda start: start.score)
-    return _of_different_delays(starts)
-
-
-def neighbours(arx: HighOrderArx, na: int, nb: int, delay: int) -> list[Start]:
-    """Structures one step away in one of orders and delay, with their start values."""
-    room = min(arx.a.size, arx.b.size)
-    steps = [(na, nb, delay - 1), (na, nb, delay + 1), (na + 1, nb, delay), (na, nb - 1, delay)]
-    steps += [
-        (na - 1, min(nb, na - 1), delay),
-        (na, nb + 1, delay),
-        (na, nb + 1, delay - 1),
-        (na, nb - 1, delay + 1),
-    ]
-    return [
-        given_structure(arx, *step)
-        for step in steps
-        if (step[0], step[1]) in LADDER and step[2] >= arx.delay and sum(step) + 1 - arx.delay <= room
-    ]
+FEEDBACK_LAGS = 10
+FEEDBACK_LEVEL = 1e-4  # of the test whether OP answers PV
 
 
 def plausible(a: FloatArray) -> bool:
@@ -82,17 +29,41 @@ def plausible(a: FloatArray) -> bool:
     return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
 
 
-def _of_different_delays(starts: list[Start]) -> list[Start]:
-    best: dict[int, Start] = {}
+def distinct(starts: list[GridStart], most: int) -> list[GridStart]:
+    """The best starts that differ in na, best first."""
+    best: dict[int, GridStart] = {}
     for start in starts:
-        best.setdefault(start.delay, start)
-    return list(best.values())[:MOST_STRUCTURES]
+        best.setdefault(start.na, start)
+    return list(best.values())[:most]
 
 
-def _first_response(arx: HighOrderArx) -> int:
-    """Lag of the first input coefficient that is significant (the largest if none is)."""
-    n = arx.a.size
-    error = np.sqrt(np.maximum(np.diag(arx.covariance)[n:] * arx.variance, 1e-300))
-    ratio = np.abs(arx.b) / error
-    large = np.flatnonzero(ratio > SIGNIFICANT)
-    return arx.delay + int(large[0] if large.size else np.argmax(ratio))
+def first_delay(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> int:
+    """Shortest delay that can be told: 0 in open loop, 1 where OP answers PV.
+
+    In a closed loop PV and OP of one sample are tied by the controller, and a delay of 0 would model that instead.
+    The test is Granger's: do past PV help to foretell OP beyond its own past?
+    """
+    rows, targets = [], []
+    for start, stop in segments:
+        if stop - start < 4 * FEEDBACK_LAGS:
+            continue
+        ks = np.arange(start + FEEDBACK_LAGS, stop)
+        past = ks[:, None] - np.arange(1, FEEDBACK_LAGS + 1)
+        rows.append(np.column_stack([np.ones(ks.size), u[past], y[past], y[ks]]))
+        targets.append(u[ks])
+    if not rows:
+        return 1
+    regressors, target = np.concatenate(rows), np.concatenate(targets)
+    own = regressors[:, : FEEDBACK_LAGS + 1]
+    free = target.size - regressors.shape[1]
+    if free < FEEDBACK_LAGS:
+        return 1
+
+    def left_over(columns: FloatArray) -> float:
+        solution = np.linalg.lstsq(columns, target, rcond=1e-10)[0]
+        return float(np.sum((target - columns @ solution) ** 2))
+
+    alone, both = left_over(own), left_over(regressors)
+    added = regressors.shape[1] - own.shape[1]
+    ratio = (alone - both) / added / max(both / free, 1e-300)
+    return 1 if stats.f.sf(ratio, added, free) < FEEDBACK_LEVEL else 0

@@ -19,8 +19,10 @@ def width_bound(fitted: Fitted, level: float = 0.95) -> float:
     """
     problem = fitted.problem
     left, right = problem.eta_at, problem.eta_at + 1
-    basis = np.delete(np.eye(fitted.fit.theta.size), right, axis=1)
-    basis[right, left] = 1.0  # both break points move together
+    free = np.eye(fitted.fit.theta.size) if problem.basis is None else problem.basis
+    own = np.flatnonzero(free[right])[0]
+    basis = np.delete(free, own, axis=1)
+    basis[right] = basis[left]  # both break points move together
     limit = fitted.fit.cost + float(stats.norm.ppf(level)) ** 2 * fitted.variance
     span = float(np.ptp(problem.u))
     theta = fitted.fit.theta.copy()
