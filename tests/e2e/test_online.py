@@ -13,6 +13,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.cli import main
+from lostmotion.files.results import lock_file
 
 pytestmark = pytest.mark.statistics
 
@@ -241,6 +242,18 @@ def test_another_file_or_other_options_are_refused(capsys, tmp_path, lines):
     assert state.read_bytes() == kept
     state.write_bytes(kept[:-1])
     assert "damaged" in run(capsys, *words)[2]
+
+
+def test_two_services_do_not_share_a_state(capsys, tmp_path, lines):
+    path, state = write(tmp_path / "a.csv", lines[:400]), tmp_path / "state"
+    holder = lock_file(state)
+    try:
+        code, _, error = run(capsys, path, *OPTIONS, *columns(), "--no-follow", "--state", state)
+        assert (code, "another one that works with it" in error) == (1, True)
+    finally:
+        holder.close()
+    code, _, error = run(capsys, path, *OPTIONS, *columns(), "--no-follow", "--state", state)
+    assert error == ""
 
 
 @pytest.mark.parametrize(

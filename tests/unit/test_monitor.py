@@ -121,6 +121,19 @@ def test_trend_and_time_to_the_limit():
     assert "in about 0.0162 days" in trend["limit"]["message"]
 
 
+def test_an_estimate_that_lags_behind_the_trend_is_told():
+    class Slow(Fake):
+        @property
+        def width(self):
+            return 2.0 + 8e-4 * self.samples
+
+    watched, _ = monitor(fake=Slow())
+    report = reports(watched.take(rows(1600)))[-1]
+    assert "By the trend the width is 3.6" in report["lag"]
+    watched, _ = monitor()
+    assert reports(watched.take(rows(1600)))[-1]["lag"] is None
+
+
 def test_width_above_its_limit_is_told_once():
     watched, _ = monitor(width_limit=2.1)
     assert watched.calm is False  # no estimate yet
@@ -206,6 +219,7 @@ def whole():
     return watched.take(grown(4000)), watched.to_bytes()
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("size", [1, 37, 1000])
 def test_cuts_and_restarts_change_nothing(whole, size):
     record, watched, found = grown(4000), real(op_limits=(-5, 5), frozen=50, calendar="UTC"), []
@@ -217,6 +231,7 @@ def test_cuts_and_restarts_change_nothing(whole, size):
     assert watched.to_bytes() == whole[1]
 
 
+@pytest.mark.statistics
 def test_a_step_is_seen(whole):
     events = [message for message in whole[0] if message["kind"] == "event"]
     assert {event["name"] for event in events} >= {"right", "width limit"}
@@ -227,7 +242,7 @@ def test_a_step_is_seen(whole):
     assert last["counts"]["outliers"] > 0
 
 
-def test_other_bytes_are_refused(whole):
+def test_other_bytes_are_refused():
     refusal(DataError, OnlineMonitor.from_bytes, b"something else")
-    refusal(DataError, OnlineMonitor.from_bytes, whole[1][:-5])
+    refusal(DataError, OnlineMonitor.from_bytes, real().to_bytes()[:-5])
     refusal(DataError, OnlineMonitor.from_bytes, lm.RecursiveML(1, 0, 1).to_bytes())

@@ -109,9 +109,12 @@ def online(
     model = _model(fit, orders, gain, noise) | {"forgetting": forgetting, "start_samples": start_samples}
     watch = {"report_every": report_every, "trend_every": trend_every, "op_limits": op_limits, "frozen": frozen}
     asked = Asked(op, pv, False if ignore_time else time, mode, tuple(auto_value or ()), dt)
-    kept = Kept(state, {**model, **watch})
     rows = sys.stdin.buffer if source == "-" else Path(source)
-    with _stop_on_signals() as stop, Follower(rows, asked, kept.position) as follower:
+    with (
+        _stop_on_signals() as stop,
+        Kept(state, {**model, **watch}) as kept,
+        Follower(rows, asked, kept.position) as follower,
+    ):
 
         def make(layout: Layout) -> OnlineMonitor:
             return _monitor(layout, model, watch, fit)

@@ -1,9 +1,13 @@
 """``python -m lostmotion.cli.warm_up``: compile and cache every kernel once, before parallel workers do."""
 
+import numpy as np
+
 import lostmotion as lm
+from lostmotion.kernels.stamps import count_samples
 
 if __name__ == "__main__":
     loop = lm.routine_operation(600, seed=0)
     lm.identify(loop.command, loop.measured, 0.1)
     recursive = lm.RecursiveML(1, 0, 1, forgetting=0.999, start_samples=200)
     recursive.run(loop.command, loop.measured)
+    count_samples(np.arange(3.0), 1.0, 0.0, np.array([np.nan, 0.0, 0.0, 0.0]), np.empty(3))

@@ -6,9 +6,14 @@ import json
 import os
 import secrets
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from lostmotion.errors import DataError, FileAccessError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 
 def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> Path:
@@ -44,6 +49,31 @@ def write_bytes(path: Path, data: bytes) -> Path:
         beside.unlink(missing_ok=True)
         raise FileAccessError(f"expected to write {path}, got {error.strerror}; check the folder") from error
     return path
+
+
+def lock_file(path: Path) -> BinaryIO | None:
+    """Keep other processes of lostmotion from working with `path` until what is returned is closed, or we end.
+
+    None where the platform has no such locks.
+
+    Raises
+    ------
+    FileAccessError
+        Another process works with it, or the folder cannot be written.
+    """
+    if fcntl is None:
+        return None
+    beside = path.with_name(f".{path.name}.lock")
+    try:
+        stream = beside.open("ab")
+    except OSError as error:
+        raise FileAccessError(f"expected to write {beside}, got {error.strerror}; check the folder") from error
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        stream.close()
+        raise FileAccessError(f"expected {path} for this process alone, got another one that works with it") from error
+    return stream
 
 
 def read_fit(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from lostmotion.online.trend import Line
 
 STALE = 1000  # samples without information that are worth a sentence
 DAY = 86400.0  # s
+LAGS = 3.0  # standard errors between estimate and trend that are worth a sentence
 Z95 = 1.959963984540054
 SHOWN = ("left", "right", "width", "slope_ratio")
 CHANGED = {
@@ -33,7 +34,7 @@ def report(estimate: RecursiveEstimate | None, sample: int, timeline: Timeline) 
     """State of the estimate; None while the first window fills."""
     head = {"kind": "report", "time": timeline.text(timeline.now), "sample": sample}
     if estimate is None:
-        words = f"The first window fills, or has told nothing yet: {sample} samples."
+        words = f"No estimate yet after {sample} samples: the first window fills, or OP has told nothing in it."
         return {**head, "status": "STARTING", "message": words, **dict.fromkeys((*SHOWN, "no_information"))}
     stale = _stale(estimate, timeline)
     return {
@@ -114,6 +115,20 @@ def trend(line: Line | None, limit: float | None, timeline: Timeline) -> dict[st
         "significant": line.significant,
         "limit": None if limit is None else _limit(line, limit, timeline),
     }
+
+
+def lag(estimate: RecursiveEstimate | None, line: Line | None, timeline: Timeline) -> str | None:
+    """Sentence where the estimate still remembers other widths than the trend says there are now."""
+    if estimate is None or line is None or not line.significant:
+        return None
+    (now, error), width = line.at(timeline.running), number(estimate, "width")
+    own = width["standard_error"]
+    if own is None or abs(estimate.parameters["width"] - now) < LAGS * np.hypot(own, error):
+        return None
+    return (
+        f"By the trend the width is {now:.4g} (standard error {error:.2g}) by now; the estimate remembers older ones, "
+        "beyond its interval. A smaller forgetting factor follows faster."
+    )
 
 
 def _limit(line: Line, limit: float, timeline: Timeline) -> dict[str, Any]:

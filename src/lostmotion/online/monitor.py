@@ -166,6 +166,7 @@ class OnlineMonitor:
         self.timeline.anchor(self.samples)
         report = messages.report(estimate, self.samples, self.timeline)
         report["trend"] = messages.trend(self.trend.line, self.width_limit, self.timeline)
+        report["lag"] = messages.lag(estimate, self.trend.line, self.timeline)
         report["counts"] = {"samples": self.samples, **self.counts, **self.masks.counts}
         return [report, *self._limit(estimate)]
 

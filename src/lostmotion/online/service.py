@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
-from typing import Any
+from typing import Any, BinaryIO, Self
 
 from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
-from lostmotion.files.results import write_bytes
+from lostmotion.files.results import lock_file, write_bytes
 from lostmotion.models._arguments import positive
 from lostmotion.online.monitor import OnlineMonitor
 from lostmotion.online.packing import pack, unpack
@@ -41,6 +41,8 @@ class Kept:
         The file is something else, or damaged.
     ParameterError
         It was made with other settings.
+    FileAccessError
+        It cannot be read, or another process works with it.
     """
 
     def __init__(self, path: Path | None, settings: dict[str, Any]) -> None:
@@ -49,10 +51,29 @@ class Kept:
         self.position: dict[str, Any] | None = None
         self.monitor: OnlineMonitor | None = None
         self._saved = -float("inf")
-        if path is not None and path.exists():
-            self._load(path)
-        elif path is not None and not path.parent.is_dir():
+        self._lock: BinaryIO | None = None
+        if path is None:
+            return
+        if not path.parent.is_dir():
             raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+        self._lock = lock_file(path)
+        try:
+            if path.exists():
+                self._load(path)
+        except LostMotionError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Let another process work with the file."""
+        if self._lock is not None:
+            self._lock.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def _load(self, path: Path) -> None:
         try:

@@ -35,7 +35,8 @@ def _numbers(report: dict[str, Any]) -> str:
         words += f"; {rate} +/- {error} per day"
     if trend is not None and trend["limit"] is not None:
         words += f". {trend['limit']['message']}"
-    return " ".join([words, *(stale["message"] for stale in report["no_information"] or [])])
+    further = [report["lag"]] if report["lag"] else []
+    return " ".join([words, *further, *(stale["message"] for stale in report["no_information"] or [])])
 
 
 def _with_error(number: dict[str, float | None]) -> str:
