@@ -154,6 +154,19 @@ def test_delay_margin_against_a_search():
     assert loop.delay_margin == pytest.approx(min(costs), rel=0.02)
 
 
+def test_a_side_that_op_has_not_visited_has_no_bound():
+    """351: OP stays right of the dead zone; the record holds nothing about its left end."""
+    loop = random_loop(351)
+    assert loop.u.min() > loop.zone.left
+    assert {name for name in loop.expected if np.isinf(loop.expected[name])} == {"left", "width", "slope_ratio"}
+    assert not loop.identifiable
+    mirrored = lm.Hammerstein(lm.DeadZone(-loop.zone.right, -loop.zone.left, 1.0, loop.zone.left_slope),
+                              loop.model.linear.scaled(-1.0), loop.model.offset)  # fmt: skip
+    bound = cramer_rao(mirrored, -loop.u, loop.noise, clean=loop.clean)
+    assert np.isinf(bound["right"])
+    assert bound["left"] == pytest.approx(loop.expected["right"], rel=0.05)
+
+
 @pytest.mark.statistics
 def test_expected_errors_are_those_of_a_fit_that_knows_the_orders():
     """Fresh noise on a few loops; a root mean square of 60 pairs of errors is 1 +- 0.09 where the bound is reached."""

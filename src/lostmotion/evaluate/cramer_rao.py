@@ -52,7 +52,8 @@ def cramer_rao(
     -------
     dict of float
         Standard error by the names of ``HammersteinFit.parameters``; initial state and noise model count as
-        unknown. Infinite where the record holds no information: the offset of an integrating process.
+        unknown. Infinite where the record holds no information: the offset of an integrating process, a break point
+        beyond which the command has not been.
 
     Notes
     -----
@@ -89,7 +90,15 @@ def cramer_rao(
     exact = noise.variance * max(problem.errors - basis.shape[1], 1)  # name_parameters divides by this
     at_truth = Fitted(problem, LocalFit(theta, exact, hessian, 0, True), basis)
     named = name_parameters(at_truth, Scaling(0, 1, 0, 1), gain)
-    return dict(zip(named.values, np.sqrt(np.diag(named.covariance)).tolist(), strict=True))
+    errors = dict(zip(named.values, np.sqrt(np.diag(named.covariance)).tolist(), strict=True))
+    return errors | dict.fromkeys(_unvisited(zone, u[: u.size - linear.delay]), np.inf)
+
+
+def _unvisited(zone: DeadZone, u: FloatArray) -> list[str]:
+    """Parameters of a side on which the command has not been, and what hangs on them."""
+    left, right = bool((u < zone.left).any()), bool((u > zone.right).any())
+    names = [] if left and right else ["width", "left_slope", "slope_ratio"]
+    return names + ["left"] * (not left) + ["right"] * (not right)
 
 
 def _not_quite_integrating(linear: LinearModel) -> LinearModel:
