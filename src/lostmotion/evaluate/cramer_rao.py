@@ -12,8 +12,10 @@ from lostmotion.identify.offset import without_column
 from lostmotion.identify.parameters import Scaling, name_parameters
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.search import Fitted
-from lostmotion.models import DeadZone, Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray, signal
+from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
+from lostmotion.models._arguments import FloatArray, finite_signal, signal
+
+HAIR = 1e-9  # a pole this near to the unit circle integrates
 
 
 def cramer_rao(
@@ -24,6 +26,7 @@ def cramer_rao(
     gain: float | None = None,
     offset: str = "free",
     y: npt.ArrayLike | None = None,
+    clean: npt.ArrayLike | None = None,
 ) -> dict[str, float]:
     """Smallest standard errors that an unbiased estimator of the whole model can have.
 
@@ -42,12 +45,19 @@ def cramer_rao(
     y : array_like, shape (n,), optional
         A record, for coloured noise in closed loop, where the information of the noise model depends on it. None:
         simulated, which is exact for white noise and in open loop.
+    clean : array_like, shape (n,), optional
+        Noise-free output, for a record that does not begin at rest. None: the model begins at rest.
 
     Returns
     -------
     dict of float
         Standard error by the names of ``HammersteinFit.parameters``; initial state and noise model count as
-        unknown.
+        unknown. Infinite where the record holds no information: the offset of an integrating process.
+
+    Notes
+    -----
+    The pole of an integrating process counts as unknown like any other. It is taken 1e-9 inside the unit circle, so
+    that gain and offset have names; neither can be identified then.
 
     Examples
     --------
@@ -63,13 +73,15 @@ def cramer_rao(
     noise = noise if isinstance(noise, NoiseModel) else NoiseModel((), noise)
     u = signal("u", u)
     d = np.array(noise.d)
-    linear = model.linear.scaled(zone.right_slope)
+    linear = _not_quite_integrating(model.linear).scaled(zone.right_slope)
     structure = Structure(len(linear.a), len(linear.b) - 1, linear.delay, noise.order, linear.delay + noise.order)
-    measured = model.simulate(u) if y is None else signal("y", y)
+    output = model.simulate(u) if clean is None else finite_signal("clean", clean, u.size)
+    measured = output if y is None else finite_signal("y", y, u.size)
     segments = np.array([[0, u.size]])
     problem = Problem(u, measured, segments, DeadZoneFamily(-np.inf, np.inf), structure)
     eta = np.array([zone.left, zone.right, np.log(zone.left_slope / zone.right_slope)])
     theta = problem.pack(np.array(linear.a), np.array(linear.b), eta, d, model.offset)
+    theta[problem.initial_at :] = _initial(problem, theta, output)
     _, _, hessian = problem.evaluate(theta)
     if noise.order and y is None:
         _fill_noise_block(hessian, problem, noise)
@@ -78,6 +90,26 @@ def cramer_rao(
     at_truth = Fitted(problem, LocalFit(theta, exact, hessian, 0, True), basis)
     named = name_parameters(at_truth, Scaling(0, 1, 0, 1), gain)
     return dict(zip(named.values, np.sqrt(np.diag(named.covariance)).tolist(), strict=True))
+
+
+def _not_quite_integrating(linear: LinearModel) -> LinearModel:
+    """The same process with its poles pulled inwards by a hair where one lies on the unit circle."""
+    if np.abs(linear.poles).max(initial=0.0) < 1.0 - HAIR:
+        return linear
+    shrunk = [value * (1.0 - HAIR) ** (lag + 1) for lag, value in enumerate(linear.a)]
+    return LinearModel(tuple(shrunk), linear.b, linear.delay, linear.dt)
+
+
+def _initial(problem: Problem, theta: FloatArray, clean: FloatArray) -> FloatArray:
+    """Initial terms c of the likelihood kernel: what A z - B x leaves where everything before the record is zero."""
+    s = problem.structure
+    if not s.initial:
+        return np.zeros(0)
+    x, _ = problem.internal(theta)
+    a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
+    z = clean[s.first : s.first + s.initial] - theta[problem.eta_at - 1]
+    x = x[s.first - s.delay :][: s.initial]
+    return np.asarray(np.convolve(np.append(1.0, a), z)[: s.initial] - np.convolve(b, x)[: s.initial])
 
 
 def _fill_noise_block(hessian: FloatArray, problem: Problem, noise: NoiseModel) -> None:

@@ -18,6 +18,7 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "pv": ("y", "measurement", "process value", "process variable", "measured value"),
     "sp": ("sv", "setpoint", "set point", "r", "ref", "reference"),
     "position": ("pos", "zt", "stem", "stem position", "valve position", "actuator position", "travel"),
+    "mode": ("loop mode", "controller mode", "control mode", "auto man", "auto/man", "a/m"),
     "time": (
         "timestamp",
         "time stamp",
@@ -48,6 +49,7 @@ class Columns:
     position: str | None
     time: str | None
     notes: tuple[str, ...] = ()
+    mode: str | None = None
 
 
 def resolve(
@@ -57,6 +59,7 @@ def resolve(
     sp: Wanted = "SP",
     position: Wanted = None,
     time: Wanted = None,
+    mode: Wanted = None,
 ) -> Columns:
     """Find the column of each role.
 
@@ -64,7 +67,7 @@ def resolve(
     ----------
     names : sequence of str
         Columns that are there.
-    op, pv, sp, position, time : str, None or False
+    op, pv, sp, position, time, mode : str, None or False
         Name of the column, matched exactly or else without regard to case. The defaults ("OP", "PV", "SP"
         and None) also accept the usual other names. ``sp=None`` and ``False`` for any: do not read it.
 
@@ -85,6 +88,7 @@ def resolve(
         "sp": False if sp is None else sp,
         "position": position,
         "time": time,
+        "mode": mode,
     }
     found = {role: named(role, name, names) for role, name in wanted.items() if _is_named(role, name)}
     notes = []
@@ -100,7 +104,9 @@ def resolve(
             if key(column) != role and role != "time":
                 notes.append(f"{_title(role)} was read from column {column!r}.")
     _no_double(found)
-    return Columns(found["op"], found["pv"], found.get("sp"), found.get("position"), found.get("time"), tuple(notes))
+    said = tuple(notes)
+    optional = [found.get(role) for role in ("sp", "position", "time")]
+    return Columns(found["op"], found["pv"], *optional, said, found.get("mode"))
 
 
 def by_alias(role: str, names: Sequence[str]) -> str | None:

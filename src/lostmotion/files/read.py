@@ -16,7 +16,7 @@ from lostmotion.files.frames import load
 from lostmotion.files.numbers import decimal_mark, to_numbers
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
-from lostmotion.records.record import FloatArray, LoopRecord
+from lostmotion.records.record import FloatArray, LoopRecord, StringArray
 
 Span = tuple[float, float]
 _SHOWN = 5
@@ -34,6 +34,7 @@ def read_loop(
     op_span: Span | None = None,
     pv_span: Span | None = None,
     missing: Literal["keep", "error"] = "keep",
+    mode: Wanted = None,
 ) -> LoopRecord:
     """Read the record of one control loop.
 
@@ -60,6 +61,9 @@ def read_loop(
         Engineering limits (low, high).
     missing : "keep" or "error"
         Keep empty cells and bad values (Bad, No Data, I/O Timeout..) as NaN, or refuse them.
+    mode : str, None or False
+        Column with the mode of the controller (AUTO, MAN, CAS..), taken as text. None: if there is one of its
+        usual names.
 
     Returns
     -------
@@ -93,9 +97,9 @@ def read_loop(
     table = load(source)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
-    sampling = sampling_column(table, (op, pv, sp, position, time))
+    sampling = sampling_column(table, (op, pv, sp, position, time, mode))
     names = [name for name in table.names if name != sampling]
-    columns = resolve(names, op, pv, sp, position, time)
+    columns = resolve(names, op, pv, sp, position, time, mode)
     decimal = _decimal(table, columns, sampling)
     signals, notes = _signals(table, columns, decimal)
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
@@ -110,6 +114,7 @@ def read_loop(
         sp=signals.get("sp"),
         position=signals.get("position"),
         dt=clock.dt,
+        mode=None if columns.mode is None else _words(table, columns.mode),
         op_span=op_span,
         pv_span=pv_span,
         tag=_tag(source) if tag is None else tag,
@@ -160,6 +165,12 @@ def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, Fl
             signals[role], words = to_numbers(table, name, decimal)
             notes += words
     return signals, notes
+
+
+def _words(table: Table, name: str) -> StringArray:
+    """Cells of a column as text; empty where missing."""
+    cells = table.column(name).to_list()
+    return np.array(["" if cell is None else str(cell).strip() for cell in cells], dtype=np.str_)
 
 
 def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify.data import IdentificationData
+from lostmotion.identify.feedback import feedback
 from lostmotion.identify.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.result import Evidence
 from lostmotion.identify.search import Fitted, ScaledData
@@ -47,6 +48,7 @@ def weigh(
     )
     below = int(np.sum(data.u < values["left"])) if "left" in values else 0
     above = int(np.sum(data.u > values["right"])) if "right" in values else 0
+    loop = feedback(scaled.u, scaled.y, scaled.segments)
     return Evidence(
         n * per_row if fitted is not linear else 0.0,
         n * (alone - _criterion(linear, floor) / linear.problem.errors),
@@ -56,6 +58,8 @@ def weigh(
             (data.u_centre + data.u_scale * float(eta[0]), data.u_centre + data.u_scale * float(eta[1]), behind)
             for eta, behind in fitted.rivals
         ),
+        loop.closed,
+        loop.free,
     )
 
 

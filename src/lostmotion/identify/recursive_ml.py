@@ -71,6 +71,9 @@ class RecursiveML:
     is cut. Method: Ljung and Soderstrom, *Theory and Practice of Recursive Identification* (1983), sections 3.7 and
     5; test: Basseville and Nikiforov, *Detection of Abrupt Changes* (1993), chapter 8.
 
+    Integrating processes are not followed: give the differences of PV instead, one order less. A window whose batch
+    fit is integrating does not start the recursion.
+
     Standard errors take the remembered information at full weight. With forgetting below 1 they are therefore wider
     than the noise alone would ask for (by up to the square root of two), which leaves room for the drift for whose
     sake one forgets.
@@ -268,7 +271,8 @@ class RecursiveML:
         accepted = (*GOOD, Status.NOT_SEEN) if self._seen >= 2 * first else GOOD
         if longest:
             accepted = (*accepted, Status.ONE_SIDED)
-        if fit is not None and fit.status in accepted:
+        integrating = fit is not None and fit.settings["chosen"]["integrating"]
+        if fit is not None and fit.status in accepted and not integrating:
             good = np.isfinite(window.u) & np.isfinite(window.y)
             self._scales = (float(window.u[good].std()), float(window.y[good].std()))
             self._state, self._layout = start(fit, window, self._scales, self._tuning)

@@ -36,6 +36,10 @@ class Evidence:
         Rows in which OP is beyond the break points.
     rivals : tuple of (left, right, behind)
         Other dead zones that fit about as well, and by how much BIC they are behind (rough fits).
+    closed_loop : bool
+        OP answers PV.
+    free_moves : float
+        Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
     """
 
     gain_over_linear: float
@@ -43,6 +47,8 @@ class Evidence:
     samples_left: int
     samples_right: int
     rivals: tuple[tuple[float, float, float], ...] = ()
+    closed_loop: bool = False
+    free_moves: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,12 @@ import numpy.typing as npt
 
 from lostmotion.identify.batch import LocalFit, refine
 from lostmotion.identify.families import Family
+from lostmotion.identify.feedback import feedback
 from lostmotion.identify.noise_order import autoregressions, choose_noise
 from lostmotion.identify.pole_grid import GridStart, grid_starts
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.start import fit_arx, linear_start
-from lostmotion.identify.structure import LADDER, distinct, first_delay, null_space_starts, plausible
+from lostmotion.identify.structure import LADDER, distinct, null_space_starts, plausible
 from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
@@ -180,7 +181,9 @@ class _Search:
         if orders is not None:
             return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
-        return cls(data, family, None, noise, (first_delay(data.u, data.y, data.segments), latest), levels)
+        # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
+        first = 1 if feedback(data.u, data.y, data.segments).closed else 0
+        return cls(data, family, None, noise, (first, latest), levels)
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
-from scipy import stats
 
 from lostmotion.identify.pole_grid import GridStart
 from lostmotion.identify.start import HighOrderArx, linear_start
@@ -16,8 +14,6 @@ SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous proces
 FULL = ((1, 0), (2, 1), (3, 2))  # orders of sampled processes
 EARLIER, LATER = 2, 1  # delays tried before and after the first significant lag
 SIGNIFICANT = 3.5  # standard errors of the first response
-FEEDBACK_LAGS = 10
-FEEDBACK_LEVEL = 1e-4  # of the test whether OP answers PV
 
 
 def plausible(a: FloatArray) -> bool:
@@ -67,35 +63,3 @@ def distinct(starts: list[GridStart], most: int) -> list[GridStart]:
     for start in starts:
         best.setdefault(start.na, start)
     return list(best.values())[:most]
-
-
-def first_delay(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> int:
-    """Shortest delay that can be told: 0 in open loop, 1 where OP answers PV.
-
-    In a closed loop PV and OP of one sample are tied by the controller, and a delay of 0 would model that instead.
-    The test is Granger's: do past PV help to foretell OP beyond its own past?
-    """
-    rows, targets = [], []
-    for start, stop in segments:
-        if stop - start < 4 * FEEDBACK_LAGS:
-            continue
-        ks = np.arange(start + FEEDBACK_LAGS, stop)
-        past = ks[:, None] - np.arange(1, FEEDBACK_LAGS + 1)
-        rows.append(np.column_stack([np.ones(ks.size), u[past], y[past], y[ks]]))
-        targets.append(u[ks])
-    if not rows:
-        return 1
-    regressors, target = np.concatenate(rows), np.concatenate(targets)
-    own = regressors[:, : FEEDBACK_LAGS + 1]
-    free = target.size - regressors.shape[1]
-    if free < FEEDBACK_LAGS:
-        return 1
-
-    def left_over(columns: FloatArray) -> float:
-        solution = np.linalg.lstsq(columns, target, rcond=1e-10)[0]
-        return float(np.sum((target - columns @ solution) ** 2))
-
-    alone, both = left_over(own), left_over(regressors)
-    added = regressors.shape[1] - own.shape[1]
-    ratio = (alone - both) / added / max(both / free, 1e-300)
-    return 1 if stats.f.sf(ratio, added, free) < FEEDBACK_LEVEL else 0

@@ -1,7 +1,9 @@
-"""Loop records: what was measured, checked and cut."""
+"""Loop records: what was measured, checked, prepared and cut."""
 
 from lostmotion.records.checks import check
+from lostmotion.records.prepare import prepare
+from lostmotion.records.prepared import LeftOut, Prepared
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.report import Finding, RecordReport
 
-__all__ = ["Finding", "LoopRecord", "RecordReport", "check"]
+__all__ = ["Finding", "LeftOut", "LoopRecord", "Prepared", "RecordReport", "check", "prepare"]

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from lostmotion.errors import DataError, ParameterError
 
 FloatArray = npt.NDArray[np.float64]
+StringArray = npt.NDArray[np.str_]
 _SIGNALS = ("op", "pv", "sp", "position")
 
 
@@ -29,6 +30,8 @@ class LoopRecord:
         Set point and measured position of the actuator.
     dt : float
         Sampling time in seconds.
+    mode : array_like of str, shape (n,), optional
+        Mode of the controller in each row as the plant writes it ("AUTO", "MAN", "CAS" ..); "" where unknown.
     op_span, pv_span : (float, float), optional
         Engineering limits (low, high), for results in % of span. None: unknown.
     tag, source : str
@@ -56,6 +59,7 @@ class LoopRecord:
     sp: FloatArray | None = None
     position: FloatArray | None = None
     dt: float = field(kw_only=True)
+    mode: StringArray | None = field(default=None, kw_only=True)
     op_span: tuple[float, float] | None = None
     pv_span: tuple[float, float] | None = None
     tag: str = ""
@@ -70,8 +74,10 @@ class LoopRecord:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, _as_signal(value, name))
+        if self.mode is not None:
+            object.__setattr__(self, "mode", _as_words(self.mode))
         n = len(self.op)
-        for name in _SIGNALS[1:]:
+        for name in (*_SIGNALS[1:], "mode"):
             value = getattr(self, name)
             if value is not None and len(value) != n:
                 raise DataError.expected(f"{name} with {n} samples as op", f"{len(value)}", "cut both to the same rows")
@@ -108,7 +114,7 @@ class LoopRecord:
     def cut(self, start: int, stop: int) -> LoopRecord:
         """Rows start to stop (exclusive) as a record of its own."""
         rows = slice(start, stop)
-        parts = {name: getattr(self, name) for name in _SIGNALS}
+        parts = {name: getattr(self, name) for name in (*_SIGNALS, "mode")}
         cut: dict[str, Any] = {name: None if value is None else value[rows] for name, value in parts.items()}
         inside = tuple(row - start for row in self.gaps if start < row < stop)
         return replace(self, **cut, gaps=inside)
@@ -136,5 +142,13 @@ def _as_signal(value: npt.ArrayLike, name: str) -> FloatArray:
     if np.isinf(array).any():
         row = int(np.flatnonzero(np.isinf(array))[0])
         raise DataError.expected(f"finite {name}", f"{array[row]} in row {row}", "mark missing samples as NaN")
+    array.setflags(write=False)
+    return array
+
+
+def _as_words(value: npt.ArrayLike) -> StringArray:
+    array = np.array(value, dtype=np.str_)
+    if array.ndim != 1:
+        raise DataError.expected("mode of one dimension", f"shape {array.shape}", "pass one word a row")
     array.setflags(write=False)
     return array

@@ -100,7 +100,8 @@ def _dynamics(fit: HammersteinFit) -> str:
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
     return _fill(
-        f"Linear part: na = {chosen['na']}, nb = {chosen['nb']}, delay {chosen['delay']} samples "
+        f"Linear part{' (integrating)' if chosen['integrating'] else ''}: na = {chosen['na']}, nb = {chosen['nb']}, "
+        f"delay {chosen['delay']} samples "
         f"({chosen['delay'] * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
         f"Noise: {'white' if chosen['noise_order'] == 0 else 'AR of order ' + str(chosen['noise_order'])}, "
         f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}. "
@@ -117,6 +118,12 @@ def _checks(fit: HammersteinFit) -> str:
     )
     if fit.nonlinearity.kind == "dead zone":
         text += f"Samples beyond the break points: {evidence.samples_left} left, {evidence.samples_right} right. "
+    if evidence.closed_loop and evidence.free_moves < 1e-3:
+        text += (
+            f"OP is an exact function of PV but for {100 * evidence.free_moves:.1g} % of its moves: a linear process "
+            "cannot be told from the inverse of the controller here, so dynamics and gain rest on the nonlinearity "
+            "alone. Record set-point moves. "
+        )
     if fit.fit_percent < 20:
         text += (
             "The simulated fit is low: most of PV is disturbance, the numbers rest on the prediction errors; "

@@ -1,0 +1,68 @@
+"""Signals at the end of their range: PV that is cut off there, OP that ends there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.records import limits
+from lostmotion.records.record import FloatArray
+from lostmotion.records.sampling import Bools, runs
+
+Span = tuple[float, float]
+
+
+def clipped(values: FloatArray, span: Span | None = None) -> Bools:
+    """Rows in which a measurement is at the end of its range; shape (n,).
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Samples; NaN where missing.
+    span : (float, float), optional
+        Range of the transmitter. None: a range shows where the record ends in a pile: runs of the extreme value,
+        which is much more frequent than the values next to it.
+
+    Examples
+    --------
+    >>> wave = np.minimum(np.sin(np.arange(300) / 20.0), 0.9)
+    >>> int(clipped(wave).sum()) == int(np.sum(wave == 0.9))
+    True
+    >>> int(clipped(np.round(np.sin(np.arange(300) / 20.0), 1)).sum())
+    0
+    """
+    known = values[~np.isnan(values)]
+    rows = np.zeros(len(values), dtype=np.bool_)
+    if len(known) < 2 or known.min() == known.max():
+        return rows
+    if span is not None:
+        margin = limits.FINE_STEP * (span[1] - span[0])
+        return _in_runs(values <= span[0] + margin) | _in_runs(values >= span[1] - margin)
+    levels, counts = np.unique(known, return_counts=True)
+    for level, count, near in ((levels[0], counts[0], counts[1:4]), (levels[-1], counts[-1], counts[-4:-1])):
+        if count >= limits.PILE_UP * near.sum():
+            rows |= _in_runs(values == level)
+    return rows
+
+
+def beyond(values: FloatArray, span: Span | None) -> Bools:
+    """Rows in which OP is recorded outside its span, where the actuator cannot follow; shape (n,).
+
+    Examples
+    --------
+    >>> beyond(np.array([-4.0, 0.0, 101.0]), (0.0, 100.0))
+    array([ True, False,  True])
+    """
+    if span is None:
+        return np.zeros(len(values), dtype=np.bool_)
+    margin = limits.FINE_STEP * (span[1] - span[0])
+    outside: Bools = (values < span[0] - margin) | (values > span[1] + margin)
+    return outside
+
+
+def _in_runs(flags: Bools) -> Bools:
+    """The runs of some length among the flags."""
+    kept = np.zeros_like(flags)
+    for start, length in zip(*runs(flags), strict=True):
+        if length >= limits.SATURATED_RUN:
+            kept[start : start + length] = True
+    return kept

@@ -1,0 +1,104 @@
+"""Pieces of a record between the rows that are left out, and the two repairs that are allowed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from lostmotion.records import limits
+from lostmotion.records.clipping import beyond
+from lostmotion.records.prepared import where
+from lostmotion.records.record import LoopRecord
+from lostmotion.records.sampling import Bools, runs
+
+Rows = list[tuple[int, int]]
+
+
+def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
+    """Fill missing OP between equal neighbours, at most two rows: OP is held, and it has not moved.
+
+    Examples
+    --------
+    >>> record = LoopRecord([1.0, np.nan, 1.0, np.nan, 2.0], [0.0] * 5, dt=1.0)
+    >>> bridged, said = bridge(record)
+    >>> bridged.op.tolist(), said
+    ([1.0, 1.0, 1.0, nan, 2.0], ['OP is missing in 1 row between equal values and was held there.'])
+    """
+    op = record.op.copy()
+    filled = 0
+    for start, length in zip(*runs(np.isnan(op)), strict=True):
+        stop = start + length
+        inside = 0 < start and stop < len(op) and not any(start <= gap <= stop for gap in record.gaps)
+        if inside and length <= limits.BRIDGE_ROWS and op[start - 1] == op[stop]:
+            op[start:stop] = op[stop]
+            filled += int(length)
+    if not filled:
+        return record, []
+    rows = f"{filled} row{'s' if filled > 1 else ''}"
+    return replace(record, op=op), [f"OP is missing in {rows} between equal values and was held there."]
+
+
+def clip_to_span(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
+    """Take OP that is recorded outside its span as the limit: the actuator ends there.
+
+    Examples
+    --------
+    >>> record, said = clip_to_span(LoopRecord([-3.0, 20.0, 104.0], [0.0] * 3, dt=1.0, op_span=(0, 100)))
+    >>> record.op.tolist()
+    [0.0, 20.0, 100.0]
+    """
+    outside = beyond(record.op, record.op_span)
+    if not outside.any() or record.op_span is None:
+        return record, []
+    low, high = record.op_span
+    first = int(np.flatnonzero(outside)[0])
+    said = (
+        f"OP is recorded outside its span {low:g} .. {high:g} in {int(outside.sum())} rows, first in "
+        f"{where(first, first + 1, record.dt)}; the limit was taken there, where the actuator ends."
+    )
+    return replace(record, op=np.clip(record.op, low, high)), [said]
+
+
+def longest_side(count: int, joints: tuple[int, ...]) -> Bools:
+    """Rows that are not in the longest of the recordings glued together at `joints`; shape (count,).
+
+    Examples
+    --------
+    >>> longest_side(5, (3,))
+    array([False, False, False,  True,  True])
+    """
+    edges = [0, *joints, count]
+    start, stop = max(pairwise(edges), key=lambda pair: pair[1] - pair[0])
+    outside = np.ones(count, dtype=np.bool_)
+    outside[start:stop] = False
+    return outside
+
+
+def pieces(usable: Bools, gaps: tuple[int, ...], shortest: int) -> Rows:
+    """Runs of usable rows between gaps that are long enough, as (start, stop).
+
+    A short piece costs more than it brings: the search can look back no further than the shortest piece allows, in
+    all of them. So pieces are dropped up to the longest threshold that keeps 80 % of the rows.
+
+    Examples
+    --------
+    >>> usable = np.ones(1000, dtype=bool)
+    >>> usable[[100, 500]] = False
+    >>> pieces(usable, (560,), 60)
+    [(101, 500), (560, 1000)]
+    """
+    edges = np.zeros(len(usable), dtype=np.bool_)
+    edges[[gap for gap in gaps if 0 < gap < len(usable)]] = True
+    found: Rows = []
+    for start, length in zip(*runs(usable), strict=True):
+        inside = np.flatnonzero(edges[start + 1 : start + length]) + start + 1
+        found += [(int(one), int(other)) for one, other in pairwise([start, *inside, start + length])]
+    found = [pair for pair in found if pair[1] - pair[0] >= shortest]
+    total = sum(stop - start for start, stop in found)
+    for length in limits.LONG_PIECES:
+        long = [pair for pair in found if pair[1] - pair[0] >= length]
+        if sum(stop - start for start, stop in long) >= limits.LONG_KEEP * total:
+            return long
+    return found

@@ -1,0 +1,151 @@
+"""prepare: from a record as a plant has it to the stretches that identification may use, each step told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.records import limits
+from lostmotion.records.clipping import clipped
+from lostmotion.records.compression import compression, scan_factor
+from lostmotion.records.modes import rows_of
+from lostmotion.records.outliers import wild
+from lostmotion.records.pieces import Rows, bridge, clip_to_span, longest_side, pieces
+from lostmotion.records.prepared import LeftOut, Prepared, sentences
+from lostmotion.records.quantum import quantum
+from lostmotion.records.record import LoopRecord
+from lostmotion.records.remarks import about_compression, about_drift, about_limits, about_operation, refusal
+from lostmotion.records.resample import pick
+from lostmotion.records.splices import splices
+from lostmotion.records.standstill import held_op, stopped, stuck
+
+Kinds = npt.NDArray[np.str_]
+
+
+def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] | None = None) -> Prepared:
+    """Find the stretches of a record that identification may use, and say why the rest is left out.
+
+    Left out are missing rows, stretches in which the recording had stopped, PV stuck or was at the end of its range,
+    OP was held for long or did not reach the actuator (mode column), single wild samples of PV, another recording
+    glued on, and pieces too short. Set-point moves, manual moves and OP at its limits stay: they are what happened.
+    Nothing is interpolated; missing OP is filled only between equal neighbours, for at most two rows.
+
+    Parameters
+    ----------
+    record : LoopRecord
+        As it was read.
+    shortest : int
+        Rows that a piece must have.
+    words : mapping, optional
+        Further words of the mode column with what they mean, e.g. ``{"1": "automatic", "0": "manual"}``;
+        meanings are "automatic", "manual" and "detached".
+
+    Returns
+    -------
+    Prepared
+        Stretches, rows left out, notes; or the reason of a refusal. The thresholds are in
+        `lostmotion.records.limits`, the measurements behind them in docs/records.md.
+
+    Examples
+    --------
+    >>> random = np.random.default_rng(0)
+    >>> op, pv = random.normal(size=(2, 500))
+    >>> op[300:350] = op[300]
+    >>> pv[300:350] = pv[300]
+    >>> prepared = prepare(LoopRecord(op, pv, dt=1.0))
+    >>> prepared.rows, [(part.start, part.stop, part.kind) for part in prepared.left_out]
+    (((0, 301), (350, 500)), [(301, 350, 'stopped')])
+    """
+    factor, phase = scan_factor(record)
+    if factor > 1:
+        return _of_slower_scan(record, factor, phase, shortest, words)
+    mended, said = bridge(record)
+    mended, more = clip_to_span(mended)
+    kinds, joints = _reasons(mended, words)
+    used = kinds == ""
+    rows = pieces(used, mended.gaps + joints, shortest)
+    for start, stop in rows:
+        used[start:stop] = False  # what is still true afterwards is in pieces too short
+    kinds[used] = "short"
+    left_out = _parts(kinds)
+    told = sentences(left_out, record)
+    made_up = {name: compression(_without(mended, kinds), name) for name in ("op", "pv")}
+    why = refusal(mended, rows, made_up, shortest, told)
+    notes = [*said, *more, *told]
+    if why is None:
+        notes += [*about_operation(mended, words), *about_limits(mended)]
+        notes += [*about_drift(mended, rows), *about_compression(made_up)]
+    else:
+        rows = []
+    return Prepared(
+        record,
+        _stretches(mended, rows),
+        tuple(rows),
+        left_out,
+        tuple(notes),
+        why,
+        quantum(mended.op),
+        quantum(mended.pv),
+    )
+
+
+def _reasons(record: LoopRecord, words: Mapping[str, str] | None) -> tuple[Kinds, tuple[int, ...]]:
+    """Kind of reason for which each row is left out, "" where it is used; and rows where recordings were joined."""
+    kinds = np.full(len(record), "", dtype="<U12")
+    joints = splices(record)
+    detached = rows_of("detached", record.mode, words)
+    found = {
+        "missing": record.missing,
+        "splice": longest_side(len(record), joints),
+        "mode": np.zeros(len(record), dtype=np.bool_) if detached is None else detached,
+        "stopped": stopped(record),
+        "held OP": held_op(record),
+        "clipped PV": clipped(record.pv, record.pv_span),
+        "stuck PV": stuck(record),
+    }
+    for kind, rows in found.items():
+        kinds[rows & (kinds == "")] = kind
+    far = wild(np.where(kinds == "", record.pv, np.nan))
+    if np.mean(far) <= limits.OUTLIER_SHARE:  # more are not wild samples but the nature of the signal
+        kinds[far] = "outlier"
+    return kinds, joints
+
+
+def _parts(kinds: Kinds) -> tuple[LeftOut, ...]:
+    """Runs of one kind."""
+    edges = np.flatnonzero(np.r_[True, kinds[1:] != kinds[:-1], True])
+    return tuple(
+        LeftOut(int(start), int(stop), str(kinds[start]))
+        for start, stop in zip(edges[:-1], edges[1:], strict=True)
+        if kinds[start]
+    )
+
+
+def _without(record: LoopRecord, kinds: Kinds) -> LoopRecord:
+    """Record in which the rows left out are missing."""
+    if not np.any(kinds != ""):
+        return record
+    return replace(record, op=np.where(kinds == "", record.op, np.nan), pv=np.where(kinds == "", record.pv, np.nan))
+
+
+def _stretches(record: LoopRecord, rows: Rows) -> tuple[LoopRecord, ...]:
+    """Pieces as records of their own; the record itself where it is used whole."""
+    if rows == [(0, len(record))] and not record.gaps:
+        return (record,)
+    return tuple(record.cut(start, stop) for start, stop in rows)
+
+
+def _of_slower_scan(
+    record: LoopRecord, factor: int, phase: int, shortest: int, words: Mapping[str, str] | None
+) -> Prepared:
+    """Prepare the scans that the record repeats."""
+    slower = pick(record, factor, phase)
+    prepared = prepare(slower, shortest=shortest, words=words)
+    said = (
+        f"The record repeats or interpolates a slower scan: only every {factor}th row, from row {phase + 1} on, is a "
+        f"measurement. These {len(slower)} rows, {slower.dt:g} s apart, were taken; row numbers count them."
+    )
+    return replace(prepared, notes=(said, *prepared.notes))
