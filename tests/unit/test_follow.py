@@ -5,10 +5,12 @@ import json
 import os
 
 import numpy as np
+import polars as pl
 import pytest
 
 from lostmotion.errors import ColumnError, DataError, FileAccessError, ParameterError, TimeError
 from lostmotion.files import read_loop
+from lostmotion.files.dates import _iso_dates, _slow_dates, dates_in_order
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import LONGEST_GAP
 from lostmotion.files.layout import HEAD_ROWS, Asked
@@ -225,6 +227,18 @@ def test_dates_in_any_order_are_told_when_they_tell():
     (time, _, _, _, _), follower = whole(text(swapped), most=11)
     assert follower.layout.orders == ("month first",)
     np.testing.assert_array_equal(time[120:], expected[120:])
+
+
+def test_fast_and_slow_dates_are_the_same_to_the_last_bit():
+    rng = np.random.default_rng(0)
+    moments = (rng.integers(0, 2**41, 3000) * 997).astype("datetime64[us]")
+    text = [str(moment) for moment in moments] + [str(moment.astype("datetime64[s]")) for moment in moments]
+    text += [cell.replace("T", " ") for cell in text] + ["2024-02-30 00:00:00", "2024-02-03", "24-02-03 10:00", "?"]
+    cells = pl.Series("t", [*text, None])
+    fast, slow = dates_in_order(cells, "year first"), _slow_dates(cells, "year first")
+    np.testing.assert_array_equal(fast, slow)
+    assert np.isnan(fast).sum() == 3
+    assert not np.isnan(_iso_dates(cells[:12_000])).any()
 
 
 def test_times_of_day_go_on_after_midnight():

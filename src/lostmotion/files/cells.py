@@ -82,7 +82,8 @@ def read_cells(lines: Sequence[bytes], layout: Layout) -> tuple[Cells, Layout]:
     """
     text = _decoded(lines)
     kept = [place for place, line in enumerate(text) if line and line != layout.header]
-    if any(b"#" in line or b"//" in line or line.isspace() for line in lines):
+    whole = b"\n".join([b"", *lines])
+    if b"#" in whole or b"//" in whole or b"\n " in whole:  # perhaps a comment or a blank line
         kept = [place for place in kept if has_cells(text[place])]
     frame, broken = _frame([text[place] for place in kept], layout)
     layout = _settle_decimal(frame, layout)
@@ -132,11 +133,13 @@ def _frame(rows: list[str], layout: Layout) -> tuple[pl.DataFrame, Bools]:
         )
     except pl.exceptions.PolarsError:
         frame = _by_hand(rows, places, layout.delimiter)
-    frame = frame.select(pl.all().str.strip_chars().replace("", None))
-    long = frame[places[-1]].is_not_null().to_numpy()
-    if long.any():
-        frame = frame.with_columns(pl.when(pl.Series(~long)).then(pl.all()))
-    return frame.rename(dict(zip(places, (*layout.names, "\0"), strict=True))), broken | long
+    used = dict.fromkeys(name for name in (layout.op, layout.pv, layout.time, layout.mode) if name is not None)
+    columns = {name: frame[places[layout.names.index(name)]].str.strip_chars() for name in used}
+    spare = frame[places[-1]].fill_null("").str.strip_chars()
+    long = (spare != "").to_numpy()
+    return pl.DataFrame(
+        {name: column.set((column == "") | pl.Series(long), None) for name, column in columns.items()}
+    ), broken | long
 
 
 def _by_hand(rows: list[str], places: list[str], delimiter: str) -> pl.DataFrame:
