@@ -6,10 +6,8 @@ def knots(values, tolerance):
     found, start, n = [0], 0, len(values)
 
     def passes(stop):
-        bounds = [
-            ((values[k] - tolerance - values[start]) / (k - start), (values[k] + tolerance - values[start]) / (k - start))
-            for k in range(start + 1, stop + 1)
-        ]
+        moves = [(k - start, values[k] - values[start]) for k in range(start + 1, stop + 1)]
+        bounds = [((move - tolerance) / rows, (move + tolerance) / rows) for rows, move in moves]
         if any(math.isnan(bound) for pair in bounds for bound in pair):
             return False
         return max(low for low, _ in bounds) <= min(high for _, high in bounds)

@@ -158,17 +158,21 @@ def test_pieces_too_short_are_left_out_and_told():
 
 def test_missing_sample_in_a_record():
     bad = lm.LoopRecord(U, at(17, NAN, Y), dt=0.1)
-    message = refusal(DataError, lm.identify, bad)
+    message = refusal(DataError, lm.identify, bad, raw=True)
     for part in ("PV", "row 17", "t = 1.7 s", "split"):
         assert part in message
-    assert "OP" in refusal(DataError, lm.identify, lm.LoopRecord(at(17, NAN, U), Y, dt=0.1))
-    assert lm.identify(bad.split(), **QUICK).data.u.size == N - 18  # the first 17 rows are too few for a piece
+    assert "OP" in refusal(DataError, lm.identify, lm.LoopRecord(at(17, NAN, U), Y, dt=0.1), raw=True)
+    assert lm.identify(bad.split(), raw=True, **QUICK).data.u.size == N - 18  # 17 rows are too few for a piece
+    prepared = lm.identify(bad, **QUICK)
+    assert prepared.data.u.size == N - 18
+    assert any("row 18 (t = 1.7 s)" in note for note in prepared.data.notes)
 
 
 def test_gap_in_a_record():
     gap = lm.LoopRecord(U, Y, dt=0.1, gaps=(100,))
-    assert "before row 100" in refusal(DataError, lm.identify, gap)
-    assert lm.identify(gap.split(), **QUICK).data.segments.tolist() == [[0, 100], [100, 200]]
+    assert "before row 100" in refusal(DataError, lm.identify, gap, raw=True)
+    for fit in (lm.identify(gap.split(), raw=True, **QUICK), lm.identify(gap, **QUICK)):
+        assert fit.data.segments.tolist() == [[0, 100], [100, 200]]
 
 
 def test_records_that_are_too_short_together():

@@ -8,7 +8,22 @@ from typing import Annotated
 
 import typer
 
-from lostmotion.cli.options import Dt, File, Force, Json, NoTime, Op, OpSpan, Pv, Tag, Time, refuse_existing, show
+from lostmotion.cli.options import (
+    Dt,
+    File,
+    Force,
+    Json,
+    Mode,
+    NoTime,
+    Op,
+    OpSpan,
+    Pv,
+    PvSpan,
+    Tag,
+    Time,
+    refuse_existing,
+    show,
+)
 from lostmotion.errors import ParameterError, Status
 from lostmotion.files import read_loop, write_text
 from lostmotion.identify import identify as identify_model
@@ -21,7 +36,8 @@ Gain = Annotated[
     typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False),
 ]
 Offset = Annotated[str, typer.Option("--offset", help='"auto", "free", or "zero" for records in deviations.')]
-Split = Annotated[bool, typer.Option("--split", help="Cut the record at gaps and missing samples, fit all pieces.")]
+Raw = Annotated[bool, typer.Option("--raw", help="Take the record as it is: nothing is left out, holes are an error.")]
+Split = Annotated[bool, typer.Option("--split", help="With --raw: cut at gaps and missing samples, fit all pieces.")]
 Figure = Annotated[
     Path | None, typer.Option("--figure", help="Write the figure here (png, pdf or svg).", show_default=False)
 ]
@@ -39,11 +55,14 @@ def identify(
     ignore_time: NoTime = False,
     tag: Tag = None,
     op_span: OpSpan = None,
+    pv_span: PvSpan = None,
+    mode: Mode = None,
     nonlinearity: Kind = "dead zone",
     orders: Orders = "auto",
     noise: Noise = "auto",
     gain: Gain = None,
     offset: Offset = "auto",
+    raw: Raw = False,
     split: Split = False,
     figure: Figure = None,
     out: Out = None,
@@ -54,13 +73,26 @@ def identify(
 
     Example: lostmotion identify FIC-101.csv --figure fic101.png --out fic101.json
 
+    The record is prepared first: rows that cannot be used are left out, and the report says which and why.
+
     Exit code 1 where the record does not tell or the fit failed.
     """
     for path in (figure, out):
         refuse_existing(path, force)
-    record = read_loop(file, op=op, pv=pv, time=False if ignore_time else time, dt=dt, tag=tag, op_span=op_span)
+    record = read_loop(
+        file,
+        op=op,
+        pv=pv,
+        time=False if ignore_time else time,
+        dt=dt,
+        tag=tag,
+        op_span=op_span,
+        pv_span=pv_span,
+        mode=mode,
+    )
     fit = identify_model(
-        record.split() if split else record,
+        record.split() if split and raw else record,
+        raw=raw,
         nonlinearity=nonlinearity,
         orders=orders if orders == "auto" else read_orders(orders),
         noise=int(noise) if noise.isdigit() else noise,

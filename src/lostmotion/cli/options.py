@@ -32,6 +32,11 @@ OpSpan = Annotated[
         show_default=False,
     ),
 ]
+PvSpan = Annotated[
+    tuple[float, float] | None,
+    typer.Option("--pv-span", help="Range of the transmitter in units of PV, e.g. 0 250.", show_default=False),
+]
+Mode = Annotated[str | None, typer.Option("--mode", help="Column with the mode of the controller.", show_default=False)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files that are already there.")]
 

@@ -104,9 +104,15 @@ def resolve(
             if key(column) != role and role != "time":
                 notes.append(f"{_title(role)} was read from column {column!r}.")
     _no_double(found)
-    said = tuple(notes)
-    optional = [found.get(role) for role in ("sp", "position", "time")]
-    return Columns(found["op"], found["pv"], *optional, said, found.get("mode"))
+    return Columns(
+        found["op"],
+        found["pv"],
+        found.get("sp"),
+        found.get("position"),
+        found.get("time"),
+        tuple(notes),
+        found.get("mode"),
+    )
 
 
 def by_alias(role: str, names: Sequence[str]) -> str | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.models._arguments import FloatArray, positive, signal
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, Prepared, prepare
+from lostmotion.records.quantum import quantum
 
 FEWEST_SAMPLES = 60  # below this a dead zone and first-order dynamics cannot be told from noise
 
@@ -30,7 +32,7 @@ class IdentificationData:
     dt : float
         Sampling time in seconds.
     notes : tuple of str
-        What was assumed.
+        What was assumed, left out or changed.
     """
 
     u: FloatArray
@@ -41,6 +43,17 @@ class IdentificationData:
     source: str = ""
     op_span: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
+    pv_span: tuple[float, float] | None = None
+
+    @cached_property
+    def u_step(self) -> float:
+        """Step in which u was stored; 0 where none is visible."""
+        return quantum(self.u)
+
+    @cached_property
+    def y_step(self) -> float:
+        """Step in which y was stored; 0 where none is visible."""
+        return quantum(self.y)
 
     @property
     def u_centre(self) -> float:
@@ -77,26 +90,63 @@ class IdentificationData:
 
 
 def collect(
-    first: npt.ArrayLike | LoopRecord | Sequence[LoopRecord], y: npt.ArrayLike | None, dt: float | None
+    first: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
+    y: npt.ArrayLike | None,
+    dt: float | None,
+    raw: bool = False,
+    shortest: int = FEWEST_SAMPLES,
 ) -> IdentificationData:
     """Check what was handed to ``identify`` and make one data set of it.
+
+    Records are prepared (see :func:`lostmotion.records.prepare`) unless `raw`; arrays are taken as they are.
 
     Raises
     ------
     DataError
-        Lengths differ, too short, missing or infinite values (named by row and time), constant u or y.
+        Lengths differ, too short, constant u or y, missing or infinite values in arrays or raw records (named by row
+        and time), or a record that is refused.
     ParameterError
         No dt with arrays, a dt beside records, or records with different dt.
     """
-    records = [first] if isinstance(first, LoopRecord) else first
-    if isinstance(records, list | tuple) and records and all(isinstance(item, LoopRecord) for item in records):
+    records = [first] if isinstance(first, LoopRecord | Prepared) else first
+    kinds = (LoopRecord, Prepared)
+    if isinstance(records, list | tuple) and records and all(isinstance(item, kinds) for item in records):
         if y is not None:
             raise ParameterError.expected("records alone", "records and y", "pass identify(record)")
-        data = _from_records(records, dt)
+        data = _from_records(*_stretches(records, raw, shortest), dt)
     else:
         data = _from_arrays(first, y, dt)
     _check_moves(data)
     return data
+
+
+def _stretches(
+    records: Sequence[LoopRecord | Prepared], raw: bool, shortest: int
+) -> tuple[list[LoopRecord], tuple[str, ...]]:
+    """Pieces that may be used, and what to tell about them; records that are refused beside others are left out."""
+    pieces: list[LoopRecord] = []
+    notes: list[str] = []
+    refused: list[Prepared] = []
+    for index, item in enumerate(records, 1):
+        if isinstance(item, LoopRecord) and (raw or _short_piece(item, records)):
+            pieces.append(item)
+            notes += item.notes
+            continue
+        prepared = item if isinstance(item, Prepared) else prepare(item, shortest=shortest)
+        name = f"{prepared.record.tag or 'record'} ({index}): " if len(records) > 1 else ""
+        notes += [*prepared.record.notes, *(name + note for note in prepared.notes)]
+        pieces += prepared.stretches
+        if not prepared.usable:
+            refused.append(prepared)
+            notes.append(f"{name}left out. {prepared.refusal}.")
+    if not pieces:
+        refused[0].require()
+    return pieces, tuple(dict.fromkeys(notes))
+
+
+def _short_piece(record: LoopRecord, records: Sequence[LoopRecord | Prepared]) -> bool:
+    """Whether a record is one of several and too short to prepare; such pieces are counted, not explained."""
+    return len(records) > 1 and len(record) < FEWEST_SAMPLES and not (record.missing.any() or record.gaps)
 
 
 def _from_arrays(u: Any, y: npt.ArrayLike | None, dt: float | None) -> IdentificationData:
@@ -119,29 +169,20 @@ def _from_arrays(u: Any, y: npt.ArrayLike | None, dt: float | None) -> Identific
     return IdentificationData(arrays[0], arrays[1], segments, dt)
 
 
-def _from_records(records: Sequence[LoopRecord], dt: float | None) -> IdentificationData:
+def _from_records(records: Sequence[LoopRecord], notes: tuple[str, ...], dt: float | None) -> IdentificationData:
     times = sorted({record.dt for record in records})
     if len(times) > 1:
-        raise ParameterError.expected("records with one dt", times, "resample them first")
+        raise ParameterError.expected("records with one dt", times, "resample them first: record.resample(factor)")
     if dt is not None and abs(dt - times[0]) > 1e-9 * times[0]:
         raise ParameterError.expected(f"dt={times[0]} as in the record", dt, "leave dt out")
-    split = "use record.split() and pass the list, or remove these rows"
     for record in records:
-        _refuse_missing("OP", record.op, record.dt, split)
-        _refuse_missing("PV", record.pv, record.dt, split)
-        if record.gaps:
-            row = record.gaps[0]
-            raise DataError.expected(
-                "samples without gaps", f"a gap before row {row} (t = {row * record.dt:g} s)", split
-            )
-    stops = np.cumsum([len(record) for record in records])
-    segments = np.column_stack([np.concatenate([[0], stops[:-1]]), stops]).astype(np.int64)
-    keep = segments[:, 1] - segments[:, 0] >= min(FEWEST_SAMPLES, int(stops[-1]))
-    kept = [record for record, wanted in zip(records, keep, strict=True) if wanted]
+        _refuse_holes(record)
+    least = min(FEWEST_SAMPLES, sum(len(record) for record in records))
+    kept = [record for record in records if len(record) >= least]
     dropped = len(records) - len(kept)
-    notes = tuple(note for record in records for note in getattr(record, "notes", ()))
     if dropped:
-        notes += (f"{dropped} pieces shorter than {FEWEST_SAMPLES} samples were left out.",)
+        what = "1 piece" if dropped == 1 else f"{dropped} pieces"
+        notes += (f"{what} shorter than {FEWEST_SAMPLES} samples {'was' if dropped == 1 else 'were'} left out.",)
     if not kept:
         raise DataError.expected(f"a piece of {FEWEST_SAMPLES} samples", "shorter ones only", "use a longer record")
     stops = np.cumsum([len(record) for record in kept])
@@ -156,7 +197,17 @@ def _from_records(records: Sequence[LoopRecord], dt: float | None) -> Identifica
         records[0].source,
         records[0].op_span,
         notes,
+        records[0].pv_span,
     )
+
+
+def _refuse_holes(record: LoopRecord) -> None:
+    split = "leave out raw=True, or use record.split() and pass the list"
+    _refuse_missing("OP", record.op, record.dt, split)
+    _refuse_missing("PV", record.pv, record.dt, split)
+    if record.gaps:
+        row = record.gaps[0]
+        raise DataError.expected("samples without gaps", f"a gap before row {row} (t = {row * record.dt:g} s)", split)
 
 
 def _refuse_missing(name: str, array: FloatArray, dt: float, remedy: str) -> None:

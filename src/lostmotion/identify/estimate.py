@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.data import IdentificationData, collect
+from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.evidence import decide, weigh
 from lostmotion.identify.families import DeadZoneFamily, LinearFamily
 from lostmotion.identify.misfit import residual_tests
@@ -23,15 +23,16 @@ from lostmotion.identify.width_bound import width_bound
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
 from lostmotion.models._arguments import FloatArray, finite, whole
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, Prepared
 
 KINDS = ("dead zone", "none", "auto")
+DEFAULT_ORDERS = (3, 2, 1)
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 
 
 @one_thread
 def identify(
-    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
+    u: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
     y: npt.ArrayLike | None = None,
     dt: float | None = None,
     *,
@@ -40,6 +41,7 @@ def identify(
     noise: str | int = "auto",
     gain: float | None = None,
     offset: str = "auto",
+    raw: bool = False,
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
@@ -48,9 +50,10 @@ def identify(
 
     Parameters
     ----------
-    u : array_like (n,), LoopRecord or list of LoopRecord
+    u : array_like (n,), LoopRecord, Prepared or a list of these
         Command to the actuator (OP), or the record(s) of a loop. A list is fitted as one data set, each piece
-        with its own initial state.
+        with its own initial state. Records are prepared first (:func:`lostmotion.records.prepare`): what cannot be
+        used is left out, and the report says so.
     y : array_like (n,), optional
         Measurement (PV), with arrays only.
     dt : float, optional
@@ -70,6 +73,8 @@ def identify(
         Output at rest inside the dead zone. "zero" for records in deviations (the paper's model), "free" for
         absolute units; "auto" takes zero where a free offset explains nothing (information criterion), but never
         for records from which a mean was subtracted.
+    raw : bool
+        Take records as they are; missing samples and gaps are then refused. Arrays always are taken so.
 
     Returns
     -------
@@ -107,7 +112,7 @@ def identify(
         if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
     _check_choice("offset", offset, ("auto", "free", "zero"))
-    data = collect(u, y, dt)
+    data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, _needed(orders_given, noise_given)))
     _check_length(data, orders_given, noise_given)
     settings: dict[str, Any] = {
         "nonlinearity": nonlinearity,
@@ -250,9 +255,14 @@ def _noise(noise: str | int) -> int | None:
     return whole('noise (or "auto", "white")', noise, 0)
 
 
+def _needed(orders: tuple[int, int, int] | None, noise: int | None) -> int:
+    """Samples that every segment must have."""
+    return 3 * (sum(orders or DEFAULT_ORDERS) + (noise or 0)) + 30
+
+
 def _check_length(data: IdentificationData, orders: tuple[int, int, int] | None, noise: int | None) -> None:
-    na, nb, delay = orders or (3, 2, 1)
-    needed = 3 * (na + nb + delay + (noise or 0)) + 30
+    needed = _needed(orders, noise)
+    na, nb, delay = orders or DEFAULT_ORDERS
     if data.shortest < needed:
         raise DataError.expected(
             f"at least {needed} samples in every segment for orders {(na, nb, delay)}",

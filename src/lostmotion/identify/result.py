@@ -12,6 +12,7 @@ from lostmotion import _verbs
 from lostmotion.errors import Status
 from lostmotion.identify.misfit import ResidualTests
 from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.remarks import remarks
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.models._arguments import FloatArray
 
@@ -141,6 +142,11 @@ class HammersteinFit(NamedEstimate):
         fewer_left = self.evidence.samples_left < self.evidence.samples_right
         return ("left", "left_slope", "slope_ratio", "width") if fewer_left else ("right", "slope_ratio", "width")
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences about the data in the light of the fit: resolution, sampling, % of span."""
+        return remarks(self)
+
     def summary(self) -> str:
         """Report as text, with as many digits as the standard errors allow."""
         return _verbs.summary(self)
@@ -181,6 +187,7 @@ class HammersteinFit(NamedEstimate):
                 "dt": data.dt,
                 "fingerprint": data.fingerprint,
                 "notes": list(data.notes),
+                "remarks": list(self.remarks),
             },
         }
 

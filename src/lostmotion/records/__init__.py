@@ -5,5 +5,6 @@ from lostmotion.records.prepare import prepare
 from lostmotion.records.prepared import LeftOut, Prepared
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.report import Finding, RecordReport
+from lostmotion.records.resample import resample
 
-__all__ = ["Finding", "LeftOut", "LoopRecord", "Prepared", "RecordReport", "check", "prepare"]
+__all__ = ["Finding", "LeftOut", "LoopRecord", "Prepared", "RecordReport", "check", "prepare", "resample"]

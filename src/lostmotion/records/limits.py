@@ -47,6 +47,6 @@ FINE_RESOLUTION = 10.0  # steps in a typical move: then exact lines and stand-st
 COMPRESSED_WARN = 0.5  # of rows made up by the historian: from here on, intervals are too narrow (docs/records.md)
 COMPRESSED_REFUSE = 0.9  # of rows: break points wrong by many standard errors (docs/records.md)
 ON_PHASE = 0.97  # of changes at one phase: the record repeats a slower scan
-LONG_PIECES = (330, 150, 60)  # rows: all noise lags; all lags of the search; the least that is taken
+LONG_PIECES = (500, 330, 150)  # rows: all delays; all noise lags; all lags of the search for the dead zone
 LONG_KEEP = 0.8  # of rows: shorter pieces go where the longer ones hold this share
 DRIFT_SHARE = 0.5  # of variance slower than a quarter of the record

@@ -65,5 +65,7 @@ def _checked(words: Mapping[str, str] | None) -> dict[str, str]:
     given = {str(word).strip().lower(): meaning for word, meaning in (words or {}).items()}
     for word, meaning in given.items():
         if meaning not in KINDS:
-            raise ParameterError.expected(f"a meaning among {list(KINDS)}", f"{word!r}: {meaning!r}", "see the docstring")
+            raise ParameterError.expected(
+                f"a meaning among {list(KINDS)}", f"{word!r}: {meaning!r}", "see the docstring"
+            )
     return given

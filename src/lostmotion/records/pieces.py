@@ -30,7 +30,7 @@ def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
     filled = 0
     for start, length in zip(*runs(np.isnan(op)), strict=True):
         stop = start + length
-        inside = 0 < start and stop < len(op) and not any(start <= gap <= stop for gap in record.gaps)
+        inside = start > 0 and stop < len(op) and not any(start <= gap <= stop for gap in record.gaps)
         if inside and length <= limits.BRIDGE_ROWS and op[start - 1] == op[stop]:
             op[start:stop] = op[stop]
             filled += int(length)

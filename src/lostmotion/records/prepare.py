@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,7 @@ from lostmotion.records.quantum import quantum
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.remarks import about_compression, about_drift, about_limits, about_operation, refusal
 from lostmotion.records.resample import pick
+from lostmotion.records.sampling import runs
 from lostmotion.records.splices import splices
 from lostmotion.records.standstill import held_op, stopped, stuck
 
@@ -65,6 +67,7 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     mended, said = bridge(record)
     mended, more = clip_to_span(mended)
     kinds, joints = _reasons(mended, words)
+    kinds, spared = _leave_out_wild(mended, kinds)
     used = kinds == ""
     rows = pieces(used, mended.gaps + joints, shortest)
     for start, stop in rows:
@@ -74,7 +77,7 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     told = sentences(left_out, record)
     made_up = {name: compression(_without(mended, kinds), name) for name in ("op", "pv")}
     why = refusal(mended, rows, made_up, shortest, told)
-    notes = [*said, *more, *told]
+    notes = [*said, *more, *told, *spared]
     if why is None:
         notes += [*about_operation(mended, words), *about_limits(mended)]
         notes += [*about_drift(mended, rows), *about_compression(made_up)]
@@ -108,19 +111,34 @@ def _reasons(record: LoopRecord, words: Mapping[str, str] | None) -> tuple[Kinds
     }
     for kind, rows in found.items():
         kinds[rows & (kinds == "")] = kind
+    return _merged(kinds), joints
+
+
+def _leave_out_wild(record: LoopRecord, kinds: Kinds) -> tuple[Kinds, list[str]]:
+    """Mark wild samples of PV, unless there are so many that they are the nature of the signal."""
     far = wild(np.where(kinds == "", record.pv, np.nan))
-    if np.mean(far) <= limits.OUTLIER_SHARE:  # more are not wild samples but the nature of the signal
-        kinds[far] = "outlier"
-    return kinds, joints
+    if np.mean(far) <= limits.OUTLIER_SHARE:
+        return np.where(far, "outlier", kinds), []
+    return kinds, [
+        f"PV jumps away from its neighbours and back in {int(far.sum())} rows ({100 * np.mean(far):.2g} %): too many "
+        "to be single wild samples, so none was left out. Check the transmitter."
+    ]
+
+
+def _merged(kinds: Kinds) -> Kinds:
+    """Call PV that stands still a few rows longer than OP by the halt of the recording that it belongs to."""
+    for start, length in zip(*runs(kinds == "stuck PV"), strict=True):
+        beside = {kinds[max(start - 1, 0)], kinds[min(start + length, len(kinds) - 1)]}
+        if "stopped" in beside:
+            kinds[start : start + length] = "stopped"
+    return kinds
 
 
 def _parts(kinds: Kinds) -> tuple[LeftOut, ...]:
     """Runs of one kind."""
     edges = np.flatnonzero(np.r_[True, kinds[1:] != kinds[:-1], True])
     return tuple(
-        LeftOut(int(start), int(stop), str(kinds[start]))
-        for start, stop in zip(edges[:-1], edges[1:], strict=True)
-        if kinds[start]
+        LeftOut(int(start), int(stop), str(kinds[start])) for start, stop in pairwise(edges.tolist()) if kinds[start]
     )
 
 

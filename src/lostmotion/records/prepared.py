@@ -140,8 +140,8 @@ def sentences(left_out: tuple[LeftOut, ...], record: LoopRecord) -> list[str]:
     Examples
     --------
     >>> record = LoopRecord([0.0] * 50, [0.0] * 50, dt=1.0)
-    >>> sentences((LeftOut(3, 4, "outlier"), LeftOut(9, 11, "outlier")), record)[0]
-    'Left out, 3 rows (6 %), PV jumps away from its neighbours and back: row 4 (t = 3 s), rows 10 to 11 (t = 9 to 10 s).'
+    >>> print(*sentences((LeftOut(3, 4, "outlier"), LeftOut(9, 11, "outlier")), record))
+    Left out, 3 rows (6 %), PV jumps away from its neighbours and back: row 4 (t = 3 s), rows 10 to 11 (t = 9 to 10 s).
     """
     said = []
     for kind, why in WHY.items():

@@ -20,8 +20,11 @@ RAW = "or take the record as it is with --raw (raw=True)"
 
 
 def about_operation(record: LoopRecord, words: Mapping[str, str] | None = None) -> list[str]:
-    """Mode of the controller and set-point moves."""
+    """Gaps, mode of the controller and set-point moves."""
     said = []
+    if record.gaps:
+        places = f"{len(record.gaps)} place{'s' if len(record.gaps) > 1 else ''}"
+        said.append(f"Time is missing in {places}; the model is not carried across.")
     manual = rows_of("manual", record.mode, words)
     if manual is not None and manual.any():
         said.append(f"Manual in {int(manual.sum())} rows; moves of OP by hand stay in, they tell as much as any.")
@@ -47,25 +50,25 @@ def about_limits(record: LoopRecord) -> list[str]:
         if share > limits.SATURATED_SHARE:
             said.append(
                 f"OP stands at its {name} limit ({value:g}) in {100 * share:.2g} % of the rows. It was recorded behind "
-                "the limit, as the actuator received it, and stays in; a dead zone that reaches the limit is not seen whole."
+                "the limit, as the actuator received it, and stays in; a dead zone beyond the limit is not seen."
             )
     return said
 
 
 def about_drift(record: LoopRecord, rows: Rows) -> list[str]:
-    """OP or the control error that moves more slowly than the record is long."""
+    """Disturbances slower than the record is long: in OP at constant SP, in the control error at a moving one."""
+    moves = sp_moves(record.sp)
+    if record.sp is None or moves is None:
+        return []  # without SP, a slow move may be wanted
     start, stop = max(rows, key=lambda pair: pair[1] - pair[0])
-    said = []
-    signals = {"OP": record.op, "PV": record.pv if record.sp is None else record.pv - record.sp}
-    for name, values in signals.items():
-        share = slow_share(values[start:stop])
-        if share > limits.DRIFT_SHARE:
-            what = name if name == "OP" or record.sp is None else "PV - SP"
-            said.append(
-                f"{what} drifts: {100 * share:.0f} % of its variance is slower than the record is long. "
-                "Slow disturbances are left to the noise model."
-            )
-    return said
+    name, values = ("PV - SP", record.pv - record.sp) if moves else ("OP", record.op)
+    share = slow_share(values[start:stop])
+    if share <= limits.DRIFT_SHARE:
+        return []
+    return [
+        f"{name} drifts: {100 * share:.0f} % of its variance is slower than the record is long. "
+        "Slow disturbances are left to the noise model."
+    ]
 
 
 def slow_share(values: FloatArray) -> float:
@@ -73,8 +76,8 @@ def slow_share(values: FloatArray) -> float:
 
     Examples
     --------
-    >>> slow_share(np.arange(100.0)) > 0.99, slow_share(np.sin(np.arange(1000.0) / 20)) < 0.01
-    (True, True)
+    >>> round(slow_share(np.arange(100.0)), 2), round(slow_share(np.sin(np.arange(1000.0) / 20)), 2)
+    (1.0, 0.01)
     """
     known = values[~np.isnan(values)]
     power = dct(known - known.mean(), norm="ortho") ** 2 if len(known) > 3 else np.zeros(1)

@@ -137,7 +137,7 @@ def noise_is_visible(values: FloatArray) -> bool:
 
 def rate(still: Bools) -> float:
     """Share of repeated values where the signal is live: runs of 8 and more aside; 1 where it never is."""
-    starts, lengths = runs(still)
+    lengths = runs(still)[1]
     long = lengths >= limits.SHORT_STILL
     moving = len(still) - int(lengths[long].sum())
     # every move between long runs would count as live; a signal that only steps has hardly any

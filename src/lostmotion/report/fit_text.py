@@ -147,7 +147,7 @@ def _assumed(fit: HammersteinFit) -> str:
         said.append(f"{' and '.join(auto)} chosen from the data")
     said.append("OP is held between samples and not clipped")
     lines = [_fill("Assumed: " + "; ".join(said) + ".")]
-    lines += [_fill("Note: " + note) for note in fit.data.notes]
+    lines += [_fill("Note: " + note) for note in (*fit.data.notes, *fit.remarks)]
     lines.append(f"Data fingerprint {fit.data.fingerprint}.")
     return "\n".join(lines)
 

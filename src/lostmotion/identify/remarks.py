@@ -1,0 +1,147 @@
+"""What a fit says about its data: resolution against noise, sampling against dynamics, numbers in % of span."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lostmotion.models._arguments import FloatArray
+
+if TYPE_CHECKING:
+    from lostmotion.identify.result import HammersteinFit
+
+# Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
+FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise
+COARSE_STEP = 2.5  # break points are off by up to half a standard error
+BLIND_STEP = 4.0  # from here on by more, by many in a loop that rests inside the dead zone
+FEW_LEVELS = 4.0  # steps of OP inside the dead zone
+FAST = 40.0  # samples in the slowest time constant
+WANTED = 10.0  # samples in it after resampling
+LATE = 20  # samples of delay
+SLOW = 0.5  # samples in the slowest time constant
+CALM = 0.2  # of the deviation of OP: moves inside a block that resampling may lose
+
+
+def remarks(fit: HammersteinFit) -> tuple[str, ...]:
+    """Sentences about the fit and its data, none where there is nothing to say.
+
+    Parameters
+    ----------
+    fit : HammersteinFit
+    """
+    said = [about_pv_step(fit), about_op_step(fit), about_sampling(fit), in_percent(fit)]
+    return tuple(sentence for sentence in said if sentence)
+
+
+def step_over_noise(step: float, variance: float) -> float:
+    """Step of PV over the deviation of the noise without the rounding, whose variance is step^2 / 12.
+
+    Parameters
+    ----------
+    step : float
+        Step of PV.
+    variance : float
+        Variance of the prediction errors, rounding included.
+
+    Examples
+    --------
+    >>> round(step_over_noise(0.5, 0.25 + 0.5**2 / 12), 3)
+    1.0
+    """
+    own = variance - step**2 / 12.0
+    return float(step / np.sqrt(own)) if own > 0 else np.inf
+
+
+def about_pv_step(fit: HammersteinFit) -> str:
+    """Quantisation of PV against the noise."""
+    step = fit.data.y_step
+    ratio = step_over_noise(step, fit.noise.variance)
+    if ratio < FELT_STEP:
+        return ""
+    size = f"PV was stored in steps of {step:g}"
+    reach = step_in_op(fit)
+    if reach > float(np.ptp(fit.data.u)):
+        return (
+            f"Beware: {size}, and all that OP moved would move PV at rest by less than one. The record tells nothing."
+        )
+    if reach > 0:
+        size += f", which is what OP moves by {reach:.2g} at rest"
+    share = min(100.0 * step**2 / 12.0 / fit.noise.variance, 100.0)
+    if ratio < COARSE_STEP:
+        return f"{size}. Rounding makes {share:.0f} % of the variance of the noise; the intervals contain it."
+    much = f"{ratio:.1f} times the deviation of the noise" if np.isfinite(ratio) else "all of the noise"
+    harm = "half a standard error" if ratio < BLIND_STEP else "many standard errors"
+    return (
+        f"Beware: {size}, {much}. Rounding then is no noise: break points may be off by {harm}, which the intervals "
+        "do not contain. Export PV with more decimals."
+    )
+
+
+def step_in_op(fit: HammersteinFit) -> float:
+    """Step of PV in units of OP, through the static gain; 0 where the process integrates."""
+    gain = abs(fit.linear.gain)
+    return fit.data.y_step / gain if np.isfinite(gain) and gain > 0 else 0.0
+
+
+def about_op_step(fit: HammersteinFit) -> str:
+    """Levels of OP inside the dead zone."""
+    step, width = fit.data.u_step, fit.parameters.get("width", 0.0)
+    if fit.preferred != "dead zone" or not 0.0 < width < FEW_LEVELS * step:
+        return ""
+    return (
+        f"Beware: the dead zone is only {width / step:.1f} steps of OP ({step:g}) wide; its interval may be too "
+        f"narrow. Less than {FEW_LEVELS:g} steps cannot be told for sure."
+    )
+
+
+def about_sampling(fit: HammersteinFit) -> str:
+    """Sampling time against the slowest time constant and the delay."""
+    dt = fit.data.dt
+    slowest, delay = slowest_constant(fit), fit.linear.delay
+    factor = int(max(round(slowest / WANTED), round(delay / WANTED), 2))
+    if (slowest > FAST or delay > LATE) and moves_within(fit.data.u, factor) < CALM:
+        return (
+            f"The sampling is fast for this process: {slowest:.0f} samples in its slowest time constant, {delay} in "
+            f"its delay. Fewer samples tell as much, and sooner: records.resample(record, {factor})."
+        )
+    if 0.0 < slowest < SLOW:
+        return (
+            f"The sampling is slow for this process: its slowest time constant is {slowest * dt:.2g} s, the sampling "
+            f"time {dt:g} s. Moves of OP between the samples are not seen; record faster if OP moves faster."
+        )
+    return ""
+
+
+def moves_within(u: FloatArray, factor: int) -> float:
+    """Deviation of u from the first sample of its block, in deviations of u.
+
+    Examples
+    --------
+    >>> moves_within(np.repeat(np.arange(10.0), 5), 5)
+    0.0
+    """
+    blocks = u[: u.size // factor * factor].reshape(-1, factor)
+    return float(np.sqrt(np.mean((blocks - blocks[:, :1]) ** 2)) / max(float(np.std(u)), 1e-300))
+
+
+def slowest_constant(fit: HammersteinFit) -> float:
+    """Slowest time constant in samples; 0 where the process has none that is shorter than the record."""
+    radius = np.abs(fit.linear.poles)
+    radius = radius[(radius > 1e-9) & (radius < np.exp(-1.0 / fit.data.u.size))]
+    return float(-1.0 / np.log(radius.max())) if radius.size else 0.0
+
+
+def in_percent(fit: HammersteinFit) -> str:
+    """Break points and gain in % of the spans, where these are known."""
+    span = fit.data.op_span
+    if span is None or fit.preferred != "dead zone":
+        return ""
+    low, size = span[0], (span[1] - span[0]) / 100.0
+    ends = [(fit.parameters[name] - low) / size for name in ("left", "right")]
+    said = f"In % of the OP span: {ends[0]:.3g} .. {ends[1]:.3g}, width {fit.parameters['width'] / size:.3g}"
+    pv = fit.data.pv_span
+    gain = fit.linear.gain
+    if pv is not None and np.isfinite(gain):
+        said += f"; gain {gain * size / ((pv[1] - pv[0]) / 100.0):.3g} % of the PV span per % of the OP span"
+    return said + "."
