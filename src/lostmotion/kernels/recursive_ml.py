@@ -411,6 +411,11 @@ def show(state: FloatArray, layout: IntArray) -> None:
     for i in range(n):
         shown[i] -= state[column + i] * (theta[at] / state[column + at])
     shown[at] = 0.0
+    for i in range(at + 1, at + 3):
+        shown[i] = min(max(shown[i], state[LOW]), state[HIGH])
+    if shown[at + 1] > shown[at + 2]:
+        shown[at + 1 : at + 3] = 0.5 * (shown[at + 1] + shown[at + 2])
+    shown[at + 3] = min(max(shown[at + 3], -state[RATIO_LIMIT]), state[RATIO_LIMIT])
     if not is_stable(shown[: layout[NA]], RADIUS):
         shown[:] = theta
 
