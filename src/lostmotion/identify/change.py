@@ -241,6 +241,7 @@ def _valid(memory: Memory, theta: FloatArray) -> FloatArray:
         result[eta : eta + 2] = 0.5 * (result[eta] + result[eta + 1])
     result[eta : eta + 2] = np.clip(result[eta : eta + 2], low, high)
     result[eta + 2] = np.clip(result[eta + 2], -limit, limit)
+    kernel.calm(result[eta + 3 :], kernel.RADIUS)
     return result
 
 

@@ -38,8 +38,9 @@ SMALLEST = 1e-200  # information below this is none: filters fade to denormal nu
 UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
 HALVINGS = 20
 RADIUS = 1.0 - 1e-7
+CALMER, CALM_STEPS = 0.9, 80
 ENOUGH = 4  # blocks of an alarm that are fitted again at least
-HOLD = 2  # missing commands that are bridged by the last one without waiting for the process to settle
+HOLD = 2  # missing commands between two equal ones that count as these, without waiting for the process to settle
 SETTLED = 1e-3  # what is left of an unknown state when it no longer matters
 LONGEST_SETTLING = 5000
 
@@ -236,6 +237,19 @@ def step_to(theta: FloatArray, wanted: FloatArray, na: int, radius: float) -> No
 
 
 @njit(cache=True, nogil=True)
+def calm(d: FloatArray, radius: float) -> None:
+    """Draw in the roots of an unstable noise model: 1/D bridges missing samples and outliers."""
+    for _ in range(CALM_STEPS):
+        if is_stable(d, radius):
+            return
+        power = 1.0
+        for i in range(d.size):
+            power *= CALMER
+            d[i] *= power
+    d[:] = 0.0
+
+
+@njit(cache=True, nogil=True)
 def merge(ref_h: FloatArray, ref_r: FloatArray, h: FloatArray, r: FloatArray, tail: float) -> None:
     """Let a block enter the reference, which forgets a share `tail`, but in no direction more than comes in.
 
@@ -391,6 +405,7 @@ def newton_step(state: FloatArray, layout: IntArray) -> None:
     solve(root, move)
     wanted = theta + move
     constrain(wanted, root, eta, state[LOW], state[HIGH], state[RATIO_LIMIT])
+    calm(wanted[n - layout[P] :], RADIUS)
     step_to(theta, wanted, na, RADIUS)
     show(state, layout)
 
