@@ -287,12 +287,13 @@ def explain(memory: Memory) -> Explanation | None:
     """Best explanation of an alarm by BIC; None: nothing has changed."""
     blocks = min(int(memory.layout[kernel.WINDOW]) + MARGIN, memory.stored)
     prior = memory.older_than(blocks)
+    before = _usable(memory, prior.centre)
     squares, weight = memory.part(kernel.RING_S, memory.ring, 2)[memory.slots(blocks)[0]]
     variance = float(squares / weight)  # before the change
-    stretch = Stretch(blocks, prior.centre)
-    same = memory.replay(stretch, prior.centre, np.inf)
+    stretch = Stretch(blocks, before)
+    same = memory.replay(stretch, before, np.inf)
     misfit = _first_misfit(same.errors, variance)
-    eta, weak = memory.eta, _weak(memory, prior.centre, variance)
+    eta, weak = memory.eta, _weak(memory, before, variance)
     process = list(range(eta))
     kinds = {
         "right": [eta + 1], "left": [eta], "both": [eta, eta + 1], "offset": [eta - 1],
@@ -300,12 +301,12 @@ def explain(memory: Memory) -> Explanation | None:
     }  # fmt: skip
     penalty = variance * np.log(max(np.isfinite(same.errors[misfit:]).sum(), 2))
     found: Explanation | None = None
-    least = memory.replay(stretch, prior.centre, memory.state[kernel.CLIP] * np.sqrt(variance)).cost
+    least = memory.replay(stretch, before, memory.state[kernel.CLIP] * np.sqrt(variance)).cost
     for kind, names in kinds.items():
         loose = forget(prior, names, weak)
-        blind = int(kernel.settling(prior.centre, memory.layout)) if 0 in names else 0
-        here = Stretch(blocks, prior.centre, misfit, min(blind, blocks * memory.block // 4))
-        start = _scan(memory, here, prior.centre, [i for i in names if i >= eta])
+        blind = int(kernel.settling(before, memory.layout)) if 0 in names else 0
+        here = Stretch(blocks, before, misfit, min(blind, blocks * memory.block // 4))
+        start = _scan(memory, here, before, [i for i in names if i >= eta])
         refit = fit_again(memory, here, loose, start, variance)
         here = _sharpen(memory, here, refit.theta, variance)
         refit = fit_again(memory, here, loose, refit.theta, variance)
@@ -313,6 +314,14 @@ def explain(memory: Memory) -> Explanation | None:
         if value < least:
             found, least = Explanation(kind, refit, loose, here, variance), value
     return found
+
+
+def _usable(memory: Memory, wanted: FloatArray) -> FloatArray:
+    """As near to `wanted` from the present estimate as A is stable and the break points are in range."""
+    theta = memory.theta.copy()
+    if np.all(np.isfinite(wanted)):
+        kernel.step_to(theta, _valid(memory, wanted), int(memory.layout[kernel.NA]), kernel.RADIUS)
+    return theta
 
 
 def _first_misfit(errors: FloatArray, variance: float) -> int:
