@@ -378,6 +378,9 @@ def relinearise(state: FloatArray, layout: IntArray) -> None:
     """Fit the samples since the last change again, at 1, 2, 4 .. blocks after it while they are stored."""
     memory = Memory(state, layout)
     blocks = int(layout[kernel.BLOCKS] - layout[kernel.FROM_BLOCK]) - 1
+    if blocks < 1:  # the change is so new that nothing has counted yet
+        layout[kernel.REFIT_AT] = layout[kernel.COUNT] + memory.block
+        return
     if blocks > memory.stored:
         layout[kernel.REFIT_AT] = NEVER
         return
