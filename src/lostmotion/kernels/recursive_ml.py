@@ -589,15 +589,19 @@ def take(
             layout[SETTLE] = UNKNOWN
         used = False
     else:
+        if layout[LOST] > 0 and u != state[HELD]:  # it has moved in the gap, at an unknown sample
+            layout[SETTLE] = UNKNOWN
         layout[LOST] = 0
-        state[HELD] = u
         if not used:
             layout[SETTLE] = UNKNOWN
             layout[MASKED] += 1
+            layout[WAIT] = p + 1
+            u = min(max(u, state[LOW]), state[HIGH])  # whatever it is, the filters forget it in the time to settle
         elif layout[SETTLE] == UNKNOWN:
             layout[SETTLE] = settling(theta, layout)
         elif layout[SETTLE] > 0:
             layout[SETTLE] -= 1
+        state[HELD] = u
     slot = layout[BLOCKS] % layout[RING]
     if layout[FILLED] == 0:
         at = layout[RING_F] + slot * layout[FILTERS]
