@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy import stats
 
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.change import ChangeEvent, Memory, forget, react, relinearise
+from lostmotion.identify.change import NEVER, ChangeEvent, Memory, forget, react, relinearise
 from lostmotion.identify.offset import without_column
 from lostmotion.identify.parameters import Scaling, information_inverse, named_values
 from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
@@ -337,6 +337,9 @@ class RecursiveML:
         memory.part(kernel.REF_R, memory.n)[:] = left.h @ left.centre
         memory.part(kernel.RING_H, memory.ring * memory.n**2)[:] = 0.0
         memory.part(kernel.RING_R, memory.ring * memory.n)[:] = 0.0
+        memory.part(kernel.SUM_H, memory.n**2)[:] = 0.0  # samples from before in the open block
+        memory.part(kernel.SUM_G, memory.n)[:] = 0.0
+        self._layout[kernel.EXPLAIN_AT], self._layout[kernel.REFIT_AT] = 0, NEVER  # neither looks back beyond it
         self._layout[kernel.SINCE] = self._layout[kernel.COUNT]
         kernel.newton_step(self._state, self._layout)
 
