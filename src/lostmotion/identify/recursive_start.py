@@ -52,7 +52,7 @@ def fit_window(window: Window, orders: tuple[int, int, int], noise: str | int, d
         fit = _fit(window.u, window.y, segments, orders, noise, dt)
         drawn = _drawn_in(fit, window.y, segments)
         return fit if drawn is None else _fit(window.u, drawn, segments, orders, noise, dt)
-    except DataError:  # constant: no information yet
+    except (DataError, np.linalg.LinAlgError):  # constant, or nearly: no information yet
         return None
 
 
@@ -146,6 +146,8 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
     na, nb, delay, p = (chosen[name] for name in ("na", "nb", "delay", "noise_order"))
     u, y = window.u / scales[0], window.y / scales[1]
     segments = window.segments(3 * (na + nb + delay + p) + 30)
+    if not len(segments):  # the noise model has come out long: those of the fit
+        segments = window.segments(3 * (na + nb + delay) + 40)
     family = DeadZoneFamily(float(np.nanmin(u)), float(np.nanmax(u)))
     problem = Problem(np.nan_to_num(u), np.nan_to_num(y), segments, family, Structure(na, nb, delay, p, delay + p))
     values, product = fit.parameters, scales[0] / scales[1]
