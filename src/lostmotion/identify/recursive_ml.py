@@ -105,18 +105,21 @@ class RecursiveML:
         na, nb, delay = whole("na", na, 0), whole("nb", nb, 0), whole("delay", delay, 0)
         if not 0.95 < finite("forgetting", forgetting) <= 1:
             raise ParameterError.expected("forgetting in (0.95, 1]", forgetting, "0.999 remembers 1,000 samples")
-        if gain is not None and finite("gain", gain) == 0:
+        gain = None if gain is None else finite("gain", gain)
+        if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or None")
-        if offset not in ("auto", "free", "zero"):
+        if not isinstance(offset, str) or offset not in ("auto", "free", "zero"):
             raise ParameterError.expected('offset as "auto", "free" or "zero"', repr(offset), "see the docstring")
         if not (isinstance(noise, str) and noise in ("auto", "white")):
             noise = whole('noise (or "auto", "white")', noise, 0)
         fewest = 4 * (na + nb + delay) + 60
         if whole("start_samples", start_samples, 1) < fewest:
             raise ParameterError.expected(f"start_samples >= {fewest} for these orders", start_samples, "1000 is usual")
-        if outliers is not None and finite("outliers", outliers) <= 1:
+        outliers = None if outliers is None else finite("outliers", outliers)
+        if outliers is not None and outliers <= 1:
             raise ParameterError.expected("outliers > 1 (standard deviations) or None", outliers, "4 is usual")
-        if false_alarms is not None and not 0 < finite("false_alarms", false_alarms) < 0.01:
+        false_alarms = None if false_alarms is None else finite("false_alarms", false_alarms)
+        if false_alarms is not None and not 0 < false_alarms < 0.01:
             raise ParameterError.expected("false_alarms in (0, 0.01) per sample, or None", false_alarms, "e.g. 1e-9")
         self._settings: dict[str, Any] = {
             "na": na, "nb": nb, "delay": delay, "gain": gain, "forgetting": float(forgetting),
@@ -181,7 +184,7 @@ class RecursiveML:
         """
         try:
             u, y = float(u), float(y)
-        except (TypeError, ValueError) as broken:
+        except (TypeError, ValueError, OverflowError) as broken:
             raise DataError.expected(
                 "numbers u and y", f"u={u!r}, y={y!r}", "give NaN for a missing sample"
             ) from broken
@@ -208,7 +211,7 @@ class RecursiveML:
             False where a sample must not be learned from.
         """
         u, y, mask = self._check(u, y, use)
-        every = whole("every", every, 1)
+        every = min(whole("every", every, 1), u.size + 1)
         begin = self.samples
         errors = np.full(u.size, np.nan)
         rows: list[FloatArray] = []
@@ -236,10 +239,13 @@ class RecursiveML:
         u: npt.ArrayLike, y: npt.ArrayLike, use: npt.ArrayLike | None
     ) -> tuple[FloatArray, FloatArray, npt.NDArray[np.bool_]]:
         u, y = signal("u", u), signal("y", y)
-        mask = np.ones(u.size, dtype=bool) if use is None else np.asarray(use, dtype=bool)
-        if not u.size == y.size == mask.size:
+        try:
+            mask = np.ones(u.size, dtype=bool) if use is None else np.array(use, dtype=bool, order="C")
+        except ValueError as broken:
+            raise DataError.expected("use as one bool a sample", repr(use)[:60], "make it an array") from broken
+        if not u.shape == y.shape == mask.shape:
             raise DataError.expected(
-                "u, y and use of one length", f"{u.size}, {y.size} and {mask.size}", "cut them to the same rows"
+                "u, y and use of one length", f"{u.shape}, {y.shape} and {mask.shape}", "cut them to the same rows"
             )
         for name, values in (("u", u), ("y", y)):
             if np.isinf(values).any():
