@@ -406,7 +406,8 @@ class RecursiveML:
     ) -> Trajectory:
         settings, (scale_u, scale_y) = self._settings, self._scales
         na, nb1 = settings["na"], settings["nb"] + 1
-        n = len(self._psi) or na + nb1 + 4
+        order = settings["noise"] if isinstance(settings["noise"], int) else 0
+        n = len(self._psi) or na + nb1 + 4 + order
         theta = np.full((samples.size, n), np.nan)
         if len(rows):
             theta[waited:] = rows
