@@ -20,7 +20,7 @@ FAST = 40.0  # samples in the slowest time constant
 WANTED = 10.0  # samples in it after resampling
 LATE = 20  # samples of delay
 SLOW = 0.5  # samples in the slowest time constant
-CALM = 0.2  # of the deviation of OP: moves inside a block that resampling may lose
+CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
 
 def remarks(fit: HammersteinFit) -> tuple[str, ...]:
