@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from benchmarks.historian import exceptions, swinging_door
 
 import lostmotion as lm
 from lostmotion.kernels.lines import knots
 from lostmotion.records import LoopRecord, prepare
 from lostmotion.records.compression import compression, scan_factor
 from lostmotion.records.quantum import quantum
-from tests.naive.historian import exceptions, swinging_door
 from tests.naive.lines import knots as slow_knots
 
 N = 1500
