@@ -237,3 +237,16 @@ def test_empty_frame_and_numbered_columns():
 def test_parquet_by_content(tmp_path):
     FRAME.write_parquet(tmp_path / "a.dat")
     assert_rows(files.read_loop(tmp_path / "a.dat"))
+
+
+@pytest.mark.parametrize("name", ["mode", "Mode", "LOOP_MODE", "auto/man", "A/M"])
+def test_mode_column(tmp_path, name):
+    record = read(tmp_path, f"time,OP,PV,{name}\n0,1,2,AUTO\n1,2,3, MAN \n2,3,4,\n")
+    assert record.mode.tolist() == ["AUTO", "MAN", ""]
+
+
+def test_mode_by_name_or_not_at_all(tmp_path):
+    content = "time,OP,PV,state,mode\n0,1,2,3,A\n1,2,3,4,B\n"
+    assert read(tmp_path, content, mode="state").mode.tolist() == ["3", "4"]
+    assert read(tmp_path, content, mode=False).mode is None
+    assert read(tmp_path, "time,OP,PV\n0,1,2\n1,2,3\n").mode is None

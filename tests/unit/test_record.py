@@ -57,3 +57,12 @@ def test_fingerprint_is_of_the_data():
 def test_refusals(changed, error, said):
     with pytest.raises(error, match=said):
         LoopRecord(**({"op": OP, "pv": PV, "dt": 1.0} | changed))
+
+
+def test_mode_is_text_and_is_cut_with_the_rest():
+    record = LoopRecord(OP, PV, dt=1.0, mode=["AUTO", "AUTO", "MAN", "MAN", "", "AUTO"])
+    assert record.cut(1, 3).mode.tolist() == ["AUTO", "MAN"]
+    with pytest.raises(DataError, match="mode with 6 samples"):
+        LoopRecord(OP, PV, dt=1.0, mode=["AUTO"])
+    with pytest.raises(DataError, match="mode of one dimension"):
+        LoopRecord(OP, PV, dt=1.0, mode=[["AUTO"] * 6])

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
 FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise
-COARSE_STEP = 2.5  # break points are off by up to half a standard error
+COARSE_STEP = 2.0  # break points are off by up to half a standard error
 BLIND_STEP = 4.0  # from here on by more, by many in a loop that rests inside the dead zone
 FEW_LEVELS = 4.0  # steps of OP inside the dead zone
 FAST = 40.0  # samples in the slowest time constant
 WANTED = 10.0  # samples in it after resampling
 LATE = 20  # samples of delay
 SLOW = 0.5  # samples in the slowest time constant
-CALM = 0.2  # of the deviation of OP: moves inside a block that resampling may lose
+CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
 
 def remarks(fit: HammersteinFit) -> tuple[str, ...]:

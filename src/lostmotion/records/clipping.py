@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from lostmotion.records import limits
@@ -60,9 +62,14 @@ def beyond(values: FloatArray, span: Span | None) -> Bools:
 
 
 def _in_runs(flags: Bools) -> Bools:
-    """The runs of some length among the flags."""
+    """Runs of some length among the flags; a few other rows between two flags, noise, belong to the run."""
+    joined = flags.copy()
+    at = np.flatnonzero(flags)
+    for before, after in pairwise(at.tolist()):
+        if after - before <= limits.JOIN_ROWS:
+            joined[before:after] = True
     kept = np.zeros_like(flags)
-    for start, length in zip(*runs(flags), strict=True):
-        if length >= limits.SATURATED_RUN:
+    for start, length in zip(*runs(joined), strict=True):
+        if length >= limits.SATURATED_RUN and flags[start : start + length].sum() >= limits.SATURATED_RUN:
             kept[start : start + length] = True
     return kept

@@ -10,12 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.kernels.lines import knots
 from lostmotion.records import limits
 from lostmotion.records.quantum import quantum
 from lostmotion.records.record import FloatArray, LoopRecord
-from lostmotion.records.sampling import Bools, neighbours
+from lostmotion.records.sampling import Bools, neighbours, runs
 from lostmotion.records.standstill import is_live
 
 SINGLE = 2.4e-7  # relative rounding of single precision, twice
@@ -51,8 +52,8 @@ def compression(record: LoopRecord, name: str) -> Compression:
     ----------
     record : LoopRecord
     name : {"op", "pv"}
-        Holds count for PV only, and only while OP is live: a controller may hold OP, an operator does, and PV then
-        settles. OP on lines counts only while PV moves: the integral of a constant error is a line by nature.
+        Holds count for PV only, except at a value to which it returns: a controller may hold OP, an operator does.
+        OP on lines counts only while PV moves: the integral of a constant error is a line by nature.
 
     Examples
     --------
@@ -64,7 +65,6 @@ def compression(record: LoopRecord, name: str) -> Compression:
     """
     values: FloatArray = getattr(record, name)
     known = values[~np.isnan(values)]
-    live = is_live((np.diff(record.op) == 0) & neighbours(record))
     if len(known) < limits.STRAIGHT_ROWS or known.min() == known.max():
         return Compression(0.0, 0.0)
     step = quantum(values)
@@ -72,13 +72,21 @@ def compression(record: LoopRecord, name: str) -> Compression:
     coarse = float(np.median(moves[moves > 0])) < limits.FINE_RESOLUTION * step
     tolerance = max(step, SINGLE * float(np.abs(known).max()))
     sloping, level = _made_up(record, values, tolerance, limits.COARSE_ROWS if coarse else limits.STRAIGHT_ROWS)
-    if name == "pv" and not live:  # OP in steps: PV that has settled rests, and that is no historian's work
-        return Compression(0.0 if coarse else float(np.mean(sloping)), 0.0)
     if name == "op":
         moving = np.r_[False, np.diff(record.pv) != 0]
         return Compression(float(np.mean(sloping & moving)), 0.0)
+    if coarse and not is_live((np.diff(record.op) == 0) & neighbours(record)):
+        return Compression(0.0, 0.0)  # OP in steps: PV settles and rests, within the step in which it is seen
     held = level if coarse else level | np.r_[False, (np.diff(values) == 0) & neighbours(record)]
-    return Compression(float(np.mean(sloping)), float(np.mean(held)))
+    return Compression(float(np.mean(sloping)), float(np.mean(held & ~_at_rest(values))))
+
+
+def _at_rest(values: FloatArray) -> Bools:
+    """Rows at the most frequent value, if it is left and found again: a closed valve, a motor that stands."""
+    levels, counts = np.unique(values[~np.isnan(values)], return_counts=True)
+    there: Bools = values == levels[counts.argmax()]
+    lengths = runs(there)[1]
+    return there if int(np.sum(lengths > 1)) > 2 else np.zeros_like(there)
 
 
 def _made_up(record: LoopRecord, values: FloatArray, tolerance: float, points: int) -> tuple[Bools, Bools]:
@@ -91,8 +99,8 @@ def _made_up(record: LoopRecord, values: FloatArray, tolerance: float, points: i
     length = np.diff(at)
     with np.errstate(invalid="ignore"):
         slope = np.diff(values[at]) / length
-        bend = np.abs(np.diff(slope, append=np.nan)) * length
-        bend = np.fmax(bend, np.abs(np.diff(slope, prepend=np.nan)) * length)
+        turn = np.abs(np.diff(slope)) * np.minimum(length[1:], length[:-1])
+        bend = np.fmax(np.r_[turn, np.nan], np.r_[np.nan, turn])
         chosen = (length + 1 >= points) & (bend > limits.SHARP_BEND * tolerance)
     for line in np.flatnonzero(chosen):
         inside = slice(at[line] + 1, at[line + 1])
@@ -126,28 +134,35 @@ def scan_factor(record: LoopRecord) -> tuple[int, int]:
     """
     if record.gaps or record.missing.any():
         return 1, 0
-    bends = _bends(record.pv)
-    if len(bends) < limits.FROZEN_RUN:
-        return 1, 0
-    spacing = np.diff(bends)
-    factor = int(np.median(spacing))
-    if not 1 < factor <= MOST_FACTOR or len(bends) * factor < 0.5 * len(record):
-        return 1, 0
-    phase = int(np.bincount(bends % factor, minlength=factor).argmax())
-    steps = np.flatnonzero(np.diff(record.op)) + 1
-    on = float(np.mean(bends % factor == phase))
-    op_bends = _bends(record.op)
-    on_op = float(np.mean(op_bends % factor == phase)) if len(op_bends) else 1.0
-    jumps = float(np.mean(steps % factor == phase)) if len(steps) else 1.0
-    regular = on >= limits.ON_PHASE and max(on_op, jumps) >= limits.ON_PHASE
-    return (factor, phase) if regular else (1, 0)
+    for bends in (moves_at, bends_at):
+        found = _regular(bends(record.pv), len(record))
+        if found[0] > 1 and _on_phase(record.op, *found):
+            return found
+    return 1, 0
 
 
-def _bends(values: FloatArray) -> np.ndarray:
-    """Rows at which a signal begins something new: a jump after a hold, or the end of a line."""
-    moves = np.diff(values)
-    still = moves == 0
-    if np.mean(still) > limits.LIVE_SHARE:
-        return np.flatnonzero(~still) + 1
-    tolerance = ROUNDING * float(np.ptp(values))
-    return np.flatnonzero(np.abs(np.diff(moves)) > tolerance) + 1
+def _regular(rows: npt.NDArray[np.int64], count: int) -> tuple[int, int]:
+    """Distance and phase of events that nearly all fall on one phase of it; (1, 0) where they do not."""
+    if len(rows) < limits.FROZEN_RUN:
+        return 1, 0
+    factor = int(np.median(np.diff(rows)))
+    if not 1 < factor <= MOST_FACTOR or len(rows) * factor < 0.5 * count:
+        return 1, 0
+    phases = np.bincount(rows % factor, minlength=factor)
+    return (factor, int(phases.argmax())) if phases.max() >= limits.ON_PHASE * len(rows) else (1, 0)
+
+
+def _on_phase(op: FloatArray, factor: int, phase: int) -> bool:
+    """Whether OP is repeated or interpolated on the same rows as PV."""
+    shares = [float(np.mean(at % factor == phase)) for at in (moves_at(op), bends_at(op)) if len(at)]
+    return max(shares, default=1.0) >= limits.ON_PHASE
+
+
+def moves_at(values: FloatArray) -> npt.NDArray[np.int64]:
+    """Rows that differ from the row before."""
+    return np.flatnonzero(np.diff(values)) + 1
+
+
+def bends_at(values: FloatArray) -> npt.NDArray[np.int64]:
+    """Rows at which a straight line ends."""
+    return np.flatnonzero(np.abs(np.diff(values, 2)) > ROUNDING * float(np.ptp(values))) + 1

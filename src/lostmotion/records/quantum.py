@@ -62,4 +62,7 @@ def _refined(distances: FloatArray, step: float) -> float:
         return 0.0
     step = float(distances[told].sum() / multiples[told].sum())
     ratio = distances[told] / step
-    return step if float(np.mean(np.abs(ratio - np.round(ratio)) < ON_GRID)) >= GRID_SHARE else 0.0
+    on = np.abs(ratio - np.round(ratio)) < ON_GRID
+    if float(np.mean(on)) < GRID_SHARE:
+        return 0.0
+    return float(distances[told][on].sum() / multiples[told][on].sum())

@@ -86,11 +86,14 @@ def slow_share(values: FloatArray) -> float:
 
 def about_compression(made_up: Mapping[str, Compression]) -> list[str]:
     """Shares of rows that a historian made up, where they matter and are not refused."""
-    return [
-        f"{_made_up(name, found)}. The intervals are too narrow, up to twice. Export raw values, with compression off."
-        for name, found in made_up.items()
-        if found.share > limits.COMPRESSED_WARN
-    ]
+    said = []
+    for name, found in made_up.items():
+        if found.share > limits.COMPRESSED_TOLD:
+            narrow = (
+                "intervals are too narrow, up to twice" if found.share > limits.COMPRESSED_WARN else "it hides noise"
+            )
+            said.append(f"{_made_up(name, found)}: {narrow}. Export raw values, with compression off.")
+    return said
 
 
 def refusal(
