@@ -184,7 +184,9 @@ class OnlineMonitor:
         period = self.estimator.period()
         if period is None or begin is None:
             return
-        values, errors, _ = period
+        values, errors, count = period
+        if not len(self.trend):
+            begin = max(begin, now - count * self.dt)  # the first window is not in it
         if np.isfinite(errors["width"]) and errors["width"] > 0:
             self.trend.add(0.5 * (begin + now), values["width"], errors["width"])
 
