@@ -385,6 +385,7 @@ def relinearise(state: FloatArray, layout: IntArray) -> None:
         layout[kernel.REFIT_AT] = NEVER
         return
     prior = memory.older_than(blocks)
-    refit = fit_again(memory, Stretch(blocks, memory.theta.copy()), prior, memory.theta.copy(), memory.variance)
+    theta = memory.theta.copy()
+    refit = fit_again(memory, Stretch(blocks, theta, onset=-1), prior, theta, memory.variance)  # began before
     memory.adopt(refit, prior, memory.variance)
     layout[kernel.REFIT_AT] = layout[kernel.COUNT] + blocks * memory.block

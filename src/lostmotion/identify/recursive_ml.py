@@ -410,7 +410,8 @@ class RecursiveML:
     ) -> Trajectory:
         settings, (scale_u, scale_y) = self._settings, self._scales
         na, nb1 = settings["na"], settings["nb"] + 1
-        n = len(self._psi) or na + nb1 + 4
+        order = settings["noise"] if isinstance(settings["noise"], int) else 0
+        n = len(self._psi) or na + nb1 + 4 + order
         theta = np.full((samples.size, n), np.nan)
         if len(rows):
             theta[waited:] = rows
@@ -502,13 +503,20 @@ class RecursiveML:
         self._scales = (float(parts["scales"][0]), float(parts["scales"][1]))
         if not parts["state"].size:
             return
-        layout = np.ascontiguousarray(parts["layout"])
-        sizes = (int(layout[i]) for i in (kernel.NA, kernel.NB1, kernel.DELAY, kernel.P))
-        na, nb1, delay, p = sizes
-        made = allocate(na, nb1 - 1, delay, p, self._tuning)
+        layout, settings = np.ascontiguousarray(parts["layout"]), self._settings
+        if layout.shape != (kernel.LAYOUT_SIZE,) or layout.dtype != np.int64:
+            raise ValueError("layout")
+        p = int(layout[kernel.P])
+        if not 0 <= p * p < parts["state"].size:
+            raise ValueError("layout")
+        made = allocate(settings["na"], settings["nb"], settings["delay"], p, self._tuning)
         if parts["state"].shape != made[0].shape or parts["state"].dtype != made[0].dtype:
             raise ValueError("state")
-        if not np.array_equal(layout[: kernel.COUNT], made[1][: kernel.COUNT]):
+        fixed = [*range(kernel.COUNT), kernel.RING_S, kernel.INVERSE]
+        if not np.array_equal(layout[fixed], made[1][fixed]):
             raise ValueError("layout")
+        limits = {kernel.FILLED: kernel.BLOCK, kernel.WINDOW: kernel.RING, kernel.BLOCKS: kernel.COUNT}
+        if not all(0 <= layout[count] <= layout[most] - (count == kernel.FILLED) for count, most in limits.items()):
+            raise ValueError("counters")
         self._state, self._layout = np.ascontiguousarray(parts["state"]), layout
         self._psi = np.zeros(int(layout[kernel.N]))

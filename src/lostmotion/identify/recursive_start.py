@@ -65,7 +65,7 @@ def _fit(
     dt: float,
 ) -> HammersteinFit:
     records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=dt) for start, stop in segments]
-    return identify(records, orders=orders, noise=noise, offset="free")
+    return identify(records, orders=orders, noise=noise, offset="free", raw=True)
 
 
 def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
