@@ -121,6 +121,23 @@ def test_trend_and_time_to_the_limit():
     assert "in about 0.0162 days" in trend["limit"]["message"]
 
 
+def test_an_impossible_estimate_is_told_and_ends_nothing():
+    class Wild(Fake):
+        @property
+        def estimate(self):
+            if self.samples == 80:
+                raise ParameterError.expected("left <= right", "left=1.0, right=-1.0", "swap the break points")
+            return super().estimate
+
+    watched, _ = monitor(fake=Wild())
+    report = reports(watched.take(rows(80)))[-1]
+    assert (report["status"], report["width"]) == ("NOT_CONVERGED", None)
+    assert "left=1.0, right=-1.0" in report["message"]
+    assert not watched.calm
+    assert reports(watched.take(rows(20, 80)))[-1]["status"] == "OK"
+    assert watched.calm
+
+
 def test_an_estimate_that_lags_behind_the_trend_is_told():
     class Slow(Fake):
         @property

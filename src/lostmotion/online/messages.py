@@ -30,12 +30,16 @@ REACHED = {
 }
 
 
-def report(estimate: RecursiveEstimate | None, sample: int, timeline: Timeline) -> dict[str, Any]:
-    """State of the estimate; None while the first window fills."""
+def report(estimate: RecursiveEstimate | None, sample: int, timeline: Timeline, failure: str = "") -> dict[str, Any]:
+    """State of the estimate; None while the first window fills, or where there is none because of a `failure`."""
     head = {"kind": "report", "time": timeline.text(timeline.now), "sample": sample}
     if estimate is None:
         words = f"No estimate yet after {sample} samples: the first window fills, or OP has told nothing in it."
-        return {**head, "status": "STARTING", "message": words, **dict.fromkeys((*SHOWN, "no_information"))}
+        state = {"status": "STARTING", "message": words}
+        if failure:
+            words = f"The estimate has left what is possible ({failure}). Check the orders and the order of the noise."
+            state = {"status": Status.NOT_CONVERGED.name, "message": words}
+        return {**head, **state, **dict.fromkeys((*SHOWN, "no_information"))}
     stale = _stale(estimate, timeline)
     return {
         **head,

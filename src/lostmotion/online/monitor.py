@@ -110,6 +110,7 @@ class OnlineMonitor:
         self.trend = Trend()
         self.counts = {"missing": 0, "outliers": 0}
         self._limit_told = False
+        self._failure = ""  # why the last report had no estimate
         self._told = 0  # sample of the last event told
         self._period_from: float | None = None  # running time at which the period of the next trend point began
         self._sigma = float("nan")  # of the prediction error, at the last report
@@ -127,7 +128,7 @@ class OnlineMonitor:
     @property
     def calm(self) -> bool:
         """There is an estimate, and the width is not known to be above its limit."""
-        return self.estimator.started and not (self._limit_told and self.width_limit is not None)
+        return self.estimator.started and not self._failure and not (self._limit_told and self.width_limit is not None)
 
     def take(self, rows: Rows) -> list[dict[str, Any]]:
         """Take rows; return the reports and events that they bring, in order, JSON-ready."""
@@ -158,17 +159,24 @@ class OnlineMonitor:
         return [messages.change(event, self.timeline) for event in new]
 
     def _report(self) -> list[dict[str, Any]]:
-        estimate = self.estimator.estimate if self.estimator.started else None
+        estimate, self._failure = self._estimate()
         if estimate is not None and estimate.noise is not None:
             self._sigma = estimate.noise.variance**0.5
         if self.samples % self.trend_every == 0:
             self._trend_point()
         self.timeline.anchor(self.samples)
-        report = messages.report(estimate, self.samples, self.timeline)
+        report = messages.report(estimate, self.samples, self.timeline, self._failure)
         report["trend"] = messages.trend(self.trend.line, self.width_limit, self.timeline)
         report["lag"] = messages.lag(estimate, self.trend.line, self.timeline)
         report["counts"] = {"samples": self.samples, **self.counts, **self.masks.counts}
         return [report, *self._limit(estimate)]
+
+    def _estimate(self) -> tuple[RecursiveEstimate | None, str]:
+        """Present estimate; one outside the valid set is told in the report and ends no service."""
+        try:
+            return (self.estimator.estimate if self.estimator.started else None), ""
+        except ParameterError as error:
+            return None, str(error)
 
     def _trend_point(self) -> None:
         begin, now = self._period_from, self.timeline.running
@@ -176,7 +184,9 @@ class OnlineMonitor:
         period = self.estimator.period()
         if period is None or begin is None:
             return
-        values, errors, _ = period
+        values, errors, count = period
+        if not len(self.trend):
+            begin = max(begin, now - count * self.dt)  # the first window is not in it
         if np.isfinite(errors["width"]) and errors["width"] > 0:
             self.trend.add(0.5 * (begin + now), values["width"], errors["width"])
 
@@ -202,6 +212,7 @@ class OnlineMonitor:
             "trend": self.trend.to_dict(),
             "period_from": self._period_from,
             "limit_told": self._limit_told,
+            "failure": self._failure,
             "told": self._told,
             "sigma": None if np.isnan(self._sigma) else self._sigma,
         }
@@ -238,6 +249,7 @@ class OnlineMonitor:
         new.timeline.state = header["timeline"]
         new.trend = Trend.from_dict(header["trend"])
         new._period_from = header["period_from"]
+        new._failure = header["failure"]
         new._limit_told, new._told = header["limit_told"], header["told"]
         new._sigma = float("nan") if header["sigma"] is None else header["sigma"]
         return new
