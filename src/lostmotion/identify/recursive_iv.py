@@ -6,14 +6,13 @@ import io
 import math
 import zipfile
 import zlib
-from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
 from lostmotion.kernels import recursive_iv as kernel
 from lostmotion.kernels.linear import is_stable
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
@@ -26,39 +25,6 @@ _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
 _BROKEN = (ValueError, OSError, KeyError, EOFError, TypeError, IndexError, zipfile.BadZipFile, zlib.error)
 _NAMES = ("left", "right", "left_slope", "right_slope")
-
-
-@dataclass(frozen=True, eq=False)
-class RecursiveEstimate(NamedEstimate):
-    """What a recursive estimator knows after a sample; names as in ``HammersteinFit``."""
-
-    status: Status
-    model: Hammerstein
-    parameters: dict[str, float]
-    covariance: FloatArray
-    samples: int
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """Estimates along a run.
-
-    Attributes
-    ----------
-    samples : ndarray, shape (m,)
-        Number of samples seen at each row.
-    values : dict of ndarray
-        left, right, left_slope, right_slope and the raw parameters theta (m, n).
-    errors : ndarray, shape (n,)
-        Prediction errors of every sample.
-    """
-
-    samples: npt.NDArray[np.int64]
-    values: dict[str, FloatArray]
-    errors: FloatArray
-
-    def __getitem__(self, name: str) -> FloatArray:
-        return self.values[name]
 
 
 class RecursiveIV:
