@@ -176,7 +176,7 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
     state[kernel.LOW], state[kernel.HIGH] = family.low, family.high
     for name in (kernel.COUNT, kernel.LEFT_AT, kernel.RIGHT_AT, kernel.PERIOD_FROM):
         layout[name] = u.size
-    layout[kernel.SINCE] = 2 * u.size  # so little data foretell too badly what comes: no test before as many more
+    layout[kernel.SINCE] = 0
     _run_up(state, layout, u, y)
     kernel.newton_step(state, layout)
     return state, layout
