@@ -1,0 +1,200 @@
+"""Stiction of a valve: the three data-driven models, on the band S and the slip jump J.
+
+All three rest at x until the command u has gone far enough, then jump, and while they move
+
+    x = u - d (S - J) / 2,    d = direction of motion,
+
+so that J < S leaves an offset (undershoot), J = S none (pure stick-slip) and J > S overshoots. From rest at
+x = u all three break away when abs(u - x) > (S + J) / 2. They differ in what they call a stop and in what
+they measure from:
+
+Choudhury, Thornhill and Shah, "Modelling valve stiction", Control Engineering Practice 13 (2005) 641-658.
+    Sticks at every change of sign of du and then needs S from the turning point; sticks where du = 0 while it
+    moves and then needs J in the old direction. Every further turn, also inside the band, starts the count of
+    S again, so small reversals can hold the valve for ever: abs(u - x) has no bound under noise. It is (S + J) / 2
+    where every run of u in one direction is longer than S. Readings of the text: a hold while the valve is stuck
+    changes nothing; a turn after a hold is a turn; a turn by more than S in one sample moves at once.
+
+Kano, Maruta, Kugemoto and Shimizu, "Practical model and detection algorithm for valve stiction", DYCOPS 2004.
+    Sticks where du = 0 or du changes sign *while it moves*, remembers that u, and then needs J in the old
+    direction or S against it, whatever u does in between. In other words it breaks away when abs(u - x) passes
+    (S + J) / 2, which is therefore a bound for every u. The model for noisy commands.
+
+He, Wang, Pottmann and Qin, "A curve fitting method for detecting valve stiction in oscillating control loops",
+Industrial and Engineering Chemistry Research 46 (2007) 4549-4560.
+    Static friction fs = (S + J) / 2, dynamic friction fd = (S - J) / 2. Comes to rest after every sample: each time
+    abs(u - x) > fs it jumps to x = u - d fd, then needs fs again. Along a ramp it makes steps of J where the
+    others glide; abs(u - x) <= fs always. It needs no memory but x, and holding u changes nothing.
+
+With J = 0 Kano and He are the play of width S, Choudhury where every run of u is longer than S. With S = J = 0
+all are x = u. Holding a sample (du = 0) stops a moving valve in Choudhury and Kano, so with J > 0 these two
+depend on the sampling; He's does not on held samples, but does on how finely a ramp is sampled.
+Limits of travel are not part of the operators here: put a saturation behind.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from lostmotion.kernels.types import FloatArray
+
+CHOUDHURY, KANO, HE = 0, 1, 2
+
+# State of all models: position, last command, command at the last stop, direction of motion (0: none yet),
+# moving in this sample, stopped without a turn.
+X, LAST, STOP, DIRECTION, MOVING, SAME = range(6)
+STATE_SIZE = 6
+
+
+@njit(cache=True)
+def init(start: float) -> FloatArray:
+    """State of a valve at rest at `start`, in the middle of its band; NaN: at the first finite command."""
+    state = np.zeros(STATE_SIZE)
+    state[X] = start
+    state[LAST] = start
+    return state
+
+
+@njit(cache=True)
+def step_choudhury(u: float, band: float, jump: float, state: FloatArray) -> None:
+    """Move `state` on by the finite command u (Choudhury 2005)."""
+    slope = np.sign(u - state[LAST])
+    if slope == 0.0:
+        if state[MOVING] == 1.0:
+            state[MOVING] = 0.0
+            state[SAME] = 1.0
+            state[STOP] = state[LAST]
+    else:
+        if state[DIRECTION] == 0.0:  # in the middle of the band: the break-away is (S + J) / 2 off
+            state[STOP] = state[X] - slope * 0.5 * (band - jump)
+        elif slope != state[DIRECTION]:
+            state[MOVING] = 0.0
+            state[SAME] = 0.0
+            state[STOP] = state[LAST]
+        state[DIRECTION] = slope
+        needed = jump if state[SAME] == 1.0 else band
+        if state[MOVING] == 1.0 or slope * (u - state[STOP]) > needed:
+            state[MOVING] = 1.0
+            state[X] = u - slope * 0.5 * (band - jump)
+    state[LAST] = u
+
+
+@njit(cache=True)
+def step_kano(u: float, band: float, jump: float, state: FloatArray) -> None:
+    """Move `state` on by the finite command u (Kano 2004)."""
+    if state[DIRECTION] == 0.0:  # either direction gives the same two thresholds, (S + J) / 2 off
+        state[DIRECTION] = 1.0
+        state[STOP] = state[X] + 0.5 * (band - jump)
+    direction = state[DIRECTION]
+    if state[MOVING] == 1.0 and direction * (u - state[LAST]) <= 0.0:
+        state[MOVING] = 0.0
+        state[STOP] = state[LAST]
+    if state[MOVING] == 0.0:
+        ahead = direction * (u - state[STOP])
+        if -ahead > band:
+            direction = -direction
+            state[MOVING] = 1.0
+        elif ahead > jump:
+            state[MOVING] = 1.0
+    if state[MOVING] == 1.0:
+        state[DIRECTION] = direction
+        state[X] = u - direction * 0.5 * (band - jump)
+    state[LAST] = u
+
+
+@njit(cache=True)
+def step_he(u: float, band: float, jump: float, state: FloatArray) -> None:
+    """Move `state` on by the finite command u (He 2007)."""
+    force = u - state[X]
+    state[MOVING] = 0.0
+    if abs(force) > 0.5 * (band + jump):
+        state[MOVING] = 1.0
+        state[DIRECTION] = np.sign(force)
+        state[X] = u - state[DIRECTION] * 0.5 * (band - jump)
+    state[LAST] = u
+
+
+@njit(cache=True)
+def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> float:
+    """Position after the command u; NaN in u leaves the state and gives NaN."""
+    if np.isnan(u):
+        return u
+    if np.isnan(state[X]):
+        state[X] = u
+        state[LAST] = u
+    if model == CHOUDHURY:
+        step_choudhury(u, band, jump, state)
+    elif model == KANO:
+        step_kano(u, band, jump, state)
+    else:
+        step_he(u, band, jump, state)
+    return float(state[X])
+
+
+@njit(cache=True)
+def run(model: int, u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
+    """Position over an array, from rest at `start` (NaN: at the first finite u)."""
+    x = np.empty(u.size)
+    state = init(start)
+    for k in range(u.size):
+        x[k] = step(model, u[k], band, jump, state)
+    return x
+
+
+@njit(cache=True)
+def sensitivities(
+    model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray
+) -> None:
+    """Position and its derivatives with respect to band and jump; `x` (n,) and `dx` (2, n) are filled.
+
+    Along the path with the times of break-away held fixed: -d/2 and d/2 where the valve moves, and what they
+    were when it stopped where it rests. x itself jumps where a break-away changes its sample, except for J = 0.
+    """
+    state = init(start)
+    dx[:, :] = 0.0
+    by_band = 0.0
+    for k in range(u.size):
+        x[k] = step(model, u[k], band, jump, state)
+        if state[MOVING] == 1.0:
+            by_band = -0.5 * state[DIRECTION]
+        dx[0, k] = by_band
+        dx[1, k] = -by_band
+
+
+@njit(cache=True)
+def run_choudhury(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
+    """:func:`run` of Choudhury's model."""
+    return run(CHOUDHURY, u, band, jump, start)
+
+
+@njit(cache=True)
+def run_kano(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
+    """:func:`run` of Kano's model."""
+    return run(KANO, u, band, jump, start)
+
+
+@njit(cache=True)
+def run_he(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
+    """:func:`run` of He's model."""
+    return run(HE, u, band, jump, start)
+
+
+@njit(cache=True)
+def sensitivities_choudhury(
+    u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray
+) -> None:
+    """:func:`sensitivities` of Choudhury's model."""
+    sensitivities(CHOUDHURY, u, band, jump, start, x, dx)
+
+
+@njit(cache=True)
+def sensitivities_kano(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray) -> None:
+    """:func:`sensitivities` of Kano's model."""
+    sensitivities(KANO, u, band, jump, start, x, dx)
+
+
+@njit(cache=True)
+def sensitivities_he(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray) -> None:
+    """:func:`sensitivities` of He's model."""
+    sensitivities(HE, u, band, jump, start, x, dx)
