@@ -24,7 +24,18 @@ from lostmotion.errors import (
 from lostmotion.evaluate import control_variance, mean_absolute_error
 from lostmotion.files import read_loop
 from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
-from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
+from lostmotion.models import (
+    Backlash,
+    DeadZone,
+    Hammerstein,
+    Identity,
+    LinearModel,
+    NoiseModel,
+    Saturation,
+    Series,
+    Stiction,
+    describing_function,
+)
 from lostmotion.records import LoopRecord, check
 from lostmotion.simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
 
@@ -32,6 +43,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "PI",
+    "Backlash",
     "ChangeEvent",
     "ColumnError",
     "DataError",
@@ -50,10 +62,14 @@ __all__ = [
     "ParameterError",
     "RecursiveIV",
     "RecursiveML",
+    "Saturation",
+    "Series",
     "Status",
+    "Stiction",
     "TimeError",
     "check",
     "control_variance",
+    "describing_function",
     "identify",
     "mean_absolute_error",
     "platforms",

@@ -1,12 +1,19 @@
 """Models: frozen values that simulate, invert and write themselves as JSON."""
 
+from lostmotion.models.backlash import Backlash, BacklashInverse
 from lostmotion.models.dead_zone import DeadZone, DeadZoneInverse
+from lostmotion.models.describing_function import describing_function
 from lostmotion.models.hammerstein import Hammerstein, Nonlinearity
 from lostmotion.models.identity import Identity
 from lostmotion.models.linear import LinearModel
 from lostmotion.models.noise import NoiseModel
+from lostmotion.models.saturation import Saturation
+from lostmotion.models.series import Series, SeriesInverse, actuator_from_dict
+from lostmotion.models.stiction import Stiction
 
 __all__ = [
+    "Backlash",
+    "BacklashInverse",
     "DeadZone",
     "DeadZoneInverse",
     "Hammerstein",
@@ -14,4 +21,10 @@ __all__ = [
     "LinearModel",
     "NoiseModel",
     "Nonlinearity",
+    "Saturation",
+    "Series",
+    "SeriesInverse",
+    "Stiction",
+    "actuator_from_dict",
+    "describing_function",
 ]

@@ -32,6 +32,14 @@ def positive(name: str, value: float) -> float:
     return number
 
 
+def not_negative(name: str, value: float) -> float:
+    """`value` as a finite float >= 0, or a ParameterError that names it."""
+    number = finite(name, value)
+    if number < 0:
+        raise ParameterError.expected(f"{name} >= 0", value, "widths and jumps have no sign")
+    return number
+
+
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`, or a ParameterError that names it."""
     try:
@@ -98,3 +106,14 @@ def elementwise(run: Callable[[FloatArray], FloatArray], values: npt.ArrayLike) 
     array = numbers("input", values)
     result = run(np.ascontiguousarray(array.ravel()))
     return float(result[0]) if array.ndim == 0 else result.reshape(array.shape)
+
+
+def along_time(run: Callable[[FloatArray], FloatArray], values: npt.ArrayLike) -> float | FloatArray:
+    """Apply a 1-D kernel with memory to a scalar or to a signal, shape (n,)."""
+    array = numbers("input", values)
+    if array.ndim > 1:
+        raise ParameterError.expected(
+            "a number or a signal of shape (n,)", f"shape {array.shape}", "the memory runs along time: pass one signal"
+        )
+    result = run(np.ascontiguousarray(array.ravel()))
+    return float(result[0]) if array.ndim == 0 else result

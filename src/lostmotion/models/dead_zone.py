@@ -10,6 +10,7 @@ import numpy.typing as npt
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models._arguments import FloatArray, elementwise, finite, positive
+from lostmotion.models._fundamentals import clipped_sine
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,19 @@ class DeadZone:
     def inverse(self) -> DeadZoneInverse:
         """The inverse: ``dead_zone(dead_zone.inverse()(v)) == v`` for every v (Lemma 1)."""
         return DeadZoneInverse(self)
+
+    def describing_function(self, amplitude: float) -> complex:
+        """Gain of the fundamental for ``amplitude * sin(t)``: real, each side counts for half of the sine."""
+        size = positive("amplitude", amplitude)
+        if self.left > 0 or self.right < 0:
+            raise ParameterError.expected(
+                "left <= 0 <= right",
+                f"left={self.left}, right={self.right}",
+                "use describing_function() with a bias",
+            )
+        below = self.left_slope * (1.0 - clipped_sine(-self.left / size))
+        above = self.right_slope * (1.0 - clipped_sine(self.right / size))
+        return complex(0.5 * (below + above))
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""
