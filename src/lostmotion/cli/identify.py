@@ -30,7 +30,9 @@ from lostmotion.identify import identify as identify_model
 
 Orders = Annotated[str, typer.Option("--orders", help='"auto", or na,nb,delay as in 3,2,3.')]
 Noise = Annotated[str, typer.Option("--noise", help='"auto", "white", or the order of the AR noise.')]
-Kind = Annotated[str, typer.Option("--nonlinearity", help='"dead zone", "none" or "auto".')]
+Kind = Annotated[
+    str, typer.Option("--nonlinearity", help='"dead zone", "backlash", "stiction", "saturation", "none" or "auto".')
+]
 Gain = Annotated[
     float | None,
     typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False),

@@ -10,24 +10,35 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.choice import choose_kind
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
-from lostmotion.identify.evidence import decide, weigh
-from lostmotion.identify.families import DeadZoneFamily, LinearFamily
+from lostmotion.identify.evidence import SIZE, decide, gain_over_linear, weigh
+from lostmotion.identify.families import Family
+from lostmotion.identify.kinds import KINDS, Sought, fit_kind, likely_kinds, seek
+from lostmotion.identify.memory_families import StictionFamily
 from lostmotion.identify.misfit import residual_tests
 from lostmotion.identify.offset import settle_offset
-from lostmotion.identify.parameters import Scaling, name_parameters
-from lostmotion.identify.profile import Lags, profile
+from lostmotion.identify.parameters import Scaling, name_parameters, with_profiled
+from lostmotion.identify.polish import profile_intervals
 from lostmotion.identify.result import HammersteinFit
-from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
+from lostmotion.identify.search import Fitted, ScaledData
 from lostmotion.identify.width_bound import width_bound
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
+from lostmotion.models import (
+    Backlash,
+    DeadZone,
+    Hammerstein,
+    Identity,
+    LinearModel,
+    NoiseModel,
+    Nonlinearity,
+    Saturation,
+    Stiction,
+)
 from lostmotion.models._arguments import FloatArray, finite, whole
 from lostmotion.records import LoopRecord, Prepared
 
-KINDS = ("dead zone", "none", "auto")
 DEFAULT_ORDERS = (3, 2, 1)
-OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 
 
 @one_thread
@@ -45,7 +56,7 @@ def identify(
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
-    The break points are found by a global search over high-order ARX models, the whole model is then refined by
+    The actuator is found by a global search over high-order ARX models, the whole model is then refined by
     maximum likelihood with an autoregressive noise model. No start values are needed.
 
     Parameters
@@ -58,8 +69,9 @@ def identify(
         Measurement (PV), with arrays only.
     dt : float, optional
         Sampling time in seconds, required with arrays.
-    nonlinearity : {"dead zone", "none", "auto"}
-        Kind of actuator. "auto" returns the linear model where the record does not support a dead zone.
+    nonlinearity : {"dead zone", "backlash", "stiction", "saturation", "none", "auto"}
+        Kind of actuator. "auto" fits all and returns the one that predicts best what it was not fitted to, or the
+        linear model; `fit.kinds` says how sure that is.
     orders : "auto" or (na, nb, delay)
         Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
         and delays from 1.
@@ -67,8 +79,7 @@ def identify(
         Order of the AR noise at the output; "white" is the Output Error model of the paper.
     gain : float, optional
         Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
-        and the product stays in the linear part.
-
+        and the product stays in the linear part. Only a dead zone has slopes; other kinds ignore it.
     offset : {"auto", "free", "zero"}
         Output at rest inside the dead zone. "zero" for records in deviations (the paper's model), "free" for
         absolute units; "auto" takes zero where a free offset explains nothing (information criterion), but never
@@ -104,7 +115,7 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
-    _check_choice("nonlinearity", nonlinearity, KINDS)
+    _check_choice("nonlinearity", nonlinearity, (*KINDS, "auto"))
     orders_given = _orders(orders)
     noise_given = _noise(noise)
     if gain is not None:
@@ -127,28 +138,31 @@ def identify(
         (data.y - scaling.y_centre) / scaling.y_scale,
         data.segments,
     )
-    linear = best_fit(scaled, LinearFamily(), [np.zeros(0)], orders_given, noise_given, levels=gain is None)
+    linear = fit_kind(None, scaled, orders_given, noise_given, levels=gain is None)
     linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     if nonlinearity == "none":
         return linear_result
-    found = _fit_dead_zone(scaled, orders_given, noise_given, levels=gain is None)
-    zone = settle_offset(found, scaling, offset)
-    result = replace(_package(data, scaled, scaling, zone, linear, settings, gain), linear_alternative=linear_result)
-    if nonlinearity == "auto" and result.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
-        return linear_result
-    return result
 
+    def result(kind: str, found: Fitted) -> HammersteinFit:
+        own = gain if kind == "dead zone" else None
+        packed = _package(data, scaled, scaling, found, linear, settings, own)
+        return replace(packed, linear_alternative=linear_result)
 
-def _fit_dead_zone(data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None, levels: bool) -> Fitted:
-    low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
-    if orders is None:
-        lags = Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
-    else:
-        lags = Lags.for_record(data.shortest, orders[2])
-    candidates = profile(data.u, data.y, data.segments, lags, low, high)
-    etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
-    family = DeadZoneFamily(low, high)
-    return best_fit(data, family, etas, orders, noise, levels)
+    def fitted(kind: str, sought: Sought) -> Fitted:
+        found = fit_kind(sought, scaled, orders_given, noise_given, levels=gain is None)
+        return settle_offset(found, scaling, offset) if kind == "dead zone" else found
+
+    if nonlinearity != "auto":
+        return result(nonlinearity, fitted(nonlinearity, seek(nonlinearity, scaled, orders_given)))
+    fits = {kind: fitted(kind, sought) for kind, sought in likely_kinds(scaled, orders_given).items()}
+    seen = {kind: found for kind, found in fits.items() if gain_over_linear(found, linear) > 0}
+    kinds = choose_kind(scaled, {"none": linear, **seen})
+    if kinds.best == "none":
+        return replace(linear_result, kinds=kinds)
+    chosen = replace(result(kinds.best, fits[kinds.best]), kinds=kinds)
+    if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+        return replace(linear_result, kinds=kinds)
+    return chosen
 
 
 def _package(
@@ -162,26 +176,31 @@ def _package(
 ) -> HammersteinFit:
     """Result in engineering units with status."""
     named = name_parameters(fitted, scaling, gain)
+    profiled = _profiled(fitted, scaling)
+    covariance = with_profiled(named, profiled)
     model = _model(named.values, fitted, data.dt, data.y_centre)
     simulated, errors = fitted.problem.predict(fitted.fit.theta)
     s = fitted.problem.structure
     d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
     evidence = weigh(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
     tests = residual_tests(fitted, errors)
-    status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, named.covariance)
-    widest = width_bound(fitted) * scaling.u_scale if status is Status.NOT_SEEN else None
+    status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
+    widest = None
+    if status is Status.NOT_SEEN:
+        widest = _widest(fitted, profiled, scaling)
     return HammersteinFit(
         status=status,
         model=model,
         noise=NoiseModel(tuple(d), fitted.variance * scaling.y_scale**2),
         parameters=named.values,
-        covariance=named.covariance,
+        covariance=covariance,
         residuals=np.concatenate(errors) * scaling.y_scale,
         simulated=_on_rows(simulated, scaled.segments, s.first, data.y.size, scaling),
         fit_percent=_fit_percent(scaled, simulated, s.first),
         tests=tests,
         evidence=evidence,
         widest=widest,
+        profiled=profiled,
         settings={
             **settings,
             "chosen": {
@@ -197,6 +216,22 @@ def _package(
     )
 
 
+def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
+    """Profile intervals in units of OP, where the likelihood has jumps."""
+    if not fitted.problem.family.kinks:
+        return {}
+    size = scaling.u_scale
+    return {name: (size * low, size * high) for name, (low, high) in profile_intervals(fitted).items()}
+
+
+def _widest(fitted: Fitted, profiled: dict[str, tuple[float, float]], scaling: Scaling) -> float | None:
+    """Largest width or band that the record does not exclude."""
+    kind = fitted.problem.family.kind
+    if kind == "dead zone":
+        return width_bound(fitted) * scaling.u_scale
+    return profiled[SIZE[kind]][1] if kind in SIZE else None
+
+
 def _model(values: dict[str, float], fitted: Fitted, dt: float, level: float) -> Hammerstein:
     s = fitted.problem.structure
     linear = LinearModel(
@@ -205,12 +240,20 @@ def _model(values: dict[str, float], fitted: Fitted, dt: float, level: float) ->
         s.delay,
         dt,
     )
-    actuator: Nonlinearity = Identity()
-    if fitted.problem.family.kind == "dead zone":
-        actuator = DeadZone(
-            min(values["left"], values["right"]), values["right"], values["left_slope"], values["right_slope"]
-        )
-    return Hammerstein(actuator, linear, values.get("offset", level))
+    return Hammerstein(_actuator(values, fitted.problem.family), linear, values.get("offset", level))
+
+
+def _actuator(values: dict[str, float], family: Family) -> Nonlinearity:
+    if family.kind == "dead zone":
+        left = min(values["left"], values["right"])
+        return DeadZone(left, values["right"], values["left_slope"], values["right_slope"])
+    if family.kind == "backlash":
+        return Backlash(values["width"])
+    if isinstance(family, StictionFamily):
+        return Stiction(values["band"], values["jump"], family.model)
+    if family.kind == "saturation":
+        return Saturation(values["low"], values["high"])
+    return Identity()
 
 
 def _on_rows(

@@ -12,6 +12,7 @@ from lostmotion.identify.result import Evidence
 from lostmotion.identify.search import Fitted, ScaledData
 from lostmotion.models._arguments import FloatArray
 
+SIZE = {"dead zone": "width", "backlash": "width", "stiction": "band"}  # the parameter that says how bad it is
 FLOOR = 1e-26  # variance of scaled residuals that is rounding
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 
@@ -26,6 +27,14 @@ def _criterion(fitted: Fitted, floor: float) -> float:
     return float(n * np.log(max(fitted.fit.cost / n, floor)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
 
 
+def gain_over_linear(fitted: Fitted, linear: Fitted) -> float:
+    """BIC of the linear fit minus that of this one, per row, on the common number of rows."""
+    if fitted is linear:
+        return 0.0
+    n = min(fitted.problem.errors, linear.problem.errors)
+    return n * (_criterion(linear, FLOOR) / linear.problem.errors - _criterion(fitted, FLOOR) / fitted.problem.errors)
+
+
 def weigh(
     scaled: ScaledData,
     fitted: Fitted,
@@ -36,8 +45,6 @@ def weigh(
 ) -> Evidence:
     """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
     floor = FLOOR
-    n = min(fitted.problem.errors, linear.problem.errors)
-    per_row = _criterion(linear, floor) / linear.problem.errors - _criterion(fitted, floor) / fitted.problem.errors
     models, variances, rows = autoregressions(
         [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
         MOST_NOISE_LAGS if noise is None else noise,
@@ -50,8 +57,8 @@ def weigh(
     above = int(np.sum(data.u > values["right"])) if "right" in values else 0
     loop = feedback(scaled.u, scaled.y, scaled.segments)
     return Evidence(
-        n * per_row if fitted is not linear else 0.0,
-        n * (alone - _criterion(linear, floor) / linear.problem.errors),
+        gain_over_linear(fitted, linear),
+        min(fitted.problem.errors, linear.problem.errors) * (alone - _criterion(linear, floor) / linear.problem.errors),
         below,
         above,
         tuple(
@@ -74,17 +81,20 @@ def decide(
     """First thing that the reader must know."""
     if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
         return Status.CANNOT_TELL
-    if "width" in values:
-        names = list(values)
-        error = float(np.sqrt(covariance[names.index("width"), names.index("width")]))
-        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values["right"])  # collapsed: no information
-        if evidence.gain_over_linear <= 0 or values["width"] <= reach:
+    kind = fitted.problem.family.kind
+    if kind == "saturation" and evidence.gain_over_linear <= 0:
+        return Status.NOT_SEEN
+    if kind in SIZE:
+        size, names = values[SIZE[kind]], list(values)
+        error = float(np.sqrt(covariance[names.index(SIZE[kind]), names.index(SIZE[kind])]))
+        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values.get("right", size))  # collapsed
+        if evidence.gain_over_linear <= 0 or size <= reach:
             return Status.NOT_SEEN
         if not np.isfinite(error):
             return Status.CANNOT_TELL
         if not fitted.fit.converged:
             return Status.NOT_CONVERGED
-        if min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
+        if kind == "dead zone" and min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
             return Status.ONE_SIDED
     if not fitted.fit.converged:
         return Status.NOT_CONVERGED

@@ -17,6 +17,7 @@ class Family(Protocol):
     """One kind of actuator, with right slope (or only slope) 1: the gain stays in the linear part."""
 
     kind: ClassVar[str]
+    kinks: ClassVar[bool]  # x jumps where eta moves: gradients alone do not end at the maximum
 
     @property
     def load(self) -> bool:
@@ -42,6 +43,7 @@ class LinearFamily:
 
     load: bool = False
     kind: ClassVar[str] = "none"
+    kinks: ClassVar[bool] = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,6 +79,7 @@ class DeadZoneFamily:
     high: float
     load: bool = False
     kind: ClassVar[str] = "dead zone"
+    kinks: ClassVar[bool] = False
 
     @property
     def names(self) -> tuple[str, ...]:

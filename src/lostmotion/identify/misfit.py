@@ -79,7 +79,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     if not prewhitened:
         theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     eta = theta[problem.eta_at : problem.noise_at]
-    knots, jumps = _other_shapes(problem.u, eta)
+    knots, jumps = _other_shapes(problem.u, eta if problem.family.kind == "dead zone" else eta[:0])
     added = len(knots) + len(jumps)
     wide = np.empty((eta.size + added, problem.u.size))
     x = np.empty(problem.u.size)

@@ -12,6 +12,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify.search import Fitted
 from lostmotion.models._arguments import FloatArray
 
+OWN = {"backlash": ("width",), "stiction": ("band", "jump"), "saturation": ("low", "high")}
 SMALLEST_REST = 1e-12  # of A(1): below it the process integrates, and has no gain
 CUTOFF = 1e-13  # relative eigenvalue below which a direction of the information matrix is empty
 ROUNDING = 1e-5  # components of such a direction that are nothing but rounding: it is often one of initial states
@@ -86,7 +87,8 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     s = problem.structure
     values, jacobian = named_values(theta, problem.family.kind, s.na, s.nb, scaling, gain)
     if s.integrating:
-        values, jacobian = _of_integrator(values, jacobian, theta, problem.eta_at, problem.family.load, scaling)
+        at = problem.noise_at - 1 if problem.family.load else None
+        values, jacobian = _of_integrator(values, jacobian, theta, at, scaling)
     inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
     for direction in empty.T:
@@ -101,20 +103,34 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     return Named(values, covariance)
 
 
+def with_profiled(named: Named, profiled: dict[str, tuple[float, float]]) -> FloatArray:
+    """Covariance in which parameters with a profile interval have its spread; correlations are kept where known."""
+    covariance = named.covariance.copy()
+    for index, name in enumerate(named.values):
+        if name not in profiled:
+            continue
+        low, high = profiled[name]
+        wanted, own = (high - low) / (2.0 * 1.96), np.sqrt(covariance[index, index])
+        factor = wanted / own if np.isfinite(wanted) and np.isfinite(own) and own > 0 else 0.0
+        covariance[index] = factor * np.where(np.isfinite(covariance[index]), covariance[index], 0.0)
+        covariance[:, index] = covariance[index]
+        covariance[index, index] = wanted**2
+    return covariance
+
+
 def _of_integrator(
-    values: dict[str, float], jacobian: FloatArray, theta: FloatArray, eta_at: int, load: bool, scaling: Scaling
+    values: dict[str, float], jacobian: FloatArray, theta: FloatArray, load_at: int | None, scaling: Scaling
 ) -> tuple[dict[str, float], FloatArray]:
     """Instead of gain and offset an integrating process has a load, in units of x."""
     names = list(values)
     kept = [index for index, name in enumerate(names) if name not in ("gain", "offset")]
     rows = [jacobian[kept]]
     result = {names[index]: values[names[index]] for index in kept}
-    if load:
-        at = eta_at + (3 if "left" in result else 0)
+    if load_at is not None:
         row = np.zeros((1, theta.size))
-        row[0, at] = scaling.u_scale
+        row[0, load_at] = scaling.u_scale
         rows.append(row)
-        result["load"] = scaling.u_scale * float(theta[at]) + (0.0 if "left" in result else -scaling.u_centre)
+        result["load"] = scaling.u_scale * float(theta[load_at]) + (0.0 if "left" in result else -scaling.u_centre)
     return {**result, "gain": float(np.inf)}, np.concatenate([*rows, np.zeros((1, theta.size))])
 
 
@@ -152,6 +168,10 @@ def _transform(
         b = np.asarray(b / slope)
         product = product / slope
     else:
+        own = OWN.get(kind, ())
+        eta = theta[na + nb + 2 : na + nb + 2 + len(own)]
+        names += own
+        values += list(scaling.u_scale * eta + (scaling.u_centre if kind == "saturation" else 0.0))
         offset = offset - product * scaling.u_centre
     names += ["gain", "offset", *(f"a{i + 1}" for i in range(na)), *(f"b{i}" for i in range(nb + 1))]
     values += [product, offset, *a, *b]

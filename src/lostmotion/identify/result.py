@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy import stats
 
 from lostmotion import _verbs
 from lostmotion.errors import Status
@@ -17,6 +18,7 @@ from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.models._arguments import FloatArray
 
 if TYPE_CHECKING:
+    from lostmotion.identify.choice import KindChoice
     from lostmotion.identify.data import IdentificationData
 
 
@@ -71,7 +73,11 @@ class HammersteinFit(NamedEstimate):
         Covariance in the order of `parameters`, from the Fisher information (noise model, offset and initial
         states included). width, slope_ratio and gain depend on the others, so it is singular.
     widest : float or None
-        Where no dead zone is seen: the widest that the record does not exclude (95 %, profile likelihood).
+        Where no lost motion is seen: the widest that the record does not exclude (95 %, profile likelihood).
+    profiled : dict of (float, float)
+        95 % intervals from the profile likelihood, of parameters whose likelihood has jumps (backlash, stiction).
+    kinds : KindChoice or None
+        With nonlinearity="auto": how the kinds compare, and how sure the choice is.
     residuals : ndarray
         Prediction errors, white where the model is right; simulated : output of the model from its input alone.
     """
@@ -90,6 +96,8 @@ class HammersteinFit(NamedEstimate):
     widest: float | None
     data: IdentificationData = field(repr=False)
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
+    profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
+    kinds: KindChoice | None = None
 
     @property
     def preferred(self) -> str:
@@ -120,15 +128,19 @@ class HammersteinFit(NamedEstimate):
             Unknown name or a level outside (0, 1).
         """
         low, high = super().interval(name, level)
+        if name in self.profiled:  # asymmetric; other levels in proportion
+            share = float(stats.norm.ppf(0.5 + level / 2) / stats.norm.ppf(0.975))
+            value, ends = self.parameters[name], self.profiled[name]
+            low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:
             factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
-        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind == "dead zone":
-            if name == "width":
+        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind != "none":
+            if name in ("width", "band"):
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
-            if name in ("left", "right", "slope_ratio", "left_slope"):
+            if name in ("left", "right", "slope_ratio", "left_slope", "jump", "low", "high"):
                 return -np.inf, np.inf
         if self.status is Status.ONE_SIDED and name in self.unvisited:
             return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
@@ -178,6 +190,7 @@ class HammersteinFit(NamedEstimate):
             "widest": None if self.widest is None else _finite(self.widest),
             "evidence": dict(vars(self.evidence)),
             "residual_tests": dict(vars(self.tests)),
+            "kinds": None if self.kinds is None else self.kinds.to_dict(),
             "settings": copy.deepcopy(self.settings),
             "data": {
                 "tag": data.tag,

@@ -146,10 +146,10 @@ def _without_load(best: Fitted) -> Fitted:
     at = best.problem.noise_at - 1
     start = np.delete(best.fit.theta, at)
     fitted = Fitted(plain, refine(plain, start), plain.basis)
-    return fitted if _criterion(fitted) <= _criterion(best) else best
+    return fitted if criterion(fitted) <= criterion(best) else best
 
 
-def _criterion(fitted: Fitted) -> float:
+def criterion(fitted: Fitted) -> float:
     """Bayesian information criterion."""
     n = fitted.problem.errors
     return float(n * np.log(max(fitted.fit.cost, 1e-300)) + fitted.parameters * np.log(n))
@@ -280,7 +280,7 @@ class _Search:
     def _score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         a = fitted.fit.theta[: fitted.problem.structure.na]
-        return _criterion(fitted) + (0.0 if self.orders is not None or plausible(a) else IMPLAUSIBLE)
+        return criterion(fitted) + (0.0 if self.orders is not None or plausible(a) else IMPLAUSIBLE)
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data

@@ -8,6 +8,7 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.evidence import SIZE
 from lostmotion.report.numbers import digits, span
 
 WIDTH = 96
@@ -16,7 +17,11 @@ MEANING = {
     "right": "break point, OP rising",
     "left_slope": "slope below left",
     "right_slope": "slope above right",
-    "width": "full width of the dead zone",
+    "width": "full width",
+    "band": "S: dead band and stick band",
+    "jump": "J: slip jump",
+    "low": "lower limit of the actuator",
+    "high": "upper limit of the actuator",
     "slope_ratio": "left_slope / right_slope",
     "gain": "static gain of the linear part",
     "offset": "PV at rest inside the dead zone",
@@ -48,30 +53,55 @@ def _finding(fit: HammersteinFit) -> str:
 
 def finding(fit: HammersteinFit) -> str:
     """What was found, in one sentence with its number."""
-    if fit.nonlinearity.kind == "none":
-        return "Linear model, no actuator fault in it."
+    kind = fit.nonlinearity.kind
+    if kind == "none":
+        return "Linear model, no actuator fault in it." + _choice(fit)
     span_op = _op_span(fit)
     if fit.status is Status.CANNOT_TELL:
-        return "No number is given for the dead zone."
+        return f"No number is given for the {kind}."
     if fit.status is Status.NOT_SEEN:
         if fit.widest is None or not np.isfinite(fit.widest):
-            return "The record does not bound the width."
+            return f"The record does not bound the {SIZE[kind]}."
         kink = ""
-        if fit.evidence.gain_over_linear > 0:
+        if fit.evidence.gain_over_linear > 0 and kind == "dead zone":
             kink = " The gain differs between low and high OP, but without a dead zone between them."
         bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
-        return f"A dead zone wider than {bound} would have been seen (95 %).{kink}"
+        what = {"dead zone": "A dead zone wider than", "backlash": "Backlash wider than"}.get(kind, "Stiction above")
+        return f"{what} {bound} would have been seen (95 %).{kink}"
     if fit.status is Status.ONE_SIDED:
         side = "right" if "left" in fit.unvisited else "left"
         shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
         return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
-    value, error = fit.parameters["width"], fit.standard_errors["width"]
-    low, high = fit.interval("width")
+    gain = f"{fit.evidence.gain_over_linear:.0f}"
+    return f"{_size(fit, span_op)}; preferred to the linear model by {gain} (BIC; 10 is strong)." + _choice(fit)
+
+
+def _size(fit: HammersteinFit, span_op: float | None) -> str:
+    """Kind and size with the interval."""
+    kind = fit.nonlinearity.kind
+    if kind == "saturation":
+        return f"Saturation at {fit.parameters['low']:.5g} and {fit.parameters['high']:.5g}"
+    name = SIZE[kind]
+    value, error = fit.parameters[name], fit.standard_errors[name]
     shown, deviation = digits(value, error)
+    text = (
+        f"{kind.capitalize()} of {name} {shown} +/- {deviation}{_percent(value, span_op)}, "
+        f"95 % interval {span(*fit.interval(name), error)}"
+    )
+    if kind == "stiction":
+        text += f", slip jump {digits(fit.parameters['jump'], fit.standard_errors['jump'])[0]}"
+    return text
+
+
+def _choice(fit: HammersteinFit) -> str:
+    """How sure the kind is."""
+    kinds = fit.kinds
+    if kinds is None or kinds.best == kinds.runner_up:
+        return ""
     return (
-        f"Dead zone of width {shown} +/- {deviation}{_percent(value, span_op)}, "
-        f"95 % interval {span(low, high, error)}; preferred to the linear model by "
-        f"{fit.evidence.gain_over_linear:.0f} (BIC; 10 is strong)."
+        f" Of the kinds, {kinds.best} predicts best what it was not fitted to; next is {kinds.runner_up}, "
+        f"{kinds.gains[kinds.best] - kinds.gains[kinds.runner_up]:.1f} behind in log-likelihood "
+        f"(confidence {100 * kinds.confidence:.0f} %)."
     )
 
 
@@ -80,13 +110,13 @@ def _table(fit: HammersteinFit) -> str:
     lines.append("-" * WIDTH)
     hidden = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
     for name, meaning in MEANING.items():
-        if name not in fit.parameters or (hidden and name not in ("width", "gain")):
+        if name not in fit.parameters or (hidden and name not in ("width", "band", "gain")):
             continue
         source = fit.linear_alternative if hidden and name == "gain" and fit.linear_alternative is not None else fit
         error = source.standard_errors[name]
         value, deviation = digits(source.parameters[name], error)
         low, high = source.interval(name)
-        if (hidden and name == "width") or name in fit.unvisited:
+        if (hidden and name in ("width", "band")) or name in fit.unvisited:
             value, deviation = "not seen", ""
         between = "" if deviation == "given" else span(low, high, error)
         lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")

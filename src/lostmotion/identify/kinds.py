@@ -1,0 +1,106 @@
+"""One fit for each kind of actuator: starts from its profile, likelihood, last steps where it has kinks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.identify.families import DeadZoneFamily, Family, LinearFamily
+from lostmotion.identify.memory_families import BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.identify.operator_profile import LaggedRegression, operator_profile
+from lostmotion.identify.polish import polished
+from lostmotion.identify.profile import Lags, profile
+from lostmotion.identify.search import AUTO_LAGS, Fitted, ScaledData, best_fit
+from lostmotion.models._arguments import FloatArray
+
+KINDS = ("none", "dead zone", "backlash", "stiction", "saturation")
+STICTION_MODELS = ("kano", "he")
+OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
+MOST_STARTS = 2
+WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
+
+
+@dataclass(frozen=True)
+class Sought:
+    """One kind of actuator and where its likelihood is worth climbing.
+
+    Attributes
+    ----------
+    family : Family
+    etas : list of ndarray
+        Starts, best first.
+    squares : float
+        Residual sum of squares of the profile at the best.
+    """
+
+    family: Family
+    etas: list[FloatArray]
+    squares: float
+
+
+def seek(kind: str, data: ScaledData, orders: tuple[int, int, int] | None) -> Sought:
+    """Global search for the actuator of one kind, by its profile."""
+    if kind == "dead zone":
+        return _dead_zone(data, orders)
+    lagged = regression(data, orders)
+    profiles = [operator_profile(lagged, family, data.u, MOST_STARTS) for family in families(kind, data)]
+    family, starts = min(profiles, key=lambda item: item[1][0].squares)
+    return Sought(family, [start.eta for start in starts], starts[0].squares)
+
+
+def fit_kind(
+    sought: Sought | None, data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None, levels: bool
+) -> Fitted:
+    """Global maximum of the likelihood of one kind.
+
+    Parameters
+    ----------
+    sought : Sought or None
+        From ``seek``; None: no actuator fault.
+    data : ScaledData
+    orders, noise
+        As in ``best_fit``.
+    levels : bool
+        Whether the process may integrate.
+    """
+    if sought is None:
+        return best_fit(data, LinearFamily(), [np.zeros(0)], orders, noise, levels)
+    best = best_fit(data, sought.family, sought.etas, orders, noise, levels)
+    return polished(best) if sought.family.kinks else best
+
+
+def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[str, Sought]:
+    """Kinds that explain more than a linear model already in their profile; a dead zone is always looked at."""
+    lagged = regression(data, orders)
+    limit = lagged.squares(data.u) * np.exp(-2.0 * WORTHWHILE / lagged.rows.size)
+    found = {kind: seek(kind, data, orders) for kind in KINDS if kind != "none"}
+    return {kind: sought for kind, sought in found.items() if kind == "dead zone" or sought.squares < limit}
+
+
+def families(kind: str, data: ScaledData) -> list[Family]:
+    """Forms in which a kind is tried on this record."""
+    widest = float(np.ptp(data.u))
+    if kind == "backlash":
+        return [BacklashFamily(widest, data.segments)]
+    if kind == "stiction":
+        return [StictionFamily(widest, data.segments, model=model) for model in STICTION_MODELS]
+    return [SaturationFamily((float(data.u.min()), float(data.u.max())))]
+
+
+def regression(data: ScaledData, orders: tuple[int, int, int] | None) -> LaggedRegression:
+    """PV without its own past, for profiles."""
+    return LaggedRegression.on(data.y, data.segments, _lags(data, orders))
+
+
+def _lags(data: ScaledData, orders: tuple[int, int, int] | None) -> Lags:
+    if orders is None:
+        return Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
+    return Lags.for_record(data.shortest, orders[2])
+
+
+def _dead_zone(data: ScaledData, orders: tuple[int, int, int] | None) -> Sought:
+    low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
+    candidates = profile(data.u, data.y, data.segments, _lags(data, orders), low, high)
+    etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
+    return Sought(DeadZoneFamily(low, high), etas, candidates[0].rss)

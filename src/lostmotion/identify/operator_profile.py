@@ -1,0 +1,184 @@
+"""Profile of the residual variance over the parameters of any actuator, by high-order ARX.
+
+The past of PV and a constant are projected out once; every candidate is then one small regression on its own lagged
+internal variable. With `beside` the past of OP is projected out as well: what remains is what the actuator explains
+that no linear model does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.identify.families import Family
+from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
+from lostmotion.identify.profile import Lags
+from lostmotion.models._arguments import FloatArray
+
+MOST_ROWS = 6000  # of the profile: it only makes starts
+RIDGE = 1e-9
+GRID, ZOOM = 18, 6
+SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
+JUMPS = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.5)  # of the band
+LIMITS = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3)  # shares of the samples beyond a limit
+TAIL = 0.005  # on either side of the range
+RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
+MOST_SEGMENTS = 10  # whose rests are sought
+MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
+
+
+@dataclass(frozen=True)
+class LaggedRegression:
+    """PV without what its own past explains.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (m,)
+        Predicted rows.
+    past : ndarray, shape (m, k)
+        Orthonormal basis of what is always there.
+    target : ndarray, shape (m,)
+        PV with `past` projected out.
+    """
+
+    lags: Lags
+    rows: npt.NDArray[np.int64]
+    past: FloatArray
+    target: FloatArray
+
+    @classmethod
+    def on(
+        cls,
+        y: FloatArray,
+        segments: npt.NDArray[np.int64],
+        lags: Lags,
+        beside: FloatArray | None = None,
+        most: int = MOST_ROWS,
+    ) -> LaggedRegression:
+        """Project out constant and past of y, and the past of `beside`."""
+        rows = np.concatenate([np.arange(start + lags.head, stop) for start, stop in segments])[:most]
+        columns = [np.ones((rows.size, 1)), y[rows[:, None] - np.arange(1, lags.outputs + 1)]]
+        if beside is not None:
+            columns.append(_lagged(beside, rows, lags))
+        past = np.concatenate(columns, axis=1)
+        scale = np.sqrt((past**2).mean(axis=0))
+        basis, sizes, _ = np.linalg.svd(past / np.where(scale > 0, scale, 1.0), full_matrices=False)
+        basis = basis[:, sizes > 1e-9 * sizes[0]]
+        return cls(lags, rows, basis, y[rows] - basis @ (basis.T @ y[rows]))
+
+    @property
+    def alone(self) -> float:
+        """Sum of squares without any actuator."""
+        return float(self.target @ self.target)
+
+    def squares(self, x: FloatArray) -> float:
+        """Sum of squares with the lagged internal variable x (n,)."""
+        lagged = _lagged(x, self.rows, self.lags)
+        lagged -= self.past @ (self.past.T @ lagged)
+        gram, cross = lagged.T @ lagged, lagged.T @ self.target
+        gram[np.diag_indices_from(gram)] += RIDGE * (np.diag(gram) + self.rows.size)
+        return self.alone - float(cross @ np.linalg.solve(gram, cross))
+
+
+def _lagged(x: FloatArray, rows: npt.NDArray[np.int64], lags: Lags) -> FloatArray:
+    return np.asarray(x[rows[:, None] - lags.delay - np.arange(lags.inputs)])
+
+
+@dataclass(frozen=True)
+class Start:
+    """A minimum of the profile."""
+
+    eta: FloatArray
+    squares: float
+
+
+def operator_profile(
+    regression: LaggedRegression, family: Family, u: FloatArray, most: int
+) -> tuple[Family, list[Start]]:
+    """Best parameters of one kind of actuator, best first: a grid, then a finer one about its best points.
+
+    The family comes back with the rests of the best point of the grid.
+    """
+    low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
+    first, finer = GRIDS[family.kind](u, high - low)
+    x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
+
+    def score(etas: list[FloatArray]) -> list[Start]:
+        found = []
+        for eta in etas:
+            family.evaluate(family.project(eta), u, x, dx)
+            found.append(Start(family.project(eta), regression.squares(x)))
+        return sorted(found, key=lambda start: start.squares)
+
+    coarse = score(first)
+    family = settle_rests(regression, family, coarse[0].eta, u)
+    best = score([eta for start in coarse[:most] for eta in finer(start.eta)])
+    best += score([best[0].eta + 0.25 * (eta - best[0].eta) for eta in finer(best[0].eta)])
+    return family, _apart(sorted(best, key=lambda start: start.squares), regression.rows.size, most)
+
+
+def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, u: FloatArray) -> Family:
+    """The family with the rest at the beginning of each segment that explains PV best; those without memory as is."""
+    if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
+        return family
+    x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
+
+    def squares(rests: list[float]) -> float:
+        replace(family, rests=tuple(rests)).evaluate(eta, u, x, dx)
+        return regression.squares(x)
+
+    rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]
+    for index in range(len(rests)):
+        trials = [[*rests[:index], rest, *rests[index + 1 :]] for rest in RESTS]
+        rests = min(trials, key=squares)
+    return replace(family, rests=tuple(rests))
+
+
+def _apart(starts: list[Start], samples: int, most: int) -> list[Start]:
+    """Starts that differ by more than a quarter of the largest parameter, near the best."""
+    limit = starts[0].squares * (1.0 + 2.0 * MARGIN / samples)
+    kept: list[Start] = []
+    for start in starts:
+        size = 0.25 * float(np.abs(start.eta).max())
+        if start.squares <= limit and all(np.abs(start.eta - other.eta).max() > size for other in kept):
+            kept.append(start)
+    return kept[:most]
+
+
+_Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
+
+
+def _backlash(_: FloatArray, span: float) -> _Grid:
+    widths = span * np.geomspace(SMALLEST, LARGEST, GRID)
+    ratio = (widths[1] / widths[0]) ** np.linspace(-1, 1, 2 * ZOOM + 1)
+    return [np.array([width]) for width in widths], lambda eta: [np.array([eta[0] * step]) for step in ratio]
+
+
+def _stiction(_: FloatArray, span: float) -> _Grid:
+    bands = span * np.geomspace(SMALLEST, LARGEST, GRID)
+    ratio = (bands[1] / bands[0]) ** np.linspace(-0.7, 0.7, ZOOM)
+    shares = np.linspace(-0.12, 0.12, 4)
+
+    def finer(eta: FloatArray) -> list[FloatArray]:
+        return [np.array([eta[0] * step, max(eta[1] + part * eta[0], 0.0)]) for step in ratio for part in shares]
+
+    return [np.array([band, share * band]) for band in bands for share in JUMPS], finer
+
+
+def _saturation(u: FloatArray, span: float) -> _Grid:
+    shares = np.array(LIMITS)
+    lows = [float(u.min()), *np.quantile(u, shares)]
+    highs = [float(u.max()), *np.quantile(u, 1.0 - shares)]
+    steps = 0.03 * span * np.linspace(-1, 1, 3)
+    pairs = [np.array([low, high]) for low in lows for high in highs if low < high][1:]
+    return pairs, lambda eta: [eta + np.array([down, up]) for down in steps for up in steps]
+
+
+GRIDS: dict[str, Callable[[FloatArray, float], _Grid]] = {
+    "backlash": _backlash,
+    "stiction": _stiction,
+    "saturation": _saturation,
+}

@@ -1,0 +1,136 @@
+"""Last steps on a likelihood with jumps, and intervals from its profile.
+
+Where a change of width moves a break-away by one sample, the likelihood jumps: gradients end nearby, not at, the
+maximum, and the curvature says too little about the interval. A pattern search finishes, and the interval is where
+the profile likelihood falls by 1.92 (Wilks), over a mesh of a tenth of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import stats
+
+from lostmotion.identify.batch import LocalFit, refine
+from lostmotion.identify.search import Fitted
+from lostmotion.models._arguments import FloatArray
+
+FIRST_STEP = 0.08  # of the largest actuator parameter
+HALVINGS = 6
+MOST_MOVES = 8  # with one step length
+STEPS = 4  # of the rest of the model at each trial
+LEVEL = 0.95
+GROWTH, MOST_GROWTH = 1.5, 30
+BISECTIONS = 5
+FIRST_REACH = 0.003  # of the range of OP: the first move away from the optimum
+
+
+def polished(fitted: Fitted) -> Fitted:
+    """Pattern search over the actuator, everything else refined with it."""
+    names = _own(fitted)
+    if not names:
+        return fitted
+    best = fitted.fit
+    step = FIRST_STEP * max(float(np.abs(_eta(fitted, best)[: len(names)]).max()), 1e-3)
+    directions = [np.eye(len(names))[i] * sign for i in range(len(names)) for sign in (1.0, -1.0)]
+    if len(names) == 2:
+        directions += [np.array([1.0, 1.0]), np.array([-1.0, -1.0])]
+    for _ in range(HALVINGS):
+        for _ in range(MOST_MOVES):
+            trials = [_moved(fitted, best, step * direction) for direction in directions]
+            winner = min(trials, key=lambda trial: trial.cost)
+            if not winner.cost < best.cost:
+                break
+            best = winner
+        step *= 0.5
+    return replace(fitted, fit=replace(best, converged=True))
+
+
+def profile_intervals(fitted: Fitted) -> dict[str, tuple[float, float]]:
+    """95 % intervals of the actuator parameters (scaled units); an end that is never rejected is infinite."""
+    rise = float(stats.chi2.ppf(LEVEL, 1)) * fitted.variance
+    return {
+        name: (_end(fitted, index, -1.0, rise), _end(fitted, index, 1.0, rise))
+        for index, name in enumerate(_own(fitted))
+    }
+
+
+def _end(fitted: Fitted, index: int, sign: float, rise: float) -> float:
+    """Where the profile has risen for good, on one side."""
+    best, limit = fitted.fit, fitted.fit.cost + rise
+    here = float(_eta(fitted, best)[index])
+    span = float(np.ptp(fitted.problem.u))
+    inside, outside = 0.0, FIRST_REACH * span
+    last = best
+    for _ in range(MOST_GROWTH):
+        trial = _held(fitted, last, index, here + sign * outside)
+        if trial is None or outside > span:
+            return 0.0 if sign < 0 else float(np.inf)
+        if trial.cost > limit:
+            break
+        inside, outside, last = outside, GROWTH * outside, trial
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (inside + outside)
+        trial = _held(fitted, last, index, here + sign * middle)
+        if trial is None or trial.cost > limit:
+            outside = middle
+        else:
+            inside = middle
+    return max(here + sign * outside, 0.0) if fitted.problem.family.kind != "saturation" else here + sign * outside
+
+
+def _held(fitted: Fitted, start: LocalFit, index: int, value: float) -> LocalFit | None:
+    """Best fit with one actuator parameter at a value; None outside the valid set."""
+    eta = _eta(fitted, start).copy()
+    eta[index] = value
+    if abs(fitted.problem.family.project(eta)[index] - value) > 1e-9 * (1.0 + abs(value)):
+        return None
+    theta = start.theta.copy()
+    theta[fitted.problem.eta_at : fitted.problem.noise_at] = eta
+    names = _own(fitted)
+    best = refine(fitted.problem, theta, _without(fitted, [index]), most_steps=2 * STEPS, tied=True)
+    if len(names) < 2:
+        return best
+    other = 1 - index
+    step = FIRST_STEP * max(float(np.abs(eta[:2]).max()), 1e-3)
+    for _ in range(2):
+        for sign in (1.0, -1.0):
+            moved = best.theta.copy()
+            moved[fitted.problem.eta_at + other] += sign * step
+            if not _valid(fitted, moved):
+                continue
+            trial = refine(fitted.problem, moved, _without(fitted, [0, 1]), most_steps=STEPS, tied=True)
+            best = trial if trial.cost < best.cost else best
+        step *= 0.5
+    return best
+
+
+def _moved(fitted: Fitted, start: LocalFit, move: FloatArray) -> LocalFit:
+    """The actuator moved, the rest refined."""
+    theta = start.theta.copy()
+    at = fitted.problem.eta_at
+    theta[at : at + move.size] += move
+    theta = fitted.problem.project(theta)
+    return refine(fitted.problem, theta, _without(fitted, list(range(move.size))), most_steps=STEPS, tied=True)
+
+
+def _without(fitted: Fitted, held: list[int]) -> FloatArray:
+    """Free directions but for some actuator parameters."""
+    free = fitted.basis if fitted.basis is not None else fitted.problem.basis
+    free = np.eye(fitted.fit.theta.size) if free is None else free
+    rows = [fitted.problem.eta_at + index for index in held]
+    return free[:, ~np.any(free[rows] != 0.0, axis=0)]
+
+
+def _valid(fitted: Fitted, theta: FloatArray) -> bool:
+    return bool(np.allclose(fitted.problem.project(theta), theta, rtol=0.0, atol=1e-12))
+
+
+def _own(fitted: Fitted) -> list[str]:
+    """Actuator parameters without a load."""
+    return [name for name in fitted.problem.family.names if name != "load"]
+
+
+def _eta(fitted: Fitted, fit: LocalFit) -> FloatArray:
+    return fit.theta[fitted.problem.eta_at : fitted.problem.noise_at]
