@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels import dead_zone
+from lostmotion.kernels import actuator, dead_zone
 from lostmotion.kernels.types import FloatArray
 
 
@@ -27,9 +27,9 @@ def closed_loop(
     b: FloatArray,
     delay: int,
     offset: float,
-    zone: FloatArray,
+    parameters: FloatArray,
     inverse: FloatArray,
-    has_zone: bool,
+    kind: int,
     has_inverse: bool,
     kp: float,
     ki_dt: float,
@@ -42,13 +42,15 @@ def closed_loop(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Simulate n samples; return controller output, command to the actuator, internal variable, y and measured y.
 
-    `zone` and `inverse` hold left, right, left slope, right slope (and the answer to zero, for the inverse).
+    `kind` and `parameters` are those of ``kernels.actuator``; an actuator with memory begins at rest at the bias.
+    `inverse` holds left, right, left slope, right slope and the answer to zero of a dead-zone inverse.
     """
     n = reference.size
     control, command, clean, measured = np.empty((4, n))
     before = max(delay + b.size, a.size)  # zeros ahead of the first sample spare the recursion its conditions
     x, z = np.zeros((2, before + n))
     integral = bias
+    state = actuator.init(bias)
     for k in range(n):
         value = 0.0
         newest = before + k - delay
@@ -65,5 +67,5 @@ def closed_loop(
         if has_inverse:
             sent = dead_zone.inverse(sent, inverse[0], inverse[1], inverse[2], inverse[3], inverse[4])
         command[k] = sent
-        x[before + k] = dead_zone.forward(sent, zone[0], zone[1], zone[2], zone[3]) if has_zone else sent
+        x[before + k] = actuator.step(kind, parameters, state, sent)
     return control, command, x[before:].copy(), clean, measured

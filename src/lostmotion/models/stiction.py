@@ -70,6 +70,11 @@ class Stiction:
         if self.model not in CODES:
             raise ParameterError.expected(f"model out of {sorted(CODES)}", repr(self.model), "choose one of them")
 
+    @property
+    def code(self) -> int:
+        """Number of the model in the kernels."""
+        return CODES[self.model]
+
     def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
         """Position x for u, a scalar or shape (n,), from rest at the first finite sample; NaN gives NaN."""
         return self.run(u)
@@ -77,8 +82,7 @@ class Stiction:
     def run(self, u: npt.ArrayLike, start: float | None = None) -> float | FloatArray:
         """Position x for u, a scalar or shape (n,), from rest at `start` (None: x = u at the first sample)."""
         before = math.nan if start is None else finite("start", start)
-        code = CODES[self.model]
-        return along_time(lambda array: kernel.run(code, array, self.band, self.jump, before), u)
+        return along_time(lambda array: kernel.run(self.code, array, self.band, self.jump, before), u)
 
     def describing_function(self, amplitude: float) -> complex:
         """Gain of the fundamental for ``amplitude * sin(t)``, complex; 0 where the sine is too small to move it.

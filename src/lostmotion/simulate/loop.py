@@ -11,8 +11,18 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.errors import ParameterError
+from lostmotion.kernels import actuator as kernel
 from lostmotion.kernels.loop import closed_loop
-from lostmotion.models import DeadZone, DeadZoneInverse, Hammerstein, Identity, LinearModel
+from lostmotion.models import (
+    Backlash,
+    DeadZone,
+    DeadZoneInverse,
+    Hammerstein,
+    Identity,
+    LinearModel,
+    Saturation,
+    Stiction,
+)
 from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate.controllers import PI
 
@@ -124,10 +134,10 @@ def simulate_loop(
     added = np.zeros(r.size) if disturbance is None else finite_signal("disturbance", disturbance, r.size)
     if disturbance_path is not None:
         added = disturbance_path.simulate(added)
-    zone, has_zone = _zone(model)
+    kind, parameters = _actuator(model)
     inverse, has_inverse = _inverse(compensator)
     control, command, x, clean, measured = closed_loop(
-        np.array(linear.a), np.array(linear.b), linear.delay, model.offset, zone, inverse, has_zone, has_inverse,
+        np.array(linear.a), np.array(linear.b), linear.delay, model.offset, parameters, inverse, kind, has_inverse,
         controller.kp, controller.ki * dt, controller.low, controller.high, controller.bias, r, added,
         _noise(noise, r.size, seed),
     )  # fmt: skip
@@ -145,13 +155,27 @@ def _noise(noise: float | npt.ArrayLike | None, n: int, seed: int | np.random.Ge
     return np.random.default_rng(seed).normal(scale=np.sqrt(variance), size=n)
 
 
-def _zone(model: Hammerstein) -> tuple[FloatArray, bool]:
-    zone = model.nonlinearity
-    if isinstance(zone, Identity):
-        return _OPEN, False
-    if isinstance(zone, DeadZone):
-        return np.array([zone.left, zone.right, zone.left_slope, zone.right_slope]), True
-    raise ParameterError.expected("a DeadZone or Identity actuator", type(zone).__name__, "see lostmotion.models")
+def _actuator(model: Hammerstein) -> tuple[int, FloatArray]:
+    """Number and parameters of the actuator, as ``kernels.actuator`` knows it."""
+    valve = model.nonlinearity
+    parameters = np.zeros(5)
+    if isinstance(valve, Identity):
+        return kernel.NONE, parameters
+    if isinstance(valve, DeadZone):
+        parameters[:4] = valve.left, valve.right, valve.left_slope, valve.right_slope
+        return kernel.DEAD_ZONE, parameters
+    if isinstance(valve, Backlash):
+        parameters[0] = valve.width
+        return kernel.BACKLASH, parameters
+    if isinstance(valve, Saturation):
+        parameters[:2] = valve.low, valve.high
+        return kernel.SATURATION, parameters
+    if isinstance(valve, Stiction):
+        parameters[:2] = valve.band, valve.jump
+        return kernel.STICTION + valve.code, parameters
+    raise ParameterError.expected(
+        "a DeadZone, Backlash, Stiction, Saturation or Identity", type(valve).__name__, "see lostmotion.models"
+    )
 
 
 def _inverse(compensator: DeadZoneCompensator | DeadZoneInverse | None) -> tuple[FloatArray, bool]:

@@ -1,0 +1,214 @@
+"""Random closed loops of which the fault is known: on them the diagnosis is calibrated, and can be checked by anyone.
+
+OP and PV are in percent of span. A loop is a process (fast and slow self-regulating, second order, level), a PI
+controller tuned for it, an actuator, drift and noise; a badly tuned loop has a controller near its limit of
+stability, a disturbed one swings because something upstream does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.models import (
+    Backlash,
+    DeadZone,
+    Hammerstein,
+    Identity,
+    LinearModel,
+    Nonlinearity,
+    Saturation,
+    Stiction,
+)
+from lostmotion.models._arguments import FloatArray, whole
+from lostmotion.simulate import PI, LoopResponse, simulate_loop
+
+FAULTS = ("none", "dead zone", "backlash", "stiction", "saturation")
+CAUSES = (*FAULTS, "tuning", "disturbance")
+PROCESSES = ("flow", "pressure", "temperature", "level")
+WIDTHS = (1.0, 10.0)  # % of span
+REST = 50.0  # OP at which the loop is at home, in % of span
+SETTLED = 0.25  # of the simulated record is thrown away: the loop has forgotten how it began
+SCAN = 0.02  # smallest stored step of PV and OP in % of span, where the historian rounds
+
+
+@dataclass(frozen=True, eq=False)
+class FaultyLoop:
+    """A record with its truth.
+
+    Attributes
+    ----------
+    cause : str
+        Of CAUSES: what makes the loop behave as it does.
+    process : str
+        Of PROCESSES.
+    actuator : Nonlinearity
+    width : float
+        Full width (dead zone, backlash) or band (stiction) in % of span; 0 elsewhere.
+    op, pv, sp : ndarray, shape (n,)
+        In % of span.
+    dt : float
+        Seconds.
+    noise_in_op : float
+        Deviation that measurement noise has in OP.
+    """
+
+    cause: str
+    process: str
+    actuator: Nonlinearity
+    width: float
+    op: FloatArray
+    pv: FloatArray
+    sp: FloatArray
+    dt: float
+    noise_in_op: float
+
+    @property
+    def visible(self) -> bool:
+        """Whether the width exceeds twice the noise in OP, and OP turned by more than it."""
+        return self.width > 2.0 * self.noise_in_op and float(np.ptp(self.op)) > 1.2 * self.width
+
+
+def random_faulty_loop(
+    seed: int, samples: int = 2000, cause: str | None = None, process: str | None = None
+) -> FaultyLoop:
+    """Draw a loop.
+
+    Parameters
+    ----------
+    seed : int
+    samples : int
+    cause, process : str, optional
+        Of CAUSES and PROCESSES; None: drawn.
+
+    Examples
+    --------
+    >>> loop = random_faulty_loop(3, samples=500, cause="stiction")
+    >>> loop.op.size, loop.actuator.kind
+    (500, 'stiction')
+    """
+    rng = np.random.default_rng([whole("seed", seed, 0), 47])
+    cause = str(rng.choice(CAUSES)) if cause is None else cause
+    process = str(rng.choice(PROCESSES)) if process is None else process
+    linear, controller, pace = _process(rng, process, cause == "tuning")
+    width = float(np.exp(rng.uniform(*np.log(WIDTHS))))
+    actuator = _actuator(rng, cause, width)
+    n = round(samples / (1.0 - SETTLED))
+    deviation = width * np.exp(rng.uniform(np.log(0.01), np.log(0.5))) / max(abs(controller.kp), 0.3)
+    noise = rng.normal(scale=deviation, size=n)
+    load = _drift(rng, n, pace, width) + (_upstream(rng, n, pace, width) if cause == "disturbance" else 0.0)
+    response = _run(linear, controller, actuator, _set_point(rng, n, pace, width), load, noise)
+    kept = slice(n - samples, n)
+    step = SCAN * float(rng.choice([0.0, 0.1, 1.0]))
+    op, pv = _stored(response.control[kept], step), _stored(response.measured[kept], step)
+    size = getattr(actuator, "width", getattr(actuator, "band", 0.0))
+    in_op = deviation * abs(controller.kp)
+    return FaultyLoop(cause, process, actuator, float(size), op, pv, response.reference[kept], linear.dt, float(in_op))
+
+
+def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[LinearModel, PI, float]:
+    """Process, controller, and its pace in samples."""
+    gain = float(rng.choice([-1.0, 1.0]) * np.exp(rng.uniform(np.log(0.4), np.log(2.5))))
+    constant = float(np.exp(rng.uniform(np.log(2.0), np.log(25.0))))
+    delay = int(rng.integers(1, 3)) if process in ("flow", "level") else int(rng.integers(1, 2 + int(constant / 2)))
+    pole = float(np.exp(-1.0 / constant))
+    closed = constant * rng.uniform(0.6, 2.5) if process != "flow" else rng.uniform(1.5, 6.0)
+    if process == "flow":
+        pole = float(np.exp(-1.0 / rng.uniform(0.4, 3.0)))
+    if process == "level":
+        gain *= 1.0 / constant
+        linear = LinearModel([-1.0], [gain], delay, 1.0)
+        kp = 1.0 / (gain * (closed + delay))
+        ki = kp / (4.0 * (closed + delay))
+    else:
+        a = np.array([1.0, -pole])
+        if process == "temperature":
+            a = np.convolve(a, [1.0, -float(np.exp(-1.0 / (constant * rng.uniform(0.1, 0.5))))])
+        linear = LinearModel(a[1:], [gain * a.sum()], delay, 1.0)
+        time = -1.0 / np.log(pole)
+        kp = time / (gain * (closed + delay))
+        ki = kp / min(time, 4.0 * (closed + delay))
+    if badly:
+        kp, ki = _near_the_limit(linear, kp, ki, rng.uniform(0.93, 0.995))
+    return linear, PI(kp, ki, -REST, REST), closed + delay
+
+
+def _near_the_limit(linear: LinearModel, kp: float, ki: float, share: float) -> tuple[float, float]:
+    """The same PI with a gain a little below that at which the loop is unstable, found by bisection."""
+    low, high = 0.0, 1.0
+    while _stable(linear, high * kp, high * ki) and high < 1e4:
+        low, high = high, 2.0 * high
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _stable(linear, middle * kp, middle * ki) else (low, middle)
+    return share * low * kp, share * low * ki
+
+
+def _stable(linear: LinearModel, kp: float, ki: float) -> bool:
+    """Roots of A (1 - q^-1) + q^-d B (kp + ki - kp q^-1)."""
+    left = np.convolve(np.r_[1.0, linear.a], [1.0, -1.0])
+    right = np.convolve(np.r_[np.zeros(linear.delay), linear.b], [kp + ki * linear.dt, -kp])
+    size = max(left.size, right.size)
+    total = np.pad(left, (0, size - left.size)) + np.pad(right, (0, size - right.size))
+    return bool(np.abs(np.roots(total)).max(initial=0.0) < 1.0)
+
+
+def _actuator(rng: np.random.Generator, cause: str, width: float) -> Nonlinearity:
+    """Actuator in deviations from its place at home."""
+    if cause == "dead zone":
+        middle = rng.uniform(-0.3, 0.3) * width
+        return DeadZone(middle - 0.5 * width, middle + 0.5 * width)
+    if cause == "backlash":
+        return Backlash(width)
+    if cause == "stiction":
+        return Stiction(width, width * rng.uniform(0.2, 1.2), str(rng.choice(["kano", "he"])))
+    if cause == "saturation":
+        return Saturation(-rng.uniform(0.15, 0.6) * width, rng.uniform(0.15, 0.6) * width)
+    return Identity()
+
+
+def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
+    """Slow load, in units of OP."""
+    pole = np.exp(-1.0 / (pace * rng.uniform(3.0, 20.0)))
+    size = width * np.exp(rng.uniform(np.log(0.05), np.log(1.5)))
+    steps = rng.normal(scale=size * np.sqrt(1.0 - pole**2), size=n)
+    drift = np.zeros(n)
+    for k in range(1, n):
+        drift[k] = pole * drift[k - 1] + steps[k]
+    return drift
+
+
+def _upstream(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
+    """A periodic load that this loop does not cause: a sine, or a rounded square wave as another valve makes it."""
+    period = pace * rng.uniform(4.0, 25.0)
+    time = np.arange(n) + np.cumsum(rng.normal(scale=rng.uniform(0.0, 0.1), size=n))
+    wave = np.sin(2.0 * np.pi * time / period)
+    if rng.random() < 0.5:
+        wave = np.tanh(rng.uniform(0.5, 6.0) * wave)
+    return width * rng.uniform(0.5, 3.0) * wave
+
+
+def _set_point(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
+    """Constant in most loops; a few moves in others."""
+    reference = np.zeros(n)
+    if rng.random() < 0.3:
+        for k in np.sort(rng.integers(0, n, size=int(rng.integers(2, 9)))):
+            reference[k:] = rng.normal(scale=width)
+    return reference + 0.0 * pace
+
+
+def _run(
+    linear: LinearModel, controller: PI, actuator: Nonlinearity, reference: FloatArray, load: FloatArray, noise: FloatArray
+) -> LoopResponse:
+    """Simulate; the load passes through the process like OP does."""
+    added = linear.simulate(load)
+    return simulate_loop(
+        Hammerstein(actuator, linear), controller, reference, disturbance=added, noise=noise, allow_unstable=True
+    )
+
+
+def _stored(signal: FloatArray, step: float) -> FloatArray:
+    """About the middle of the span, rounded as a historian does."""
+    values = REST + signal
+    return np.asarray(np.round(values / step) * step) if step > 0 else values
