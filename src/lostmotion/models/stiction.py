@@ -67,7 +67,7 @@ class Stiction:
     def __post_init__(self) -> None:
         for name in ("band", "jump"):
             object.__setattr__(self, name, not_negative(name, getattr(self, name)))
-        if self.model not in CODES:
+        if not isinstance(self.model, str) or self.model not in CODES:
             raise ParameterError.expected(f"model out of {sorted(CODES)}", repr(self.model), "choose one of them")
 
     @property
