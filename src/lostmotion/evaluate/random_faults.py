@@ -98,7 +98,7 @@ def random_faulty_loop(
     deviation = width * np.exp(rng.uniform(np.log(0.01), np.log(0.5))) / max(abs(controller.kp), 0.3)
     noise = rng.normal(scale=deviation, size=n)
     load = _drift(rng, n, pace, width) + (_upstream(rng, n, pace, width) if cause == "disturbance" else 0.0)
-    response = _run(linear, controller, actuator, _set_point(rng, n, pace, width), load, noise)
+    response = _run(linear, controller, actuator, _set_point(rng, n, width), load, noise)
     kept = slice(n - samples, n)
     step = SCAN * float(rng.choice([0.0, 0.1, 1.0]))
     op, pv = _stored(response.control[kept], step), _stored(response.measured[kept], step)
@@ -118,14 +118,14 @@ def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[Linea
         pole = float(np.exp(-1.0 / rng.uniform(0.4, 3.0)))
     if process == "level":
         gain *= 1.0 / constant
-        linear = LinearModel([-1.0], [gain], delay, 1.0)
+        linear = LinearModel((-1.0,), (gain,), delay, 1.0)
         kp = 1.0 / (gain * (closed + delay))
         ki = kp / (4.0 * (closed + delay))
     else:
         a = np.array([1.0, -pole])
         if process == "temperature":
             a = np.convolve(a, [1.0, -float(np.exp(-1.0 / (constant * rng.uniform(0.1, 0.5))))])
-        linear = LinearModel(a[1:], [gain * a.sum()], delay, 1.0)
+        linear = LinearModel(tuple(a[1:].tolist()), (gain * float(a.sum()),), delay, 1.0)
         time = -1.0 / np.log(pole)
         kp = time / (gain * (closed + delay))
         ki = kp / min(time, 4.0 * (closed + delay))
@@ -186,16 +186,16 @@ def _upstream(rng: np.random.Generator, n: int, pace: float, width: float) -> Fl
     wave = np.sin(2.0 * np.pi * time / period)
     if rng.random() < 0.5:
         wave = np.tanh(rng.uniform(0.5, 6.0) * wave)
-    return width * rng.uniform(0.5, 3.0) * wave
+    return np.asarray(width * rng.uniform(0.5, 3.0) * wave)
 
 
-def _set_point(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
+def _set_point(rng: np.random.Generator, n: int, width: float) -> FloatArray:
     """Constant in most loops; a few moves in others."""
     reference = np.zeros(n)
     if rng.random() < 0.3:
         for k in np.sort(rng.integers(0, n, size=int(rng.integers(2, 9)))):
             reference[k:] = rng.normal(scale=width)
-    return reference + 0.0 * pace
+    return reference
 
 
 def _run(

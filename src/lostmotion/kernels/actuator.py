@@ -24,12 +24,12 @@ def init(start: float) -> FloatArray:
 def step(kind: int, parameters: FloatArray, state: FloatArray, u: float) -> float:
     """Internal variable after the command u; `state` is updated."""
     if kind == DEAD_ZONE:
-        return dead_zone.forward(u, parameters[0], parameters[1], parameters[2], parameters[3])
+        return float(dead_zone.forward(u, parameters[0], parameters[1], parameters[2], parameters[3]))
     if kind == BACKLASH:
         state[stiction.X] = backlash.step(u, parameters[0], state[stiction.X])
-        return state[stiction.X]
+        return float(state[stiction.X])
     if kind == SATURATION:
-        return saturation.forward(u, parameters[0], parameters[1])
+        return float(saturation.forward(u, parameters[0], parameters[1]))
     if kind >= STICTION:
-        return stiction.step(kind - STICTION, u, parameters[0], parameters[1], state)
+        return float(stiction.step(kind - STICTION, u, parameters[0], parameters[1], state))
     return u
