@@ -199,7 +199,12 @@ def _set_point(rng: np.random.Generator, n: int, width: float) -> FloatArray:
 
 
 def _run(
-    linear: LinearModel, controller: PI, actuator: Nonlinearity, reference: FloatArray, load: FloatArray, noise: FloatArray
+    linear: LinearModel,
+    controller: PI,
+    actuator: Nonlinearity,
+    reference: FloatArray,
+    load: FloatArray,
+    noise: FloatArray,
 ) -> LoopResponse:
     """Simulate; the load passes through the process like OP does."""
     added = linear.simulate(load)

@@ -63,7 +63,7 @@ def weigh(
         above,
         tuple(
             (data.u_centre + data.u_scale * float(eta[0]), data.u_centre + data.u_scale * float(eta[1]), behind)
-            for eta, behind in fitted.rivals
+            for eta, behind in (fitted.rivals if fitted.problem.family.kind == "dead zone" else ())
         ),
         loop.closed,
         loop.free,
