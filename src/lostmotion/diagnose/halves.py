@@ -51,12 +51,14 @@ class Halves:
     def misfit(self, form: FloatArray, parameters: int) -> FloatArray:
         """Mean square error of a wave form with the best amplitude, shape (count,), for one form of shape (m,).
 
-        Divided by samples less `parameters`, so that a form is not rewarded for what it adapts.
+        Divided by the independent samples less `parameters`, so that a form is not rewarded for what it adapts. What
+        is left below the 7th harmonic has 7 independent samples a half period, of which the crossing takes one.
         """
         power, own = self.total(self.values**2), self.total(form**2)
         amplitude = self.total(form * self.values) / np.maximum(own, 1e-300)
         left = np.maximum(power - amplitude**2 * own, FLOOR * power)
-        return np.asarray(left / (self.samples - parameters))
+        independent = np.minimum(self.samples, HARMONICS - 1.0)
+        return np.asarray(left * independent / (self.samples * (independent - parameters)))
 
 
 def cut_halves(name: str, x: FloatArray, period: float) -> Halves:

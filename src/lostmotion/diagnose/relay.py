@@ -52,7 +52,7 @@ def relay_index(pv: FloatArray, period: float) -> Relay:
     application to industrial data", J. Process Control 15:505. Index (E_S - E_RT) / (E_S + E_RT) with the error E_S
     of the sine and E_RT of the better of triangle and relay. The triangle is symmetric here; the time constant of
     the relay's answer is free, its delay follows from the half period. Trend and what is above the 7th harmonic are
-    taken out first; errors are divided by samples less parameters (1, 1, 2).
+    taken out first; errors are divided by independent samples less parameters (1, 1, 2).
 
     Examples
     --------
