@@ -91,7 +91,7 @@ def harris_index(
         raise DataError.expected("a control error that moves", "a constant", "choose a stretch with the loop at work")
     error = error / unit
     variance = float(np.mean(error**2))
-    least = [min(_unpredicted(error, lag, order), variance) for lag in range(shortest, longest + 1)]
+    least = [min(value, variance) for value in _unpredicted(error, shortest, longest, order)]
     return HarrisIndex(
         min(least) / variance,
         max(least) / variance,
@@ -113,11 +113,19 @@ def _delays(delay: int | tuple[int, int]) -> tuple[int, int]:
     return shortest, longest
 
 
-def _unpredicted(error: FloatArray, delay: int, order: int) -> float:
-    """Variance that the errors `delay` and more samples ago do not predict."""
-    rows = error.size - delay - order + 1
-    past = np.lib.stride_tricks.sliding_window_view(error, order)[:rows]
-    now = error[delay + order - 1 :]
-    design = np.column_stack([past, np.ones(rows)])
-    residual = now - design @ np.linalg.lstsq(design, now)[0]
-    return float(residual @ residual) / (rows - order - 1)
+def _unpredicted(error: FloatArray, shortest: int, longest: int, order: int) -> list[float]:
+    """Variance that the errors `delay` and more samples ago do not predict, for each delay, over the same rows.
+
+    One triangular factor of all lags serves every delay: its columns have the geometry of the lagged errors.
+    """
+    lags = longest + order - 1
+    rows = error.size - lags
+    window = np.lib.stride_tricks.sliding_window_view(error, lags + 1)
+    factor: FloatArray = np.asarray(np.linalg.qr(np.column_stack([window, np.ones(rows)]), mode="r"))
+    now = factor[:, lags]
+    left = []
+    for delay in range(shortest, longest + 1):
+        past = factor[:, [*range(lags - delay - order + 1, lags - delay + 1), lags + 1]]
+        residual = now - past @ np.linalg.lstsq(past, now)[0]
+        left.append(float(residual @ residual) / (rows - order - 1))
+    return left
