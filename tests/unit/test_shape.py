@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lostmotion.diagnose.filters import without_trend
-from lostmotion.diagnose.halves import relay_answer, triangle
+from lostmotion.diagnose.halves import cut_halves, relay_answer, sine, triangle
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.errors import DataError, ParameterError
@@ -84,3 +84,17 @@ def test_refusals(index):
     refusal(DataError, index, np.sin(2 * np.pi * T / 5), 5.0)
     refusal(ParameterError, index, x, 3.0)
     refusal(ParameterError, index, x, float("nan"))
+
+
+def test_misfit_is_the_least_squares_one_half_period_after_the_other():
+    x = wave(lambda s: triangle(s, 0.4), 44.3) + 0.2 * np.random.default_rng(3).normal(size=2000)
+    halves = cut_halves("x", x, 44.3)
+    found = halves.misfit(sine(halves.place), 1)
+    for number in (0, 7, halves.count - 1):
+        mine = halves.owner == number
+        values, form = halves.values[mine], np.sin(np.pi * halves.place[mine])
+        left = values - form * np.linalg.lstsq(form[:, None], values)[0]
+        assert found[number] == pytest.approx(left @ left / mine.sum() * 6 / 5, rel=1e-9)
+    assert (np.diff(halves.place)[np.diff(halves.owner) == 0] > 0).all()
+    assert (halves.place > 0).all()
+    assert (halves.place < 1).all()
