@@ -1,0 +1,119 @@
+"""What a valve goes through: travel and reversals per hour, time at its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.evaluate.indices import reversals, travel
+from lostmotion.models._arguments import finite, finite_signal, positive
+
+PERCENT = (0.0, 100.0)
+TOLERANCE = 0.001  # of the span
+
+
+def travel_per_hour(op: npt.ArrayLike, dt: float, span: tuple[float, float] = PERCENT) -> float:
+    """Sum of all moves of OP in percent of its span per hour.
+
+    Parameters
+    ----------
+    op : array_like, shape (n,)
+        Command.
+    dt : float
+        Sampling time in seconds.
+    span : (float, float)
+        Smallest and largest OP, in its units.
+
+    Raises
+    ------
+    ParameterError
+        dt <= 0, or a span the wrong way round.
+    DataError
+        Fewer than two samples.
+
+    Examples
+    --------
+    >>> travel_per_hour([0.0, 1.0, 0.0, 1.0, 0.0], dt=900.0)
+    4.0
+    """
+    low, high = _span(span)
+    return 100.0 * travel(op) / (high - low) / _hours(op, dt)
+
+
+def reversals_per_hour(op: npt.ArrayLike, dt: float, band: float = 0.0) -> float:
+    """How often OP turned round by at least `band` per hour.
+
+    Parameters
+    ----------
+    op : array_like, shape (n,)
+        Command.
+    dt : float
+        Sampling time in seconds.
+    band : float
+        Noise band in units of OP: smaller swings do not count.
+
+    Raises
+    ------
+    ParameterError
+        dt <= 0, or a negative band.
+    DataError
+        Fewer than two samples.
+
+    Examples
+    --------
+    >>> reversals_per_hour([0.0, 1.0, 0.0, 1.0, 0.0], dt=900.0)
+    3.0
+    """
+    return reversals(op, band) / _hours(op, dt)
+
+
+def share_at_limits(op: npt.ArrayLike, limits: tuple[float, float] = PERCENT, tolerance: float = TOLERANCE) -> float:
+    """Share of samples at or beyond a limit of OP.
+
+    Parameters
+    ----------
+    op : array_like, shape (n,)
+        Command.
+    limits : (float, float)
+        Smallest and largest OP, in its units.
+    tolerance : float
+        What counts as at the limit, as a share of the span.
+
+    Raises
+    ------
+    ParameterError
+        Limits the wrong way round, a negative tolerance.
+    DataError
+        No samples.
+
+    Examples
+    --------
+    >>> share_at_limits([0.0, 50.0, 100.0, 99.95])
+    0.75
+    """
+    low, high = _span(limits)
+    if not finite("tolerance", tolerance) >= 0.0:
+        raise ParameterError.expected("tolerance >= 0", tolerance, "give a share of the span")
+    values = finite_signal("op", op)
+    if not values.size:
+        raise DataError.expected("op with samples", "none", "give a longer record")
+    near = tolerance * (high - low)
+    return float(np.mean((values <= low + near) | (values >= high - near)))
+
+
+def _span(span: tuple[float, float]) -> tuple[float, float]:
+    """Checked span."""
+    low, high = finite("span", span[0]), finite("span", span[1])
+    if not low < high:
+        raise ParameterError.expected("a span (low, high)", span, "turn it round")
+    return low, high
+
+
+def _hours(op: npt.ArrayLike, dt: float) -> float:
+    """Length of the record in hours."""
+    step = positive("dt", dt)
+    n = finite_signal("op", op).size
+    if n < 2:
+        raise DataError.expected("op with 2 samples", n, "give a longer record")
+    return (n - 1) * step / 3600.0
