@@ -4,8 +4,8 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lostmotion.diagnose.harris import harris_index
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.evaluate.harris import harris_index
 from tests.refusals import refusal
 
 

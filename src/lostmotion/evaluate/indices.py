@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion import _verbs
+from lostmotion.diagnose.movement import reversals, travel
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, finite, finite_signal
+from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate import LoopResponse
 
 
@@ -55,47 +56,6 @@ def mean_absolute_error(reference: npt.ArrayLike, y: npt.ArrayLike) -> float:
     """
     r = _filled("reference", reference)
     return float(np.mean(np.abs(r - finite_signal("y", y, r.size))))
-
-
-def travel(command: npt.ArrayLike) -> float:
-    """Sum of all moves of the command, in its units.
-
-    Examples
-    --------
-    >>> travel([0.0, 1.0, -1.0])
-    3.0
-    """
-    return float(np.sum(np.abs(np.diff(finite_signal("command", command)))))
-
-
-def reversals(command: npt.ArrayLike, band: float = 0.0) -> int:
-    """How often the command turned round by at least `band` (and more than nothing).
-
-    Raises
-    ------
-    ParameterError
-        A negative band.
-
-    Examples
-    --------
-    >>> reversals([0.0, 1.0, 1.0, 0.0, 0.1, 0.0, 1.0], band=0.5)
-    2
-    """
-    if not finite("band", band) >= 0:
-        raise ParameterError.expected("band >= 0", band, "give the noise band in units of the command")
-    values = _filled("command", command).tolist()
-    low = high = extreme = values[0]
-    direction, count = 0, 0
-    for value in values:
-        if direction == 0:  # not yet known: watch both extremes
-            low, high = min(low, value), max(high, value)
-            if high > low and high - low >= band:
-                direction, extreme = (1 if value == high else -1), value
-        elif direction * (value - extreme) >= 0:
-            extreme = value
-        elif abs(value - extreme) >= band:
-            count, direction, extreme = count + 1, -direction, value
-    return count
 
 
 def _filled(name: str, values: npt.ArrayLike) -> FloatArray:

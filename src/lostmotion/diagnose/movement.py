@@ -6,11 +6,51 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.evaluate.indices import reversals, travel
-from lostmotion.models._arguments import finite, finite_signal, positive
+from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive
 
 PERCENT = (0.0, 100.0)
 TOLERANCE = 0.001  # of the span
+
+
+def travel(command: npt.ArrayLike) -> float:
+    """Sum of all moves of the command, in its units.
+
+    Examples
+    --------
+    >>> travel([0.0, 1.0, -1.0])
+    3.0
+    """
+    return float(np.sum(np.abs(np.diff(finite_signal("command", command)))))
+
+
+def reversals(command: npt.ArrayLike, band: float = 0.0) -> int:
+    """How often the command turned round by at least `band` (and more than nothing).
+
+    Raises
+    ------
+    ParameterError
+        A negative band.
+
+    Examples
+    --------
+    >>> reversals([0.0, 1.0, 1.0, 0.0, 0.1, 0.0, 1.0], band=0.5)
+    2
+    """
+    if not finite("band", band) >= 0:
+        raise ParameterError.expected("band >= 0", band, "give the noise band in units of the command")
+    values = _filled(command).tolist()
+    low = high = extreme = values[0]
+    direction, count = 0, 0
+    for value in values:
+        if direction == 0:  # not yet known: watch both extremes
+            low, high = min(low, value), max(high, value)
+            if high > low and high - low >= band:
+                direction, extreme = (1 if value == high else -1), value
+        elif direction * (value - extreme) >= 0:
+            extreme = value
+        elif abs(value - extreme) >= band:
+            count, direction, extreme = count + 1, -direction, value
+    return count
 
 
 def travel_per_hour(op: npt.ArrayLike, dt: float, span: tuple[float, float] = PERCENT) -> float:
@@ -117,3 +157,11 @@ def _hours(op: npt.ArrayLike, dt: float) -> float:
     if n < 2:
         raise DataError.expected("op with 2 samples", n, "give a longer record")
     return (n - 1) * step / 3600.0
+
+
+def _filled(command: npt.ArrayLike) -> FloatArray:
+    """Finite signal with at least one sample."""
+    array = finite_signal("command", command)
+    if not array.size:
+        raise DataError.expected("command with samples", "none", "give a longer track")
+    return array

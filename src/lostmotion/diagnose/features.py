@@ -1,0 +1,169 @@
+"""The numbers on which a verdict rests, measured once for a record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from lostmotion.diagnose.bicoherence import bicoherence_indices
+from lostmotion.diagnose.cross_correlation import cross_correlation_index
+from lostmotion.diagnose.ellipse import apparent_stiction
+from lostmotion.diagnose.oscillation import Oscillation, find_oscillation
+from lostmotion.diagnose.relay import relay_index
+from lostmotion.diagnose.shape import shape_index
+from lostmotion.errors import DataError, Status
+from lostmotion.identify import HammersteinFit
+from lostmotion.models._arguments import FloatArray
+
+LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
+MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
+SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Features:
+    """Likelihood and indices of one record; an index that does not apply is 0.
+
+    Attributes
+    ----------
+    dead_zone, memory, saturation : float
+        log(1 + gain), gain in log predictive density over the linear model (backlash or stiction: the larger).
+    oscillating : float
+        1 where OP or PV swings regularly and that is most of what it does.
+    shape : float
+        He's index of OP (PV where the process integrates) minus 0.5: triangle above 0, sine below.
+    odd : float
+        Horch's asymmetry of the cross-correlation; self-regulating processes only.
+    relay : float
+        Rossi and Scali's index of PV.
+    nonlinear : float
+        Choudhury's nonlinearity index of the control error, where it is not Gaussian.
+    misfit : float
+        1 where the best actuator does not describe the record.
+    """
+
+    dead_zone: float = 0.0
+    memory: float = 0.0
+    saturation: float = 0.0
+    oscillating: float = 0.0
+    shape: float = 0.0
+    odd: float = 0.0
+    relay: float = 0.0
+    nonlinear: float = 0.0
+    misfit: float = 0.0
+
+    def values(self) -> FloatArray:
+        """All in order."""
+        return np.array([getattr(self, field.name) for field in fields(self)])
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Features, and what a reader may want to see of them.
+
+    Attributes
+    ----------
+    features : Features
+    op, pv : Oscillation
+        Of each signal; period NaN where too short.
+    period : float
+        Of the loop in samples, NaN where nothing swings.
+    integrating : bool
+        Whether the process was taken as integrating.
+    indices : dict of float
+        Every index that could be computed, by name.
+    """
+
+    features: Features
+    op: Oscillation
+    pv: Oscillation
+    period: float
+    integrating: bool
+    indices: dict[str, float]
+
+
+def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
+    """Measure everything on the longest piece of what was identified.
+
+    Parameters
+    ----------
+    fit : HammersteinFit
+        With nonlinearity="auto".
+    integrating : bool, optional
+        Whether the process integrates (a level); None: as identified.
+    """
+    data = fit.data
+    start, stop = max(data.segments.tolist(), key=lambda pair: pair[1] - pair[0])
+    rows = slice(start, min(stop, start + MOST_ROWS))
+    op, pv = data.u[rows], data.y[rows]
+    levels = bool(fit.settings["chosen"]["integrating"]) if integrating is None else integrating
+    of_op, of_pv = _oscillation(op), _oscillation(pv)
+    swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE]
+    period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
+    indices = _indices(op, pv, period) if swinging else {}
+    gains = fit.kinds.gains if fit.kinds is not None else {}
+    memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
+    gaussian = indices.get("ngi", 0.0) <= 0.0
+    features = Features(
+        dead_zone=_logarithm(gains.get("dead zone", 0.0)),
+        memory=_logarithm(memory),
+        saturation=_logarithm(gains.get("saturation", 0.0)),
+        oscillating=float(bool(swinging)),
+        shape=indices.get("shape_pv" if levels else "shape_op", 0.5) - 0.5,
+        odd=0.0 if levels else indices.get("horch", 0.0),
+        relay=indices.get("relay", 0.0),
+        nonlinear=0.0 if gaussian else max(indices.get("nli", 0.0), 0.0),
+        misfit=float(fit.status is Status.MISFIT),
+    )
+    return Measured(features, of_op, of_pv, float(period), levels, indices)
+
+
+def _logarithm(gain: float) -> float:
+    return float(np.log1p(max(gain, 0.0)))
+
+
+def _oscillation(x: FloatArray) -> Oscillation:
+    try:
+        return find_oscillation(x)
+    except DataError:  # too short, or it does not move
+        return SILENT
+
+
+def _indices(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    """Indices that need a period; one that cannot be computed is left out."""
+    found: dict[str, float] = {}
+
+    def add(measurement: dict[str, float]) -> None:
+        found.update({name: value for name, value in measurement.items() if np.isfinite(value)})
+
+    for work in (_shapes, _correlation, _relay, _ellipse, _bicoherence):
+        try:
+            add(work(op, pv, period))
+        except DataError:  # too few cycles for this one
+            continue
+    return found
+
+
+def _shapes(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    return {"shape_op": shape_index(op, period).index, "shape_pv": shape_index(pv, period).index}
+
+
+def _correlation(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    return {"horch": cross_correlation_index(op, pv, period).delta_tau}
+
+
+def _relay(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    del op
+    return {"relay": relay_index(pv, period).index}
+
+
+def _ellipse(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    found = apparent_stiction(op, pv, period)
+    return {"ellipse_width": found.width, "ellipse_share": found.share}
+
+
+def _bicoherence(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    del op
+    found = bicoherence_indices(pv, period)
+    return {"ngi": found.ngi, "nli": found.nli}
