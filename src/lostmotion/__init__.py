@@ -11,6 +11,7 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
 from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import (
     ColumnError,
     DataError,
@@ -49,6 +50,7 @@ __all__ = [
     "DataError",
     "DeadZone",
     "DeadZoneCompensator",
+    "Diagnosis",
     "FileAccessError",
     "Hammerstein",
     "HammersteinFit",
@@ -70,6 +72,7 @@ __all__ = [
     "check",
     "control_variance",
     "describing_function",
+    "diagnose",
     "identify",
     "mean_absolute_error",
     "platforms",

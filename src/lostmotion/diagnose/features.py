@@ -16,6 +16,7 @@ from lostmotion.errors import DataError, Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.models._arguments import FloatArray
 
+SHORTEST_PERIOD = 6.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
@@ -32,9 +33,10 @@ class Features:
     oscillating : float
         1 where OP or PV swings regularly and that is most of what it does.
     shape : float
-        He's index of OP (PV where the process integrates) minus 0.5: triangle above 0, sine below.
+        He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
+        self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
     odd : float
-        Horch's asymmetry of the cross-correlation; self-regulating processes only.
+        Horch's asymmetry of the cross-correlation.
     relay : float
         Rossi and Scali's index of PV.
     nonlinear : float
@@ -101,7 +103,7 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     of_op, of_pv = _oscillation(op), _oscillation(pv)
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
-    indices = _indices(op, pv, period) if swinging else {}
+    indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
     gains = fit.kinds.gains if fit.kinds is not None else {}
     memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
     gaussian = indices.get("ngi", 0.0) <= 0.0
@@ -110,8 +112,8 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
         memory=_logarithm(memory),
         saturation=_logarithm(gains.get("saturation", 0.0)),
         oscillating=float(bool(swinging)),
-        shape=indices.get("shape_pv" if levels else "shape_op", 0.5) - 0.5,
-        odd=0.0 if levels else indices.get("horch", 0.0),
+        shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
+        odd=indices.get("horch", 0.0),
         relay=indices.get("relay", 0.0),
         nonlinear=0.0 if gaussian else max(indices.get("nli", 0.0), 0.0),
         misfit=float(fit.status is Status.MISFIT),

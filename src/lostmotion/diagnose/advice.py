@@ -1,0 +1,62 @@
+"""What to do about a verdict, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SEVERITIES = ((1.0, "low"), (2.0, "moderate"), (4.0, "high"))  # % of span; the paper's introduction
+
+
+def severity_of(percent: float) -> str:
+    """Severity in the valve industry's terms: 1 % of span is recommended, 2 % usual, 4 % bad."""
+    if not np.isfinite(percent):
+        return "unknown"
+    for limit, name in SEVERITIES:
+        if percent <= limit:
+            return name
+    return "severe"
+
+
+def advise(verdict: str, kind: str, severity: str, integrating: bool) -> tuple[str, ...]:
+    """Sentences for the engineer, most important first."""
+    if verdict == "none":
+        return ("Nothing to do for the actuator.",)
+    if verdict == "cannot tell":
+        return (
+            "Ask for a test: with the controller in manual, step OP up and down by a little more than the lost motion "
+            "that would matter, or see `lostmotion design`.",
+        )
+    if verdict == "other oscillation":
+        return (_OTHER[kind],)
+    first = _FAULT[verdict]
+    if severity == "low":
+        first = ("It is within the 1 % of span that is recommended for control valves: watch it, do not mend it.",)
+    if verdict == "backlash" and integrating:
+        first = (*first, "Behind a level a dead band makes the loop cycle for ever; a smaller integral gain helps.")
+    return first
+
+
+_OTHER = {
+    "tuning": "Retune: the loop itself is near its limit of stability. Lower the gain, or the integral action.",
+    "disturbance": "Look upstream: the loop follows an oscillation that comes from elsewhere. Compare the periods of "
+    "its neighbours.",
+    "sensor": "Look at the measurement: it moves in steps that are large beside the oscillation.",
+    "unknown": "Put the controller in manual for a few periods: if PV goes on swinging, look upstream; if it calms "
+    "down, retune.",
+}
+_FAULT = {
+    "stiction": (
+        "Lubricate or repack the valve, check the packing load and the air supply, replace the positioner if it hunts.",
+        "Until then: put the controller in manual to confirm (the swing stops), or use a knocker; a detuned "
+        "controller only makes the swing slower.",
+    ),
+    "backlash": (
+        "Look for play in linkage, pins and feedback arm of the positioner.",
+        "Until then a backlash compensator, or a positioner that sees the stem, takes it away.",
+    ),
+    "dead zone": (
+        "Check the range and the zero of the positioner, and spool or relay overlap.",
+        "Compensate: `lostmotion identify` and `lostmotion compensate` give the inverse for this dead zone.",
+    ),
+    "saturation": ("The actuator is at its limit: check its range, its stops and the size of the valve.",),
+}

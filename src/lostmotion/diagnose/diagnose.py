@@ -1,0 +1,160 @@
+"""``diagnose``: one call from a record to what is wrong with the loop."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.diagnose.advice import advise, severity_of
+from lostmotion.diagnose.audit_class import LEAST_INDEX
+from lostmotion.diagnose.controller import LoopStability, loop_stability
+from lostmotion.diagnose.features import Measured, measure
+from lostmotion.diagnose.performance import measure_performance
+from lostmotion.diagnose.result import ACTUATOR, Diagnosis, Item
+from lostmotion.diagnose.verdict import Verdict, decide
+from lostmotion.diagnose.weights import MEANING
+from lostmotion.errors import ParameterError
+from lostmotion.identify import HammersteinFit, identify
+from lostmotion.identify.evidence import SIZE
+from lostmotion.kernels.threads import one_thread
+from lostmotion.models._arguments import FloatArray
+from lostmotion.records import LoopRecord, prepare
+from lostmotion.records.modes import rows_of
+
+PERCENT = (0.0, 100.0)
+COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
+
+
+@one_thread
+def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: str | None = None) -> Diagnosis:
+    """Say what is wrong with a loop, from its routine record.
+
+    Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
+    are weighed in by log-odds that were calibrated on simulated loops (docs/diagnosis.md).
+
+    Parameters
+    ----------
+    record : LoopRecord
+        OP and PV, with SP where known. It is prepared first (:func:`lostmotion.prepare`).
+    integrating : bool, optional
+        Whether the process integrates (a level). None: as identified.
+    loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
+        What PV measures: the classes of performance depend on it.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    DataError
+        The record is refused, with the reason.
+    ParameterError
+        Unknown loop type.
+
+    Examples
+    --------
+    >>> from lostmotion.evaluate import random_faulty_loop
+    >>> from lostmotion.records import LoopRecord
+    >>> loop = random_faulty_loop(4, cause="stiction", process="flow")
+    >>> found = diagnose(LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0))
+    >>> found.verdict
+    'stiction'
+    """
+    kinds = sorted(LEAST_INDEX)
+    if loop_type is not None and loop_type not in kinds:
+        raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
+    if integrating is None and loop_type is not None and loop_type in ("flow", "pressure"):
+        integrating = False
+    prepared = prepare(record)
+    stretches = prepared.require()
+    fit = identify(prepared, nonlinearity="auto")
+    sp = _set_point(stretches, fit.data.u.size)
+    measured = measure(fit, integrating)
+    stability = loop_stability(fit, sp) if fit.evidence.closed_loop else None
+    quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
+    verdict = decide(fit, measured, stability, quantised)
+    return _package(record, fit, sp, measured, stability, verdict, prepared.notes, loop_type)
+
+
+def _set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:
+    parts = [stretch.sp for stretch in stretches if stretch.sp is not None]
+    if len(parts) < len(stretches):
+        return None
+    sp = np.concatenate(parts)
+    return sp if sp.size == rows and bool(np.isfinite(sp).all()) else None
+
+
+def _package(
+    record: LoopRecord,
+    fit: HammersteinFit,
+    sp: FloatArray | None,
+    measured: Measured,
+    stability: LoopStability | None,
+    verdict: Verdict,
+    notes: tuple[str, ...],
+    loop_type: str | None,
+) -> Diagnosis:
+    span, assumed = _span(record)
+    size, interval, about_size = _size(verdict.verdict, fit, measured)
+    percent = 100.0 * size / (span[1] - span[0])
+    severity = severity_of(percent) if verdict.verdict in ACTUATOR else "none"
+    pv_stronger = measured.pv.share >= measured.op.share
+    performance = measure_performance(
+        fit.data, sp, int(fit.settings["chosen"]["delay"]), span, measured.pv if pv_stronger else measured.op,
+        _manual(record), loop_type or ("level" if measured.integrating else "other"),
+    )  # fmt: skip
+    return Diagnosis(
+        verdict=verdict.verdict,
+        kind=verdict.kind,
+        severity=severity,
+        size=size,
+        interval=interval,
+        size_percent=percent,
+        confidence=verdict.confidence,
+        probabilities=verdict.probabilities,
+        evidence=_items(verdict),
+        advice=advise(verdict.verdict, verdict.kind, severity, measured.integrating),
+        notes=(*notes, *assumed, *about_size),
+        measured=measured,
+        stability=stability,
+        performance=performance,
+        fit=fit,
+        record=record,
+    )
+
+
+def _span(record: LoopRecord) -> tuple[tuple[float, float], tuple[str, ...]]:
+    if record.op_span is not None:
+        return record.op_span, ()
+    op = record.op[np.isfinite(record.op)]
+    if op.min() >= PERCENT[0] and op.max() <= PERCENT[1]:
+        return PERCENT, ("The OP span was taken as 0 .. 100; give op_span where it is not.",)
+    low, high = float(op.min()), float(op.max())
+    return (low, high), (
+        f"The OP span is unknown and not 0 .. 100: % are of the range seen, {low:.4g} .. {high:.4g}; give op_span.",
+    )
+
+
+def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float, tuple[float, float], tuple[str, ...]]:
+    """Lost motion in units of OP: of the fit where it has the kind, else apparent, from the ellipse."""
+    unknown = (np.nan, (np.nan, np.nan), ())
+    if verdict not in ("dead zone", "backlash", "stiction"):
+        return unknown
+    kind = fit.nonlinearity.kind
+    if kind == verdict or {kind, verdict} == {"backlash", "stiction"}:
+        name = SIZE[kind]
+        return fit.parameters[name], fit.interval(name), ()
+    width = measured.indices.get("ellipse_width", np.nan)
+    said = "The size is the apparent one of the PV-OP ellipse: the likelihood does not give it here."
+    return width, (np.nan, np.nan), (said,) if np.isfinite(width) else ()
+
+
+def _items(verdict: Verdict) -> tuple[Item, ...]:
+    items = [Item(name, value, weight, MEANING[name]) for name, (value, weight) in verdict.contributions.items()]
+    return tuple(sorted(items, key=lambda item: -abs(item.weight)))
+
+
+def _manual(record: LoopRecord) -> float:
+    """Share of the rows whose mode says that the controller did not act."""
+    rows = rows_of("automatic", record.mode)
+    return 0.0 if rows is None else float(1.0 - np.mean(rows))
