@@ -18,6 +18,7 @@ from lostmotion.models._arguments import FloatArray
 
 SHORTEST_PERIOD = 6.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
+FEWEST_CYCLES = 5.0
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
@@ -101,10 +102,11 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     op, pv = data.u[rows], data.y[rows]
     levels = bool(fit.settings["chosen"]["integrating"]) if integrating is None else integrating
     of_op, of_pv = _oscillation(op), _oscillation(pv)
-    swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE]
+    swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    gains = fit.kinds.gains if fit.kinds is not None else {}
+    seen = fit.kinds is not None and fit.nonlinearity.kind != "none"  # its own status confirms the best kind
+    gains = fit.kinds.gains if seen and fit.kinds is not None else {}
     memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
     gaussian = indices.get("ngi", 0.0) <= 0.0
     features = Features(

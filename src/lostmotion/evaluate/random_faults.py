@@ -29,7 +29,9 @@ CAUSES = (*FAULTS, "tuning", "disturbance")
 PROCESSES = ("flow", "pressure", "temperature", "level")
 WIDTHS = (1.0, 10.0)  # % of span
 REST = 50.0  # OP at which the loop is at home, in % of span
+MOST_SLOW = 12.0  # periods of an external oscillation in a record, at least
 SETTLED = 0.25  # of the simulated record is thrown away: the loop has forgotten how it began
+BEYOND = (0.05, 0.67)  # share of the time beyond a limit at which a saturation can be seen
 SCAN = 0.02  # smallest stored step of PV and OP in % of span, where the historian rounds
 
 
@@ -66,7 +68,14 @@ class FaultyLoop:
 
     @property
     def visible(self) -> bool:
-        """Whether the width exceeds twice the noise in OP, and OP turned by more than it."""
+        """Whether the record can show the fault.
+
+        Lost motion: wider than twice the noise in OP, and OP turned by more than it. Saturation: OP is beyond a
+        limit for a twentieth to two thirds of the time.
+        """
+        if isinstance(self.actuator, Saturation):
+            beyond = (self.op - REST < self.actuator.low) | (self.op - REST > self.actuator.high)
+            return BEYOND[0] < float(beyond.mean()) < BEYOND[1]
         return self.width > 2.0 * self.noise_in_op and float(np.ptp(self.op)) > 1.2 * self.width
 
 
@@ -111,11 +120,11 @@ def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[Linea
     """Process, controller, and its pace in samples."""
     gain = float(rng.choice([-1.0, 1.0]) * np.exp(rng.uniform(np.log(0.4), np.log(2.5))))
     constant = float(np.exp(rng.uniform(np.log(2.0), np.log(25.0))))
-    delay = int(rng.integers(1, 3)) if process in ("flow", "level") else int(rng.integers(1, 2 + int(constant / 2)))
+    delay = int(rng.integers(1, 4)) if process in ("flow", "level") else int(rng.integers(2, 3 + int(constant / 2)))
     pole = float(np.exp(-1.0 / constant))
     closed = constant * rng.uniform(0.6, 2.5) if process != "flow" else rng.uniform(1.5, 6.0)
     if process == "flow":
-        pole = float(np.exp(-1.0 / rng.uniform(0.4, 3.0)))
+        pole = float(np.exp(-1.0 / rng.uniform(1.0, 4.0)))
     if process == "level":
         gain *= 1.0 / constant
         linear = LinearModel((-1.0,), (gain,), delay, 1.0)
@@ -129,7 +138,8 @@ def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[Linea
         time = -1.0 / np.log(pole)
         kp = time / (gain * (closed + delay))
         ki = kp / min(time, 4.0 * (closed + delay))
-    if badly:
+    if badly:  # with dead time enough that it swings slower than it is sampled
+        linear = LinearModel(linear.a, linear.b, delay + 2, 1.0)
         kp, ki = _near_the_limit(linear, kp, ki, rng.uniform(0.93, 0.995))
     return linear, PI(kp, ki, -REST, REST), closed + delay
 
@@ -164,14 +174,14 @@ def _actuator(rng: np.random.Generator, cause: str, width: float) -> Nonlinearit
     if cause == "stiction":
         return Stiction(width, width * rng.uniform(0.2, 1.2), str(rng.choice(["kano", "he"])))
     if cause == "saturation":
-        return Saturation(-rng.uniform(0.15, 0.6) * width, rng.uniform(0.15, 0.6) * width)
+        return Saturation(-rng.uniform(0.1, 0.5) * width, rng.uniform(0.1, 0.5) * width)
     return Identity()
 
 
 def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
     """Slow load, in units of OP."""
     pole = np.exp(-1.0 / (pace * rng.uniform(3.0, 20.0)))
-    size = width * np.exp(rng.uniform(np.log(0.05), np.log(1.5)))
+    size = width * np.exp(rng.uniform(np.log(0.02), np.log(1.0)))
     steps = rng.normal(scale=size * np.sqrt(1.0 - pole**2), size=n)
     drift = np.zeros(n)
     for k in range(1, n):
@@ -180,12 +190,13 @@ def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> Float
 
 
 def _upstream(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
-    """A periodic load that this loop does not cause: a sine, or a rounded square wave as another valve makes it."""
-    period = pace * rng.uniform(4.0, 25.0)
+    """A periodic load that this loop does not cause: a sine, or the square wave of another valve after a process."""
+    period = min(pace * rng.uniform(4.0, 25.0), n / MOST_SLOW)
     time = np.arange(n) + np.cumsum(rng.normal(scale=rng.uniform(0.0, 0.1), size=n))
     wave = np.sin(2.0 * np.pi * time / period)
     if rng.random() < 0.5:
-        wave = np.tanh(rng.uniform(0.5, 6.0) * wave)
+        pole = float(np.exp(-1.0 / (period * rng.uniform(0.05, 0.3))))
+        wave = LinearModel((-pole,), (1.0 - pole,), 1).simulate(np.sign(wave))
     return np.asarray(width * rng.uniform(0.5, 3.0) * wave)
 
 

@@ -1,0 +1,1 @@
+"""Parts of ``benchmarks/diagnosis.py``: loops with their truth, calibration, scores, the page."""

@@ -1,0 +1,95 @@
+"""One row for each loop: truth, verdict, features."""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[_name] = "1"  # before NumPy is imported, also in workers
+
+import time  # noqa: E402
+from dataclasses import dataclass  # noqa: E402
+from typing import Any  # noqa: E402
+
+import lostmotion as lm  # noqa: E402
+from lostmotion.evaluate import random_faulty_loop  # noqa: E402
+
+SAMPLES = 2000
+GLUED_AT = 846  # row at which the second recording of tuning-L-paper-horch begins
+
+
+@dataclass(frozen=True)
+class Row:
+    """One loop.
+
+    Attributes
+    ----------
+    name, truth, source : str
+        `truth` is a cause of ``random_faults`` or the label of a real loop.
+    verdict, kind : str
+        "refused" where the record was.
+    width, found : float
+        True and found size; NaN where there is none.
+    """
+
+    name: str
+    truth: str
+    source: str
+    verdict: str
+    kind: str
+    confidence: float
+    probabilities: dict[str, float]
+    features: tuple[float, ...]
+    visible: bool
+    width: float
+    noise_in_op: float
+    found: float
+    severity: float
+    seconds: float
+    reason: str = ""
+
+
+def simulated(seed: int) -> Row:
+    """A random loop of known fault."""
+    loop = random_faulty_loop(seed, SAMPLES)
+    record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
+    return _row(str(seed), loop.cause, loop.process, record, {}, loop.visible, loop.width, loop.noise_in_op)
+
+
+def real(name: str, label: str, source: str, path: Any, options: dict[str, Any], known: dict[str, Any]) -> Row:
+    """A real loop with the label of its contributor."""
+    try:
+        record = lm.read_loop(path, **options)
+        if name.startswith("tuning-L-paper-horch"):
+            record = record[:GLUED_AT]
+    except lm.InputError as refused:
+        return _refused(name, label, source, str(refused))
+    return _row(name, label, source, record, known, True, float("nan"), float("nan"))
+
+
+def _row(
+    name: str,
+    truth: str,
+    source: str,
+    record: lm.LoopRecord,
+    known: dict[str, Any],
+    visible: bool,
+    width: float,
+    noise_in_op: float,
+) -> Row:
+    begun = time.process_time()
+    try:
+        found = lm.diagnose(record, **known)
+    except lm.InputError as refused:
+        return _refused(name, truth, source, str(refused))
+    seconds = time.process_time() - begun
+    return Row(
+        name, truth, source, found.verdict, found.kind, found.confidence, found.probabilities,
+        tuple(found.measured.features.values().tolist()), visible, width, noise_in_op, found.size,
+        found.size_percent, seconds,
+    )  # fmt: skip
+
+
+def _refused(name: str, truth: str, source: str, reason: str) -> Row:
+    nan = float("nan")
+    return Row(name, truth, source, "refused", "unknown", 0.0, {}, (), False, nan, nan, nan, nan, 0.0, reason)
