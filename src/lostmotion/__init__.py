@@ -11,6 +11,7 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
 from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.errors import (
     ColumnError,
     DataError,
@@ -32,6 +33,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "PI",
+    "Achievable",
     "ChangeEvent",
     "ColumnError",
     "DataError",
@@ -51,9 +53,12 @@ __all__ = [
     "RecursiveIV",
     "RecursiveML",
     "Status",
+    "TestDesign",
     "TimeError",
+    "achievable",
     "check",
     "control_variance",
+    "design",
     "identify",
     "mean_absolute_error",
     "platforms",

@@ -1,0 +1,63 @@
+"""What a test is worth: 95 % half-widths of the wanted parameters over all plausible plants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from lostmotion.design.plant import Plant
+from lostmotion.kernels import contrast as kernel
+from lostmotion.models._arguments import FloatArray
+
+Z95 = float(stats.norm.ppf(0.975))
+RATIO_PRIOR = 30.0  # deviation of the logarithm of the slope ratio before the test: as good as nothing
+CONTRASTS = {"left": (1.0, 0.0), "right": (0.0, 1.0), "width": (-1.0, 1.0)}
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """Score of a test.
+
+    Parameters
+    ----------
+    wanted : dict of float
+        Half-width of the 95 % interval by name, in units of OP; 1 where only the smallest is asked for.
+    robust : {"average", "worst"}
+        Geometric mean over the plants, so that a plant on which no test can tell anything does not drown the others;
+        or the worst plant.
+    reach : float
+        Deviation of the break points before the test, in units of OP: finite, so that a test that says nothing about
+        one of them still has a score. Wide beside every interval that is worth a test.
+    """
+
+    wanted: dict[str, float]
+    robust: str
+    reach: float
+
+    def half_widths(self, plant: Plant, op: FloatArray, pv: FloatArray) -> FloatArray:
+        """95 % half-widths of the wanted parameters on one plant, shape (len(wanted),)."""
+        in_loop = plant.controller is not None
+        s = plant.structure
+        prior = np.array([self.reach**-2, self.reach**-2, RATIO_PRIOR**-2])
+        contrasts = np.array([CONTRASTS[name] for name in self.wanted])
+        variances = kernel.variances(
+            plant.theta, s.na, s.nb, s.noise_order, s.delay, op, pv, in_loop, plant.noise.variance, prior, contrasts
+        )
+        return np.asarray(Z95 * np.sqrt(variances))
+
+    def over(self, table: FloatArray) -> FloatArray:
+        """Half-widths over plants (rows) as one number for each wanted parameter."""
+        if self.robust == "worst":
+            return np.asarray(table.max(axis=0))
+        return np.asarray(np.exp(np.mean(np.log(table), axis=0)))
+
+    def table(self, plants: list[Plant], signal: FloatArray) -> FloatArray:
+        """Half-widths of a test, shape (plants, wanted)."""
+        trials = [(signal, signal) if plant.controller is None else plant.trial(signal) for plant in plants]
+        return np.array([self.half_widths(plant, *trial) for plant, trial in zip(plants, trials, strict=True)])
+
+    def ratio(self, table: FloatArray) -> float:
+        """Largest of the half-widths over the wanted ones: 1 or less where everything is reached."""
+        return float(np.max(self.over(table) / np.array(list(self.wanted.values()))))
