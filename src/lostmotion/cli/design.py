@@ -46,6 +46,7 @@ Rate = Annotated[float | None, _number("--rate-limit", "Fastest move, units per 
 Hold = Annotated[float | None, _number("--hold", "Shortest time in seconds for which a level is kept.")]
 Duration = Annotated[float | None, _number("--duration", "Seconds; with a wanted interval the most.")]
 Width = Annotated[float | None, _number("--width-interval", "Wanted half-width of the 95 % interval of the width.")]
+Target = Annotated[str, typer.Option("--target", help='"width" or "break points", where no interval is wanted.')]
 Loop = Annotated[str, typer.Option("--loop", help='"open" (steps of OP) or "closed" (steps of SP).')]
 Kp = Annotated[float | None, _number("--kp", "Gain of the PI controller, in closed loop.")]
 Ki = Annotated[float | None, _number("--ki", "Integral gain of it, units of OP per unit of PV and second.")]
@@ -79,6 +80,7 @@ def design(
     hold: Hold = None,
     duration: Duration = None,
     width_interval: Width = None,
+    target: Target = "width",
     loop: Loop = "open",
     kp: Kp = None,
     ki: Ki = None,
@@ -122,7 +124,7 @@ def design(
         model, noise, op_limits=op_limits, op_now=op_now, pv_limits=pv_limits, sp_limits=sp_limits,
         rate_limit=rate_limit, shortest_hold=hold, duration=duration,
         wanted=None if width_interval is None else {"width": width_interval},
-        loop=loop, controller=_controller(kp, ki), robust=robust, spread=spread, seed=seed,
+        target=target, loop=loop, controller=_controller(kp, ki), robust=robust, spread=spread, seed=seed,
     )  # fmt: skip
     if out is not None:
         write_columns(out, test.columns(every_sample=not steps), force)

@@ -18,6 +18,7 @@ from lostmotion.simulate import PI
 
 FEWEST_SAMPLES, FEWEST_HOLDS = 60, 6  # below this identify has nothing to work on
 MOST_SAMPLES = 100_000
+TARGETS = {"width": ("width",), "break points": ("left", "right")}
 DEFAULT_HOLD = 1.0 / 3.0  # of delay and dominant time constant
 LONGEST_CONSTANTS, LONGEST_HOLDS = 5.0, 3  # a hold ends when the process has settled: drifts are not waited for
 
@@ -36,6 +37,8 @@ class Asked:
     fewest, most : int
         Between which the shortest is sought.
     wanted : dict of float or None
+    target : str
+        Of TARGETS.
     assumed : tuple of str
         What was not given.
     """
@@ -46,6 +49,7 @@ class Asked:
     fewest: int
     most: int
     wanted: dict[str, float] | None
+    target: str
     assumed: tuple[str, ...]
 
 
@@ -62,6 +66,7 @@ def check(
     shortest_hold: float | None,
     duration: float | None,
     wanted: Mapping[str, float] | None,
+    target: str,
     seed: int,
 ) -> Asked:
     """Check everything that ``design`` was asked; see there.
@@ -75,10 +80,6 @@ def check(
     op = _range("op_limits", op_limits) or EVERYTHING
     start, assumed = _op_now(known, op_now, op, controller)
     plant = Plant(known.model, known.noise, start, controller, seed)
-    if not plant.can_rest:
-        zone = plant.zone
-        remedy = "an integrating process is at rest only inside the dead zone"
-        raise ParameterError.expected(f"op_now in {zone.left:g} .. {zone.right:g}", start, remedy)
     levels = op if controller is None else _range("sp_limits", sp_limits)
     assert levels is not None  # noqa: S101  checked above
     now = start if controller is None else plant.pv_now
@@ -94,7 +95,9 @@ def check(
     samples, fewest, most = _length(duration, wanted, hold, dt)
     longest = _longest(plant, hold, samples or most)
     limits = Limits(levels, EVERYTHING if controller is None else op, pv, hold, longest, rate, now)
-    return Asked(plant, limits, samples, fewest, most, _wanted(wanted), assumed)
+    if target not in TARGETS:
+        raise ParameterError.expected(f"target as one of {list(TARGETS)}", repr(target), "see the docstring")
+    return Asked(plant, limits, samples, fewest, most, _wanted(wanted), target, assumed)
 
 
 def _check_loop(
@@ -135,10 +138,13 @@ def _op_now(known: Known, op_now: float | None, op: Range, controller: PI | None
         if not op[0] <= op_now <= op[1]:
             raise ParameterError.expected("op_now inside op_limits", op_now, "give OP before the test")
         return op_now, ()
-    zone = Plant(known.model, known.noise, 0.0).zone
+    plant = Plant(known.model, known.noise, 0.0)
+    zone = plant.zone
     if controller is not None and controller.bias:
         return controller.bias, (f"OP rests at {controller.bias:.5g} before the test, the bias of the controller",)
-    if known.model.linear.is_stable and controller is None:
+    if known.load is not None:
+        middle, why = float(zone.inverse()(-known.load)), "where it balances the load of the fit"
+    elif controller is None and not plant.integrating:
         middle, why = 0.5 * (op[0] + op[1]), "the middle of its limits"
     else:
         middle, why = 0.5 * (zone.left + zone.right), "the middle of the dead zone"

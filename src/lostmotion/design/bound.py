@@ -14,7 +14,7 @@ NAMES = ("left", "right", "width", "left_slope", "right_slope", "slope_ratio", "
 SEED_STEP = 100_000  # between realisations, so that plants and realisations do not share one
 LOOP_SEEDS = 6  # noise realisations over which the information in closed loop is averaged
 RIDGE = 1e-13  # relative
-BLIND, HOPELESS = 1e4, 1e2  # deviations before the test, and from which on it has told nothing, in widths
+BLIND, HOPELESS = 1e4, 10.0  # deviations before the test, and from which on it has told nothing, in widths
 
 
 def half_widths(
@@ -53,19 +53,20 @@ def _by_name(
     """
     s = problem.structure
     shared = theta[: problem.initial_at]
-    with np.errstate(divide="ignore", invalid="ignore"):  # the static gain of an integrating process
-        values, jacobian = named_values(shared, "dead zone", s.na, s.nb, Scaling(0, 1, 0, 1), gain)
+    values, jacobian = named_values(shared, "dead zone", s.na, s.nb, Scaling(0, 1, 0, 1), gain)
     vague = np.array([BLIND * plant.zone.width, BLIND * plant.zone.width, BLIND])
     at = np.arange(problem.eta_at, problem.eta_at + 3)
     information[at, at] += vague**-2.0
-    scale = np.sqrt(np.diag(information))
+    basis = np.eye(theta.size) if problem.basis is None else problem.basis
+    block = basis.T @ information @ basis
+    scale = np.sqrt(np.diag(block))
     scale[scale == 0] = 1.0
-    block = information / np.outer(scale, scale)
+    block = block / np.outer(scale, scale)
     block[np.diag_indices_from(block)] += RIDGE
     found = {}
     for row, name in enumerate(values):
-        if name in NAMES and np.isfinite(values[name]):
-            part = np.concatenate([jacobian[row], np.zeros(theta.size - shared.size)]) / scale
+        if name in NAMES and not (plant.integrating and name == "gain"):
+            part = (jacobian[row] @ basis[: shared.size]) / scale
             deviation = float(np.sqrt(max(float(part @ np.linalg.solve(block, part)), 0.0)))
             unit = plant.zone.width if name in ("left", "right", "width") else max(abs(values[name]), 1e-300)
             found[name] = Z95 * deviation if deviation < HOPELESS * unit else float(np.inf)

@@ -25,39 +25,47 @@ class Criterion:
     wanted : dict of float
         Half-width of the 95 % interval by name, in units of OP; 1 where only the smallest is asked for.
     robust : {"average", "worst"}
-        Geometric mean over the plants, so that a plant on which no test can tell anything does not drown the others;
-        or the worst plant.
+        Mean over the plants, in which a half-width counts as no more than `blind`: a plant that is missed costs
+        much, but one on which no test within the limits can tell anything does not drown the others. Or the worst.
     reach : float
         Deviation of the break points before the test, in units of OP: finite, so that a test that says nothing about
         one of them still has a score. Wide beside every interval that is worth a test.
+    blind : float
+        Half-width that tells nothing, in units of OP.
     """
 
     wanted: dict[str, float]
     robust: str
     reach: float
+    blind: float
 
     def half_widths(self, plant: Plant, op: FloatArray, pv: FloatArray) -> FloatArray:
         """95 % half-widths of the wanted parameters on one plant, shape (len(wanted),)."""
-        in_loop = plant.controller is not None
         s = plant.structure
         prior = np.array([self.reach**-2, self.reach**-2, RATIO_PRIOR**-2])
         contrasts = np.array([CONTRASTS[name] for name in self.wanted])
         variances = kernel.variances(
-            plant.theta, s.na, s.nb, s.noise_order, s.delay, op, pv, in_loop, plant.noise.variance, prior, contrasts
-        )
+            plant.theta, s.na, s.nb, s.noise_order, s.delay, s.integrating, op, pv, plant.noise.variance, plant.free,
+            prior, contrasts,
+        )  # fmt: skip
         return np.asarray(Z95 * np.sqrt(variances))
 
     def over(self, table: FloatArray) -> FloatArray:
         """Half-widths over plants (rows) as one number for each wanted parameter."""
         if self.robust == "worst":
             return np.asarray(table.max(axis=0))
-        return np.asarray(np.exp(np.mean(np.log(table), axis=0)))
+        return np.asarray(np.mean(table / (1.0 + table / self.blind), axis=0))
 
     def table(self, plants: list[Plant], signal: FloatArray) -> FloatArray:
         """Half-widths of a test, shape (plants, wanted)."""
         trials = [(signal, signal) if plant.controller is None else plant.trial(signal) for plant in plants]
         return np.array([self.half_widths(plant, *trial) for plant, trial in zip(plants, trials, strict=True)])
 
-    def ratio(self, table: FloatArray) -> float:
-        """Largest of the half-widths over the wanted ones: 1 or less where everything is reached."""
-        return float(np.max(self.over(table) / np.array(list(self.wanted.values()))))
+    def score(self, table: FloatArray) -> float:
+        """Largest of the half-widths over the wanted ones: the score that the search minimises."""
+        return float(np.max(self.over(table) / self.goals))
+
+    @property
+    def goals(self) -> FloatArray:
+        """Wanted half-widths, shape (len(wanted),)."""
+        return np.array(list(self.wanted.values()))

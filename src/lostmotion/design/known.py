@@ -35,6 +35,8 @@ class Known:
         Of a fit, in one order. None: the model is a guess.
     spread : float
         Of a guess.
+    load : float or None
+        What an integrating process of a fit is given behind its actuator, in units of x.
     """
 
     model: Hammerstein
@@ -42,6 +44,7 @@ class Known:
     parameters: dict[str, float] | None = None
     covariance: FloatArray | None = None
     spread: float = 0.3
+    load: float | None = None
 
     @property
     def roughness(self) -> str:
@@ -115,14 +118,16 @@ def _from_fit(data: Mapping[str, Any]) -> Known:
     model = Hammerstein(
         DeadZone.from_dict(parts["nonlinearity"]), LinearModel.from_dict(parts["linear"]), parts["offset"]
     )
+    load = data["parameters"].get("load")
     noise = NoiseModel(tuple(data["noise"]["d"]), data["noise"]["variance"])
     if data.get("covariance") is None:
-        return Known(model, _noise(noise))
+        return Known(model, _noise(noise), load=load)
     covariance = np.array(
         [[np.inf if value is None else value for value in row] for row in data["covariance"]], dtype=np.float64
     )
     parameters = dict(data["parameters"])
     finite_rows = np.isfinite(np.diag(covariance))
     if not all(finite_rows[list(parameters).index(name)] for name in BREAK_POINTS):
-        return Known(model, _noise(noise))
-    return Known(model, _noise(noise), parameters, np.where(np.isfinite(covariance), covariance, 0.0))
+        return Known(model, _noise(noise), load=load)
+    covariance = np.where(np.isfinite(covariance), covariance, 0.0)
+    return Known(model, _noise(noise), parameters, covariance, load=load)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.design.asked import Asked, check
+from lostmotion.design.asked import TARGETS, Asked, check
 from lostmotion.design.bound import expected
 from lostmotion.design.comparison import prs_by_hold
 from lostmotion.design.criterion import Criterion
@@ -46,6 +46,7 @@ def design(
     shortest_hold: float | None = None,
     duration: float | None = None,
     wanted: Mapping[str, float] | None = None,
+    target: str = "width",
     loop: str = "open",
     controller: PI | None = None,
     gain: float | None = None,
@@ -85,13 +86,16 @@ def design(
     wanted : dict of float, optional
         Half-width of the 95 % interval by name ("left", "right", "width"), in units of OP: the shortest test that
         reaches all of them.
+    target : {"width", "break points"}
+        Without `wanted`: whose interval is to be the smallest. The best test for the width alone can leave open where
+        the dead zone lies; "break points" asks for the smaller of the worse of `left` and `right`.
     loop : {"open", "closed"}
     controller : PI, for a closed loop
     gain : float, optional
         Known static gain of the linear part, as in ``identify``; only the slopes depend on it.
     robust : {"average", "worst"}
-        The search minimises the geometric mean over the plausible plants, or the worst of them; `wanted` is reached if
-        four plausible plants in five reach it, or all.
+        The search minimises the mean half-width over the plausible plants, or that of the worst; `wanted` is reached if
+        four plausible plants in five reach it and none misses it by more than three times, or if all reach it.
     spread : float
         Roughness of a guess: break points within this share of the half-width, slopes, gain and time constants within
         this share. A fit brings its own.
@@ -136,7 +140,8 @@ def design(
     rough = known(model, noise, spread)
     asked = check(
         rough, loop=loop, controller=controller, op_limits=op_limits, sp_limits=sp_limits, pv_limits=pv_limits,
-        op_now=op_now, rate_limit=rate_limit, shortest_hold=shortest_hold, duration=duration, wanted=wanted, seed=seed,
+        op_now=op_now, rate_limit=rate_limit, shortest_hold=shortest_hold, duration=duration, wanted=wanted,
+        target=target, seed=seed,
     )  # fmt: skip
     task = _task(rough, asked, robust, seed, effort)
     stairs, reached = _solve(task, asked)
@@ -160,8 +165,10 @@ def _task(rough: Known, asked: Asked, robust: str, seed: int, effort: float) -> 
     given = asked.plant
 
     def made(models: list[Hammerstein], first: int) -> list[Plant]:
-        plants = [replace(given, model=model, seed=seed + first + at) for at, model in enumerate(models)]
-        return [plant.anchored(given.pv_now) for plant in plants if plant.can_rest]
+        return [
+            replace(given, model=model, seed=seed + first + at).anchored(given.pv_now)
+            for at, model in enumerate(models)
+        ]
 
     reach = max(REACH * given.zone.width, *(abs(end - given.op_now) for end in _op_range(asked)))
     return Task(
@@ -169,8 +176,9 @@ def _task(rough: Known, asked: Asked, robust: str, seed: int, effort: float) -> 
         made(rough.extremes(), 1001),
         made(rough.fresh(FRESH, seed), 2001),
         asked.limits,
-        Criterion(asked.wanted or {"width": 1.0}, robust, reach),
+        Criterion(asked.wanted or dict.fromkeys(TARGETS[asked.target], 1.0), robust, reach, given.zone.width),
         seed,
+        asked.wanted is not None,
         effort,
     )
 
@@ -184,7 +192,8 @@ def _solve(task: Task, asked: Asked) -> tuple[Staircase, bool]:
     if asked.samples is None:
         return shortest(task, asked.fewest, asked.most)
     stairs = task.best(asked.samples)
-    return stairs, np.isfinite(expected(task.plants[0], task.signal(stairs), None, seeds=1)["width"])
+    found = expected(task.plants[0], task.signal(stairs), None, seeds=1)
+    return stairs, all(np.isfinite(found[name]) for name in task.criterion.wanted)
 
 
 def _package(
@@ -212,6 +221,7 @@ def _package(
         expected_worst=dict(zip(names, table.max(axis=0).tolist(), strict=True)),
         prs_expected=rivals[limits.hold],
         prs_by_hold={hold * dt: values for hold, values in rivals.items()},
+        goals=task.criterion.wanted,
         target=target,
         growth=_growth(task, signal, target, asked.fewest),
         wanted=asked.wanted,

@@ -13,11 +13,14 @@ from scipy.signal import lfilter
 from lostmotion.errors import ParameterError
 from lostmotion.identify.families import DeadZoneFamily
 from lostmotion.identify.problem import Problem, Structure
+from lostmotion.kernels.loop import closed_loop
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 from lostmotion.models._arguments import FloatArray
-from lostmotion.simulate import PI, simulate_loop
+from lostmotion.simulate import PI
 
 IntArray = npt.NDArray[np.int64]
+_NO_INVERSE = np.zeros(5)
+HAIR = 1e-9  # a pole this near to 1 integrates
 MEMORIES = 10.0  # of the noise thrown away before it is used, so that it is stationary
 
 
@@ -62,15 +65,15 @@ class Plant:
         """Internal variable at rest."""
         return float(self.zone(self.op_now))
 
-    @property
-    def can_rest(self) -> bool:
-        """An integrating process rests only inside the dead zone."""
-        return self.model.linear.is_stable or not self.x_now
+    @cached_property
+    def integrating(self) -> bool:
+        """Whether PV only rests where a load balances the actuator."""
+        return bool(np.abs(self.model.linear.poles - 1.0).min(initial=1.0) < HAIR)
 
     @cached_property
     def pv_now(self) -> float:
-        """PV at rest."""
-        return self.model.offset + (self.model.linear.gain * self.x_now if self.x_now else 0.0)
+        """PV at rest; of an integrating process by convention the offset."""
+        return self.model.offset + (0.0 if self.integrating or not self.x_now else self.model.linear.gain * self.x_now)
 
     @cached_property
     def noise_deviation(self) -> float:
@@ -90,23 +93,40 @@ class Plant:
         return (signal, self.answer(signal)) if self.controller is None else self.run(signal, self.seed)
 
     def run(self, signal: FloatArray, seed: int) -> tuple[FloatArray, FloatArray]:
-        """OP and measured PV of a test; `signal` is OP in open loop, SP in closed loop."""
+        """OP and measured PV of a test; `signal` is OP in open loop, SP in closed loop.
+
+        The same as ``simulate_loop`` with a bias, without its checks: the search calls this ten thousand times.
+        """
         source, stride = (self.noise, 1) if self.fine is None else self.fine
         noise = noise_samples(source, signal.size * stride, seed)[::stride]
         if self.controller is None:
             return signal, self.answer(signal) + noise
-        response = simulate_loop(
-            self.model, replace(self.controller, bias=self.op_now), signal,
-            disturbance=self._fading(signal.size), noise=noise, allow_unstable=True,
+        pi, zone, linear = self.controller, self._zone_parameters, self.model.linear
+        _, op, _, _, pv = closed_loop(
+            self._a, self._b, linear.delay, self.model.offset, zone, _NO_INVERSE, True, False,
+            pi.kp, pi.ki * linear.dt, pi.low, pi.high, self.op_now, signal, self._fading(signal.size), noise,
         )  # fmt: skip
-        return response.command, response.measured
+        return op, pv
+
+    @cached_property
+    def _a(self) -> FloatArray:
+        return np.array(self.model.linear.a)
+
+    @cached_property
+    def _b(self) -> FloatArray:
+        return np.array(self.model.linear.b)
+
+    @cached_property
+    def _zone_parameters(self) -> FloatArray:
+        zone = self.zone
+        return np.array([zone.left, zone.right, zone.left_slope, zone.right_slope])
 
     def _fading(self, n: int) -> FloatArray:
-        """What is left in PV of the time before the test."""
+        """What is left in PV of the time before the test, or what the load of an integrating process does."""
         if not self.x_now:
             return np.zeros(n)
         linear = self.model.linear
-        return self.x_now * (linear.gain - linear.step_response(n))
+        return self.x_now * ((0.0 if self.integrating else linear.gain) - linear.step_response(n))
 
     @cached_property
     def linear(self) -> LinearModel:
@@ -117,7 +137,7 @@ class Plant:
     def structure(self) -> Structure:
         """Orders, all rows used."""
         linear, p = self.linear, self.noise.order
-        return Structure(len(linear.a), len(linear.b) - 1, linear.delay, p, linear.delay + p)
+        return Structure(len(linear.a), len(linear.b) - 1, linear.delay, p, linear.delay + p, self.integrating)
 
     @cached_property
     def theta(self) -> FloatArray:
@@ -125,17 +145,33 @@ class Plant:
         zone, linear = self.zone, self.linear
         a, b = np.array(linear.a), np.array(linear.b)
         c = np.zeros(self.structure.initial)
-        if self.x_now:
-            x = self.x_now / zone.right_slope
+        x = self.x_now / zone.right_slope
+        if x and not self.integrating:
             for i in range(c.size):
                 c[i] = x * b[i + 1 :].sum() - linear.gain * x * a[i:].sum()
         eta = [zone.left, zone.right, np.log(zone.left_slope / zone.right_slope)]
-        return np.concatenate([a, b, [self.model.offset], eta, self.noise.d, c])
+        load = [-x] if self.integrating else []
+        return np.concatenate([a, b, [self.model.offset], eta, load, self.noise.d, c])
+
+    @cached_property
+    def free(self) -> FloatArray:
+        """Directions of `theta` that are unknown (theta.size, free).
+
+        In open loop without the noise model, which is independent of the rest.
+        """
+        problem = self.problem(np.zeros(1), None)
+        basis = np.eye(self.theta.size) if problem.basis is None else problem.basis
+        if self.controller is None:
+            noise = np.arange(problem.noise_at, problem.initial_at)
+            basis = basis[:, ~np.any(basis[noise] != 0.0, axis=0)]
+        return np.ascontiguousarray(basis)
 
     def problem(self, u: FloatArray, y: FloatArray | None, segments: IntArray | None = None) -> Problem:
         """Likelihood of OP u (n,) and PV y; in open loop y is not needed."""
         rows = np.array([[0, u.size]]) if segments is None else segments
-        return Problem(u, u if y is None else y, rows, DeadZoneFamily(-np.inf, np.inf), self.structure)
+        return Problem(
+            u, u if y is None else y, rows, DeadZoneFamily(-np.inf, np.inf, self.integrating), self.structure
+        )
 
 
 @functools.lru_cache(maxsize=64)

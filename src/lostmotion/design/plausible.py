@@ -13,7 +13,8 @@ SPREAD = 0.3  # of a guess: half the width for the break points, a factor for sl
 FLOOR = 0.05  # of the width: break points are never taken as better known than this, valves wear between two tests
 FACTORS = 5  # left, right, slope ratio, gain, time scale
 ATTEMPTS = 50
-DERIVED = ("width", "slope_ratio", "gain")  # of the others
+STABLE = 1.0 - 1e-6  # largest modulus of a drawn pole, unless the model itself has a larger one
+DERIVED = ("width", "slope_ratio", "gain", "load")  # of the others, or known from where OP rests
 
 
 def around_guess(model: Hammerstein, count: int, seed: int, spread: float = SPREAD) -> list[Hammerstein]:
@@ -94,7 +95,7 @@ def _rebuilt(model: Hammerstein, values: dict[str, float]) -> Hammerstein | None
     a = tuple(values[f"a{i + 1}"] for i in range(len(linear.a)))
     b = tuple(values[f"b{i}"] for i in range(len(linear.b)))
     process = replace(linear, a=a, b=b)
-    if linear.is_stable and not process.is_stable:
+    if np.abs(process.poles).max(initial=0.0) > max(np.abs(linear.poles).max(initial=0.0), STABLE):
         return None
     zone = DeadZone(values["left"], values["right"], values["left_slope"], values["right_slope"])
-    return Hammerstein(zone, process, values["offset"])
+    return Hammerstein(zone, process, values.get("offset", model.offset))

@@ -15,8 +15,9 @@ from lostmotion.design.task import Task
 from lostmotion.design.words import in_words
 
 SHARE = 0.08  # of the work of a search, for each limit that is relaxed
-WIDER = (1.5, 3.0)  # times: the second is tried where the first does not help
+WIDER = (1.5, 3.0, 10.0)  # times: the next is tried where one does not help
 HELPS = 0.93  # a relaxed limit that narrows the interval to this share is worth a sentence
+HELPS_MUCH = 0.2  # the same where nothing was wanted, and nothing could be told
 HOPELESS = 100.0  # times too wide: no time makes up for that
 
 Relaxation = Callable[[float], tuple[str, Task]]
@@ -29,7 +30,9 @@ def advice(task: Task, stairs: Staircase, better_known: Callable[[float], Task])
     """
     said = _blind(task)
     ratio, dt = task.ratio(task.signal(stairs)), task.plants[0].model.linear.dt
-    if ratio < HOPELESS:
+    if task.plants[0].integrating and task.plants[0].controller is None:
+        said.append(_LEVEL)
+    if task.goal and ratio < HOPELESS:
         said.append(f"With these limits it would take about {in_words(stairs.samples * ratio**2 * dt)}.")
     for relaxation in [*_relaxations(task, dt), lambda times: (_ROUGH.format(times), better_known(times))]:
         sentence = _first_help(relaxation, stairs.samples, ratio)
@@ -39,8 +42,9 @@ def advice(task: Task, stairs: Staircase, better_known: Callable[[float], Task])
 
 
 _ROUGH = "With a model {:g} times better known (a shorter test within the limits first, then this again)"
+_LEVEL = "An integrating process wanders off in open loop: make the test in closed loop, where the controller holds it."
 _NOTHING = (
-    "No single limit helps, even relaxed three times: OP cannot pass the break points without some plausible plant "
+    "No single limit helps, even relaxed ten times: OP cannot pass the break points without some plausible plant "
     "breaking a limit. Relax several at once, or begin with a better model."
 )
 
@@ -49,9 +53,12 @@ def _first_help(relaxation: Relaxation, samples: int, ratio: float) -> str | Non
     for times in WIDER:
         words, task = relaxation(times)
         reached = task.ratio(task.signal(task.best(samples, SHARE)))
-        if reached <= 1.0:
+        if not task.goal and reached < min(HELPS_MUCH * ratio, task.plants[0].zone.width):
+            name = next(iter(task.criterion.wanted))
+            return f"{words} the interval of the {name} would be about +-{reached:.2g}."
+        if task.goal and reached <= 1.0:
             return f"{words} it would be reached in the same time."
-        if reached < HELPS * ratio and reached < HOPELESS:
+        if task.goal and reached < HELPS * ratio and reached < HOPELESS:
             now = f"{ratio:.3g} times" if ratio < HOPELESS else "out of reach"
             return f"{words} the interval would be {reached:.3g} times the wanted one; now it is {now}."
     return None

@@ -66,21 +66,19 @@ class Scene:
 
     def score(self, stairs: Staircase) -> float:
         """Criterion, smaller is better; infinite where a limit is broken."""
-        in_loop = self.plants[0].controller is not None
-        if not in_loop or self.repeats > 1:
-            if not self.allowed(stairs):
-                return np.inf
-            return self.criterion.ratio(self.criterion.table(self.plants, self.signal(stairs)))
-        signal = self.signal(stairs)
-        if not (self.limits.holds(stairs) and self.limits.kept(self.guards, signal)):
+        if not self.limits.holds(stairs):
             return np.inf
-        rows = []
+        signal = self.signal(stairs.repeated(self.repeats))
+        if not self.limits.kept(self.guards, signal):
+            return np.inf
+        simulated = self.limits.watched or self.plants[0].controller is not None
+        rows, n = [], stairs.samples
         for plant in self.plants:
-            op, pv = plant.trial(signal)
-            if max(self.limits.overshoot(plant, op, pv)) > 0.0:
+            op, pv = plant.trial(signal) if simulated else (signal, signal)
+            if self.limits.watched and max(self.limits.overshoot(plant, op, pv)) > 0.0:
                 return np.inf
-            rows.append(self.criterion.half_widths(plant, op, pv))
-        return self.criterion.ratio(np.array(rows))
+            rows.append(self.criterion.half_widths(plant, op[:n], pv[:n]))
+        return self.criterion.score(np.array(rows))
 
     def rounded(self, level: float) -> float:
         """Level on the grid and inside its limits."""

@@ -18,40 +18,42 @@ def variances(
     nb: int,
     p: int,
     delay: int,
+    load: bool,
     u: FloatArray,
     y: FloatArray,
-    with_noise: bool,
     noise_variance: float,
+    basis: FloatArray,
     prior: FloatArray,
     contrasts: FloatArray,
 ) -> FloatArray:
     """Variance of each row of `contrasts` (t, 2) in (left, right), everything else unknown, shape (t,).
 
-    `theta` is ordered as in :mod:`lostmotion.kernels.likelihood`. `prior` (3,) holds the information about left, right
-    and the logarithm of the slope ratio before the test. Without `with_noise` (open loop) the noise model is
-    independent of the rest, and y is not looked at.
+    `theta` is ordered as in :mod:`lostmotion.kernels.likelihood`, with a constant behind the actuator as fourth
+    parameter of it where there is a `load`. `prior` (3,) holds the information about left, right and the logarithm of
+    the slope ratio before the test. The columns of `basis` (theta.size, free) are what is unknown; where they leave
+    the noise model out (open loop, where it is independent of the rest), y does not matter.
     """
     eta = na + nb + 2
-    x, dx = np.empty(u.size), np.empty((3, u.size))
-    dead_zone.sensitivities(u, theta[eta], theta[eta + 1], theta[eta + 2], x, dx)
+    parameters = 4 if load else 3
+    x, dx = np.empty(u.size), np.empty((parameters, u.size))
+    dead_zone.sensitivities(u, theta[eta], theta[eta + 1], theta[eta + 2], x, dx[:3])
+    if load:
+        x += theta[eta + 3]
+        dx[3] = 1.0
     full, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     segments = np.zeros((1, 2), dtype=np.int64)
     segments[0, 1] = u.size
-    likelihood.normal_equations(theta, na, nb, 3, p, delay, delay, segments, x, dx, y, full, gradient)
-    dropped = 0 if with_noise else p
-    size = theta.size - dropped
-    information = np.empty((size, size))
-    for i in range(size):
-        for j in range(size):
-            row, column = i + (dropped if i >= eta + 3 else 0), j + (dropped if j >= eta + 3 else 0)
-            information[i, j] = full[row, column] / noise_variance
+    likelihood.normal_equations(theta, na, nb, parameters, p, delay, delay, segments, x, dx, y, full, gradient)
+    full /= noise_variance
     for i in range(3):
-        information[eta + i, eta + i] += prior[i]
-    return _contrast_variances(information, eta, contrasts)
+        full[eta + i, eta + i] += prior[i]
+    information = np.dot(np.dot(basis.T, full), basis)
+    directions = np.ascontiguousarray(np.dot(contrasts, basis[eta : eta + 2]))
+    return _contrast_variances(information, directions)
 
 
 @njit(cache=True)
-def _contrast_variances(information: FloatArray, at: int, contrasts: FloatArray) -> FloatArray:
+def _contrast_variances(information: FloatArray, contrasts: FloatArray) -> FloatArray:
     """Variance of each contrast by Cholesky of the scaled information; infinite where it has no root."""
     size = information.shape[0]
     scale = np.ones(size)
@@ -76,7 +78,7 @@ def _contrast_variances(information: FloatArray, at: int, contrasts: FloatArray)
     part = np.zeros(size)
     for c in range(contrasts.shape[0]):
         for i in range(size):
-            value = contrasts[c, i - at] / scale[i] if at <= i < at + 2 else 0.0
+            value = contrasts[c, i] / scale[i]
             for k in range(i):
                 value -= root[i, k] * part[k]
             part[i] = value / root[i, i]

@@ -120,4 +120,4 @@ def _interval(axes: Axes, design: TestDesign, scale: float) -> None:
     if known or np.isfinite(rival):
         axes.set_yscale("log")
     axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", ncols=3, loc="upper right")
-    calm(axes, f"Expected 95 % half-width of the {design.target}", "", "units of OP")
+    calm(axes, f"Expected 95 % half-width of {design.target}", "", "units of OP")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from lostmotion.design import Achievable, TestDesign
 from lostmotion.design.words import in_words
 from lostmotion.report.fit_text import WIDTH
 
+CALLED = {"left": "left break point", "right": "right break point"}
 MEANING = {
     "width": "right - left, in units of OP",
     "left": "break point, in units of OP",
@@ -39,20 +41,26 @@ def _headline(design: TestDesign) -> str:
 
 
 def _answer(design: TestDesign) -> str:
-    reach, typical = design.expected[design.target], design.expected_typical[design.target]
-    worst = design.expected_worst[design.target]
-    expected = (
-        f"Expected 95 % interval of the {design.target}: {_pm(reach)} if the model is right; over "
-        f"{design.settings['plants']} plausible plants {_pm(typical)} in the median and {_pm(worst)} at worst "
-        f"({design.settings['roughness']})."
-    )
+    expected = _expected(design)
     if design.wanted is None:
         return expected if design.reached else "NOT POSSIBLE within the limits. " + expected
-    goal = ", ".join(f"{name} to {_pm(value)}" for name, value in design.wanted.items())
+    goal = ", ".join(f"{_called([name])} to {_pm(value)}" for name, value in design.wanted.items())
     share = f"{100 * design.reached_by:.0f} % of the plausible plants reach it. "
     if design.reached:
         return f"Wanted: {goal}. REACHED, in the shortest time found; {share}{expected}"
     return f"Wanted: {goal}. NOT REACHED within the limits; {share}{expected}"
+
+
+def _expected(design: TestDesign) -> str:
+    reach, median = design.expected[design.target], design.expected_typical[design.target]
+    plants = f"{design.settings['plants']} plausible plants ({design.settings['roughness']})"
+    name, worst = _called([design.target]), design.expected_worst[design.target]
+    if np.isinf(reach) and np.isinf(median):
+        return f"The {name} would still be unknown, if the model is right and for most of {plants}."
+    return (
+        f"Expected 95 % interval of the {name}: {_pm(reach)} if the model is right; {_pm(median)} in the median and "
+        f"{_pm(worst)} at worst over {plants}."
+    )
 
 
 def _table(design: TestDesign) -> str:
@@ -70,16 +78,30 @@ def _rival(design: TestDesign) -> str:
     gain, best = design.gain_over_prs, design.gain_over_best_prs
     if not design.reached and not np.isfinite(design.expected[design.target]):
         return "PRS: " + ("cannot tell it either." if gain == 1.0 else "tells more here; use it, or relax the limits.")
-    hold = min(design.prs_by_hold, key=lambda length: design.prs_by_hold[length][design.target])
     if np.isinf(gain):
         return "PRS: a pseudo-random staircase within these limits tells nothing about it."
     text = (
-        f"PRS: a pseudo-random staircase of the same length, limits and shortest hold; its interval of the "
-        f"{design.target} is {gain:.2g} times as wide"
+        f"PRS: a pseudo-random staircase of the same length, limits and shortest hold (mean over seeds); its interval "
+        f"of the {_called(design.goals)} is {gain:.2g} times as wide"
     )
     if best < 0.95 * gain:
-        text += f", with its best hold ({hold:g} s) {best:.2g} times"
-    return text + "."
+        text += f", with its best hold ({design.best_prs_hold:g} s) {best:.2g} times"
+    return text + "." + _one_sided(design)
+
+
+def _one_sided(design: TestDesign) -> str:
+    """A test for the width may know less about where the dead zone lies."""
+    ends = ("left", "right")
+    if list(design.goals) != ["width"] or all(design.expected[name] <= design.prs_expected[name] for name in ends):
+        return ""
+    return (
+        " The break points one by one are not what this test is made for; where they matter more than the width, ask "
+        'for them (target="break points", or wanted left and right).'
+    )
+
+
+def _called(names: Iterable[str]) -> str:
+    return " and ".join(CALLED.get(name, name) for name in names)
 
 
 def _moves(design: TestDesign) -> str:
