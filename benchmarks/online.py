@@ -139,17 +139,23 @@ def many_rows() -> str:
     return "\n".join(lines)
 
 
-def bar_rows(share: float) -> str:
-    """Lines of the table of RecursiveML's bars; empty while there is no RecursiveML."""
+def bar_section(share: float) -> str:
+    """RecursiveML's bars and false events; empty while there is no RecursiveML."""
+    if not ours.HAS_ML:
+        return ""
     lines = []
-    for samples in bars.LENGTHS if ours.HAS_ML else ():
+    for samples in bars.LENGTHS:
         bar = bars.measure(ours.recursive_ml, samples, max(round(100 * share), 2))
         groups = (bar.rmse / bar.free, bar.rmse / bar.zero)
         ratios = [" / ".join(f"{value:.2f}" for value in group) for group in groups]
         cover = " / ".join(f"{100 * value:.0f}" for value in bar.coverage)
         lines.append(f"| {samples:,} | {bar.converged}/{bar.seeds} | {ratios[0]} | {ratios[1]} | {cover} |")
         print(lines[-1], flush=True)
-    return "\n".join(lines)
+    daily = max(round(60 * share), 2)
+    short = bars.false_events(ours.recursive_ml, daily)
+    long = bars.false_events(lambda: ours.recursive_ml(start_samples=2000), daily)
+    print(f"false events: {short}; from 2,000 samples: {long}")
+    return page.BARS.format(rows="\n".join(lines), short=short, long=long)
 
 
 def main() -> None:
@@ -160,7 +166,7 @@ def main() -> None:
     environment.python()
     rows, figures = accuracy(share)
     speed, peak = speed_rows(figures["yardstick"])
-    many, bar = many_rows(), bar_rows(share)
+    many, bar = many_rows(), bar_section(share)
     minutes = (time.perf_counter() - begin) / 60
     print(f"{minutes:.1f} minutes")
     if share < 1.0:
@@ -168,7 +174,7 @@ def main() -> None:
     text = page.PAGE.format(
         rows=rows, speed=speed, variance=VARIANCE, peak=1e-9 * peak, minutes=minutes,
         limit=figures["limit"], wider=figures["wider"], yardstick=1e6 * figures["yardstick"],
-        bar=page.BARS.format(rows=bar) if bar else "", many=page.MANY.format(rows=many) if many else "",
+        bar=bar, many=page.MANY.format(rows=many) if many else "",
         machine=f"Python {platform.python_version()}, NumPy {np.__version__}",
     )  # fmt: skip
     OUTPUT.write_text(text, encoding="utf-8")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from suite.experiment import CONVERGED, NAMES, TRUTH, Array, bound, record
+from suite.experiment import CONVERGED, NAMES, TRUTH, Array, bound, record, routine
 
 LENGTHS = (5000, 20_000, 200_000)
 BOUND_SEEDS = 20  # over which the bound is averaged: it differs by a few % from one command to another
@@ -51,3 +51,14 @@ def measure(make: Callable[[], Any], samples: int, seeds: int) -> Bar:
         bound(commands, "free"),
         np.mean(np.abs(miss) <= reach, axis=0),
     )
+
+
+def false_events(make: Callable[[], Any], records: int) -> str:
+    """Events in routine operation, where nothing changes: how many, in how many records."""
+    found = []
+    for seed in range(records):
+        estimator = make()
+        u, y = routine(seed)
+        estimator.run(u, y, every=u.size)
+        found.append(len(estimator.events))
+    return f"{sum(found)} in {np.count_nonzero(found)} of {records} records"

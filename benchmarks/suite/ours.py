@@ -18,8 +18,8 @@ def recursive_iv() -> Any:
     return lm.RecursiveIV(*ORDERS, GAIN, dt=DT)
 
 
-def recursive_ml(forgetting: float = 1.0) -> Any:
-    return lm.RecursiveML(*ORDERS, GAIN, forgetting, dt=DT)
+def recursive_ml(forgetting: float = 1.0, **options: Any) -> Any:
+    return lm.RecursiveML(*ORDERS, GAIN, forgetting, dt=DT, **options)
 
 
 ONLINE: dict[str, Callable[[], Any]] = {"RecursiveIV": recursive_iv}

@@ -15,8 +15,8 @@ tuned as trying on these data made it (`benchmarks/rivals/`: one file each, whic
 
 Converged: break points and slope ratio within 0.3 of the truth. RMSE / bound: left / right / slope ratio over the
 converged seeds; from 100 seeds a RMSE is uncertain by 7 %, from 20 by 16 %, from 8 by 25 %. The bound is the
-Cramer-Rao bound of who knows that the offset is 0 ({limit}); for who must find the offset it is {wider} times larger.
-Fit: simulated from u alone on fresh data without noise, median over the seeds.
+Cramer-Rao bound of who knows that the offset is 0, {limit}; for who must find the offset it is
+{wider} times larger. Fit: simulated from u alone on fresh data without noise, median over the seeds.
 
 Daily: the same tank in routine operation (`lm.routine_operation`: PI loop, set-point moves, mild drift, no test
 signal), 6,000 samples; median error of the break points over all seeds, in % of the half-width. The test signal with
@@ -59,4 +59,7 @@ information criterion prefers that, so the fair bound lies between the two.
 | samples | converged | RMSE / bound, offset free | RMSE / bound, offset known to be 0 | coverage of 95 % intervals, % |
 |---|---|---|---|---|
 {rows}
+
+False events in daily records (6,000 samples each, nothing changes): {short}; when it starts from 2,000 samples
+instead of 1,000: {long}.
 """

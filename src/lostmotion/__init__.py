@@ -24,7 +24,7 @@ from lostmotion.errors import (
 )
 from lostmotion.evaluate import control_variance, mean_absolute_error
 from lostmotion.files import read_loop
-from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify
+from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, check
 from lostmotion.simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
@@ -64,6 +64,7 @@ __all__ = [
     "platforms",
     "read_loop",
     "routine_operation",
+    "run_many",
     "signals",
     "simulate_loop",
 ]

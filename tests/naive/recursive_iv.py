@@ -18,7 +18,18 @@ class Recursion:
     """theta, P and zone = [left, right, left slope, right slope] after every sample; names as in the paper."""
 
     def __init__(
-        self, na, nb, delay, gain, forgetting, *, method="riv", form="convergent", start_samples=0, constant_for=2000
+        self,
+        na,
+        nb,
+        delay,
+        gain,
+        forgetting,
+        *,
+        method="riv",
+        form="convergent",
+        start_samples=0,
+        constant_for=2000,
+        dense=2000,
     ):
         self.na, self.nb, self.delay, self.gain = na, nb, delay, gain
         self.method, self.printed = method, form == "printed"
@@ -33,8 +44,9 @@ class Recursion:
         self.u, self.y, self.y_model, self.x, self.residuals, self.lambdas = [], [], [], [], [], []
         self.phis, self.zs = [], []
         self.theta_room, self.p_room = np.zeros(n), np.zeros((n, n))  # see weigh_rounding
+        self.dense = dense
+        self.instruments, self.errors = [], []  # z and prediction error of every sample
         self.gathered = []  # (k, A z, z, sum of b_i dx(k-d-i)/dzone, y - y_model), from start_samples on
-        self.slopes_of_x = {}  # k: dx(k-d)/dzone
 
     def regressor(self, k):
         """Phi of eq 23, and the past residuals of extended least squares."""
@@ -93,6 +105,7 @@ class Recursion:
         phi = self.regressor(k)
         z = self.instrument(k, phi)
         error = y - phi @ self.theta
+        self.errors.append(error)
         below = lam + phi @ self.p @ z
         if k >= self.delay and abs(below) > SINGULAR * lam:
             gain = self.p @ z / below
@@ -122,33 +135,52 @@ class Recursion:
         self.p_room = (size + np.outer(gain, np.abs(phi) @ size)) / lam
 
     def gather(self, k, z, y):
+        self.instruments.append(z)
         if k < self.start_samples:
             return
         a, *_, b = self.parts()
-        earlier = {there: old for there, _, old, _, _ in self.gathered}
-        filtered = z + sum(a[j - 1] * earlier.get(k - j, np.zeros(z.size)) for j in range(1, self.na + 1))
+        filtered = z + sum(a[j - 1] * self.instruments[k - j] for j in range(1, self.na + 1) if k >= j)
         rebuilt = np.zeros(4)
         for i in range(1, self.nb + 1):
-            rebuilt = rebuilt + b[i - 1] * self.slopes_of_x.get(k - i, np.zeros(4))
+            rebuilt = rebuilt + b[i - 1] * self.slopes_of_x(at(self.u, k - self.delay - i))
         self.gathered.append((k, filtered, z, rebuilt, y - self.y_model[k]))
-        u = at(self.u, k - self.delay)
+
+    def slopes_of_x(self, u):
+        """dx/dzone at the present zone."""
         left, right, left_slope, right_slope = self.zone
-        if u > right:
-            self.slopes_of_x[k] = np.array([0.0, -right_slope, 0.0, u - right])
-        elif u < left:
-            self.slopes_of_x[k] = np.array([-left_slope, 0.0, u - left, 0.0])
+        over, under = float(u > right), float(u < left)
+        return np.array([-under * left_slope, -over * right_slope, under * (u - left), over * (u - right)])
+
+    def share(self, k, seen):
+        """How often sample k is counted in the averages: every one, or every eighth eight times."""
+        if seen < self.dense:
+            return 1
+        return 8 if (k * 0.6180339887498949) % 1 < 1 / 8 else 0
 
     def information(self):
-        """S, W, sum of the weights and of the squared output errors; sample k weighs all later lambdas."""
+        """S, W and the sums over samples since the instruments are used; sample k weighs all later lambdas."""
         n = self.theta.size
-        outer, moved, total, squares = np.zeros((n, n)), np.zeros((n, 4)), 0.0, 0.0
+        outer, moved, seen, seen_squared, squares = np.zeros((n, n)), np.zeros((n, 4)), 0.0, 0.0, 0.0
+        till_now = 0.0
         for k, filtered, z, rebuilt, miss in self.gathered:
             weight = np.prod(self.lambdas[k + 1 :])
-            outer += weight**2 * np.outer(filtered, filtered)
-            moved += weight * np.outer(z, rebuilt)
-            total += weight
-            squares += weight * miss**2
-        return outer, moved, total, squares
+            till_now = self.lambdas[k] * till_now + 1
+            share = self.share(k, till_now)
+            outer += share * weight**2 * miss**2 * np.outer(filtered, filtered)
+            moved += share * weight * np.outer(z, rebuilt)
+            seen += weight
+            seen_squared += weight**2
+            squares += weight**2 * miss**2
+        return outer, moved, [seen, seen_squared, squares]
+
+    def present_noise(self):
+        """Squared miss and prediction error with a memory four times as short as the estimate's."""
+        level, seen = np.zeros(2), 0.0
+        for k, _, _, _, miss in self.gathered:
+            seen = self.lambdas[k] * seen + 1
+            share = min(1.0, 4 / seen)
+            level = (1 - share) * level + share * np.array([miss**2, self.errors[k] ** 2])
+        return level
 
     def batch(self):
         """Solution of the regularised instrumental-variable equations over all samples at once (theta0 = 0)."""

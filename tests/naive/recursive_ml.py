@@ -195,8 +195,12 @@ class Recursion:
             self.reference = forgotten(*self.reference, *self.blocks.pop(0), self.tail)
         self.open, self.in_block = [], 0
         total_h, total_r = self.total()
+        column = self.na + self.nb + 1
+        free = [i for i in range(n) if self.offset != "zero" or i != column]
+        total_h, total_r = total_h[np.ix_(free, free)], total_r[free]
         scale = np.sqrt(np.diag(total_h))
-        self.theta = np.linalg.solve(total_h / np.outer(scale, scale), total_r / scale) / scale
+        self.theta = np.zeros(n)
+        self.theta[free] = np.linalg.solve(total_h / np.outer(scale, scale), total_r / scale) / scale
         a, _, _, left, right, _, d = parts(self.theta, self.na, self.nb)
         if not (self.low <= left <= right <= self.high and largest_root(a) < 1 and largest_root(d) < 1):
             raise NotImplementedError(self.theta)
@@ -207,12 +211,14 @@ class Recursion:
 
     @property
     def shown(self):
-        """theta with the offset at zero where asked, or where it explains less than BIC asks for."""
+        """theta with the offset at zero where it explains less than BIC asks for; where asked, it is zero anyway."""
+        if self.offset == "zero":
+            return self.theta
         column = self.na + self.nb + 1
         offset, left, right = self.theta[column : column + 3]
         inverse = np.linalg.inv(self.total()[0])
         spread = self.squares / self.weight * inverse[column, column]
         needless = left <= 0 <= right and offset**2 < np.log(self.weight) * spread
-        if self.offset == "zero" or (self.offset == "auto" and needless):
+        if self.offset == "auto" and needless:
             return self.theta - inverse[column] * offset / inverse[column, column]
         return self.theta

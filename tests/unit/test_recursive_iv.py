@@ -11,6 +11,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.kernels import iv_state
 from tests.naive.recursive_iv import Recursion
 from tests.refusals import refusal
 
@@ -51,13 +52,13 @@ def small_plant(na, nb, delay, seed, n=200):
 
 
 def inside(riv, name):
-    return riv._state[name]
+    return riv._named(name)
 
 
 def same_state(one, other):
     assert (one.method, one.form, one.dt) == (other.method, other.form, other.dt)
-    for name in one._state:
-        np.testing.assert_array_equal(inside(one, name), inside(other, name), err_msg=name)
+    np.testing.assert_array_equal(one._layout, other._layout)
+    np.testing.assert_array_equal(one._state, other._state)
 
 
 def close(value, expected, message):
@@ -69,12 +70,12 @@ def close(value, expected, message):
 # --- the slow twin
 
 
-def twins(na, nb, delay, seed, method, form):
+def twins(na, nb, delay, seed, method, form, **sums):
     u, y, gain = small_plant(na, nb, delay, seed)
     gain, forgetting = (gain, None, gain)[seed], (0.98, 0.995, 1.0)[seed]
     settings = {"method": method, "form": form, "start_samples": 20 + 30 * seed, "constant_for": 60 + 30 * seed}
     fast = lm.RecursiveIV(na, nb, delay, gain, forgetting, **settings)
-    return u, y, fast, Recursion(na, nb, delay, gain, forgetting, **settings)
+    return u, y, fast, Recursion(na, nb, delay, gain, forgetting, **settings, **sums)
 
 
 def compare(fast, slow, k):
@@ -98,15 +99,20 @@ def test_twin(seed, na, nb, delay, method):
 @pytest.mark.parametrize(("na", "nb", "delay"), ORDERS)
 @pytest.mark.parametrize("seed", range(3))
 def test_twin_of_the_information(seed, na, nb, delay, method):
-    u, y, fast, slow = twins(na, nb, delay, seed, method, "convergent")
+    dense = (25, 2000, 60)[seed]  # weighted samples after which one in eight serves
+    u, y, fast, slow = twins(na, nb, delay, seed, method, "convergent", dense=dense)
+    fast._state[iv_state.DENSE] = dense
     for value, output in zip(u, y, strict=True):
         fast.update(value, output)
         slow.step(value, output)
-    n, rows = slow.theta.size, inside(fast, "info")
-    outer, moved, total, squares = slow.information()
-    close(rows[:n, :n], outer, "S")
-    close(rows[n : 2 * n, :4], moved, "W")
-    close(rows[2 * n + na + nb, :2], [total, squares], "weight and squares")
+    outer, moved, sums = slow.information()
+    total, total_squared, seen, seen_squared, squares, present, equation, since = inside(fast, "sums")
+    close(inside(fast, "spread") * since**2, outer, "S")
+    close(inside(fast, "rebuilt") * since, moved, "W")
+    close([seen, seen_squared, squares, present, equation], [*sums, *slow.present_noise()], "sums")
+    used = [k for k, _, _ in slow.phis]
+    weights = [np.prod(slow.lambdas[k + 1 :]) for k in used]
+    close([total, total_squared], [sum(weights), sum(np.square(weights))], "samples in P")
 
 
 @pytest.mark.parametrize("method", ["riv", "rls"])
@@ -127,9 +133,8 @@ def test_twin_of_the_printed_form(seed, na, nb, delay, method):
             slow.separate()
         close(inside(fast, "zone"), slow.zone, f"zone after sample {k}")
         slow.zone, slow.stable_theta = inside(fast, "zone").copy(), inside(fast, "held").copy()
-        memory = inside(fast, "memory")
-        slow.y_model[-1] = memory[na] if na else 0.0
-        slow.x[-1] = memory[2 * na + inside(fast, "orders")[4]] if nb else 0.0
+        slow.y_model[-1] = inside(fast, "past_outputs")[0] if na else 0.0
+        slow.x[-1] = inside(fast, "past_x")[0] if nb else 0.0
 
 
 @pytest.mark.parametrize("method", ["riv", "rls", "els"])
@@ -168,12 +173,12 @@ def test_standard_errors_are_the_sandwich():
     for k in range(u.size):
         riv.update(u[k], y[k])
         slow.step(u[k], y[k])
-    outer, _, total, squares = slow.information()  # without b1 no x is rebuilt
+    outer, _, (seen, _, _) = slow.information()  # without b1 no x is rebuilt
     curvature = np.eye(5) * 1e-3
     for (_, phi, _), z in zip(slow.phis, slow.zs, strict=True):
         curvature += np.outer(z, phi)
-    spread = np.linalg.inv(curvature)
-    covariance = spread @ outer @ spread.T * squares / total
+    inverse = np.linalg.inv(curvature)
+    covariance = inverse @ outer @ inverse.T * len(slow.phis) / seen
     estimate = riv.estimate
     assert estimate.standard_errors["a1"] == pytest.approx(covariance[0, 0] ** 0.5, rel=1e-6)
 
@@ -558,6 +563,19 @@ def test_intervals_cover(paper_runs):
             low, high = estimate.interval(name)
             covered.append(low <= true <= high)
     assert np.mean(covered) >= 0.85
+
+
+@pytest.mark.statistics
+def test_intervals_cover_after_many_samples():
+    """Where all samples count alike, the regressors of the first thousands are still in P."""
+    distances = []
+    for seed in range(SEEDS):
+        riv = lm.RecursiveIV(3, 2, 3, GAIN)
+        riv.run(*experiment(seed, n=200_000), every=200_000)
+        spread = riv.estimate.standard_errors
+        distances.append([error / spread[name] for name, error in errors_of(riv.estimate).items()])
+    assert np.mean(np.abs(distances) < 1.96) >= 0.88
+    assert 0.75 < np.sqrt(np.mean(np.square(distances))) < 1.2
 
 
 @pytest.mark.statistics

@@ -2,6 +2,7 @@
 
 from lostmotion.identify.change import ChangeEvent
 from lostmotion.identify.estimate import identify
+from lostmotion.identify.many import run_many
 from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive_iv import RecursiveIV
 from lostmotion.identify.recursive_ml import RecursiveML
@@ -15,4 +16,5 @@ __all__ = [
     "RecursiveML",
     "Trajectory",
     "identify",
+    "run_many",
 ]

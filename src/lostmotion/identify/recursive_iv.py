@@ -13,14 +13,17 @@ import numpy.typing as npt
 
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive_covariance import covariance_of_theta
+from lostmotion.kernels import iv_state as iv
 from lostmotion.kernels import recursive_iv as kernel
 from lostmotion.kernels.linear import is_stable
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
 from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive, whole
 
-INSTRUMENTS = {"riv": kernel.MODEL_OUTPUT, "rls": kernel.LEAST_SQUARES, "els": kernel.LEAST_SQUARES}
+INSTRUMENTS = {"riv": iv.MODEL_OUTPUT, "rls": iv.LEAST_SQUARES, "els": iv.LEAST_SQUARES}
 FORMS = ("convergent", "printed")
-_STATE = ("theta", "p", "memory", "zone", "held", "tuning", "span", "orders", "scratch", "info")
+KIND = "RecursiveIV 2"  # of the bytes
+DENSE = 2000  # weighted samples after which the standard errors are gathered from a part of them
 _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
 _BROKEN = (ValueError, OSError, KeyError, EOFError, TypeError, IndexError, zipfile.BadZipFile, zlib.error)
@@ -63,8 +66,9 @@ class RecursiveIV:
     1e9 for want of excitation, nothing more is forgotten.
 
     Standard errors are those of an instrumental-variable estimate under output error, with the dependence of the
-    rebuilt x on the estimate included (Soderstrom and Stoica, *System Identification*, chapter 8); they hold where
-    the bias is small, so not for "rls" and "els".
+    rebuilt x on the estimate of its time included (:mod:`lostmotion.identify.recursive_covariance`); they hold where
+    the bias is small, so not for "rls" and "els". On the paper's experiment 95 % intervals of the dead zone hold the
+    truth in 98 % of 100 runs after 20,000 samples and in 94 % after 200,000, those of a1 to a3 in 95 % and 91 %.
 
     Examples
     --------
@@ -103,37 +107,27 @@ class RecursiveIV:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or None")
         self.dt = positive("dt", dt)
         self.method, self.form = method, form
+        constant_for, start_samples = whole("constant_for", constant_for, 0), whole("start_samples", start_samples, 0)
         printed = form == "printed"
-        extra = na if method == "els" else 0
-        n = na + nb + 4 + extra
-        past_inputs = delay + n  # the printed instrument is filled up with older inputs
-        kind = kernel.PRINTED if printed and method == "riv" else INSTRUMENTS[method]
-        self._state: dict[str, Any] = {
-            "theta": np.full(n, 10.0 if printed else 0.0),
-            "p": np.eye(n) * (1e6 if printed else 1e3),
-            "memory": np.zeros(2 * na + past_inputs + nb + extra),
-            "zone": np.array([0.0, 0.0, 1.0, 1.0]),
-            "held": np.zeros(n),
-            "tuning": np.array(
-                [
-                    np.nan if gain is None else gain,
-                    forgetting,
-                    forgetting,
-                    whole("constant_for", constant_for, 0),
-                    0 if printed else whole("start_samples", start_samples, 0),
-                ]
-            ),
-            "span": np.zeros(2),
-            "orders": np.array([na, nb, delay, extra, past_inputs, kind, int(not printed), 0]),
-            "scratch": np.zeros((4, n)),
-            "info": np.zeros((2 * n + na + nb + 1, n + 2)),
-        }
-        self._arguments: Any = tuple(self._state[name] for name in _STATE)
+        kind = iv.PRINTED if printed and method == "riv" else INSTRUMENTS[method]
+        places = iv.Places(na, nb, delay, na if method == "els" else 0, kind, not printed)
+        self._state, self._layout = iv.lay_out(places)
+        self._state[iv.KNOWN_GAIN] = np.nan if gain is None else gain
+        self._state[[iv.FORGETTING, iv.CONSTANT_FORGETTING]] = forgetting
+        self._state[[iv.CONSTANT_FOR, iv.START]] = constant_for, 0 if printed else start_samples
+        self._state[iv.SINCE], self._state[iv.DENSE] = 1.0, DENSE
+        self._named("zone")[:] = 0.0, 0.0, 1.0, 1.0
+        self._named("theta")[:] = 10.0 if printed else 0.0
+        np.fill_diagonal(self._named("p"), 1e6 if printed else 1e3)
+
+    def _named(self, name: str) -> FloatArray:
+        """View of a part of the state, see :func:`lostmotion.kernels.iv_state.named`."""
+        return iv.named(self._state, self._layout)[name]
 
     @property
     def samples(self) -> int:
         """Samples seen."""
-        return int(self._state["orders"][7])
+        return int(self._layout[iv.COUNT])
 
     def update(self, u: float, y: float) -> float:
         """Take one sample; return its prediction error.
@@ -149,17 +143,17 @@ class RecursiveIV:
             good = False
         if not good:
             raise DataError.expected("finite u and y", f"u={u}, y={y}", "leave missing samples out")
-        return float(_STEP(u, y, *self._arguments))
+        return float(_STEP(self._state, self._layout, float(u), float(y)))
 
     def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
         """Take all samples of u and y (n,); keep every `every`-th estimate."""
         u = finite_signal("u", u)
         y = finite_signal("y", y, u.size)
         every = whole("every", every, 1)
-        n = self._state["theta"].size
+        n = int(self._layout[iv.N])
         begin = self.samples
         trace = np.empty((u.size // every, n + 4))
-        errors = _RUN(u, y, *self._arguments, every, trace)
+        errors = _RUN(self._state, self._layout, u, y, every, trace)
         values = {name: trace[:, n + column] for column, name in enumerate(_NAMES)}
         return Trajectory(begin + every * np.arange(1, len(trace) + 1), {**values, "theta": trace[:, :n]}, errors)
 
@@ -179,20 +173,20 @@ class RecursiveIV:
 
     def _status(self, covariance: FloatArray) -> Status:
         """Gain of the right sign, both sides visited, break points known to a quarter of the range of u."""
-        theta, zone, span, tuning = (self._state[name] for name in ("theta", "zone", "span", "tuning"))
-        na, nb = (int(value) for value in self._state["orders"][:2])
+        theta, zone, span = (self._named(name) for name in ("theta", "zone", "span"))
+        na, nb = (int(value) for value in self._layout[: iv.DELAY])
         product = theta[na] + zone[3] * theta[na + 4 : na + 4 + nb].sum()
         errors = np.sqrt(np.abs(np.diag(covariance)[:4]))
         informed = errors[:2] < 0.25 * (span[1] - span[0])
-        if informed.any() and tuning[0] * product * (1.0 + theta[:na].sum()) < 0:
+        if informed.any() and self._state[iv.KNOWN_GAIN] * product * (1.0 + theta[:na].sum()) < 0:
             return Status.WRONG_GAIN
         known = bool(informed.all()) and span[0] < zone[0] and zone[1] < span[1]
         known = known and bool(np.all(errors[2:] < 0.5 * zone[2:])) and bool(is_stable(theta[:na].copy(), 1.0))
         return Status.OK if known else Status.CANNOT_TELL
 
     def _values(self) -> tuple[dict[str, float], LinearModel]:
-        theta, zone = self._state["theta"], self._state["zone"]
-        na, nb, delay = (int(value) for value in self._state["orders"][:3])
+        theta, zone = self._named("theta"), self._named("zone")
+        na, nb, delay = (int(value) for value in self._layout[: iv.NE])
         b0 = theta[na] / zone[3] if zone[3] else 0.0
         linear = LinearModel(tuple(theta[:na]), (b0, *theta[na + 4 : na + 4 + nb]), delay, self.dt)
         values = {name: float(zone[column]) for column, name in enumerate(_NAMES)}
@@ -204,47 +198,26 @@ class RecursiveIV:
         return values, linear
 
     def _covariance(self, values: dict[str, float]) -> FloatArray:
-        """Sandwich of the estimating equation sum z (y - phi' theta) = 0, in the order of `values`."""
-        size = len(values)
-        theta, info, p = (self._state[name] for name in ("theta", "info", "p"))
-        na, nb = (int(value) for value in self._state["orders"][:2])
-        n = theta.size
+        """Covariance of the named parameters, in the order of `values`."""
+        size, theta = len(values), self._named("theta")
+        na, nb = (int(value) for value in self._layout[: iv.DELAY])
         unknown = np.full((size, size), np.inf)
-        weight, squares = info[2 * n + na + nb, :2]
-        if weight < n or not np.isfinite(p).all() or theta[na] == 0.0 or theta[na + 2] == 0.0:
+        if theta[na] == 0.0 or theta[na + 2] == 0.0:
             return unknown
-        gain = float(self._state["tuning"][0])
-        names = list(values)
-        jacobian = np.empty((size, n))
-        for column in range(n):
+        jacobian = np.empty((size, theta.size))
+        for column in range(theta.size):
             shifted = theta.astype(complex)
             shifted[column] += 1e-30j
-            moved = _zone_and_model(shifted, na, nb, gain)
-            jacobian[:, column] = [np.imag(moved[name]) / 1e-30 for name in names]
-        try:
-            curvature = np.linalg.inv(p) + info[n : 2 * n, :4] @ jacobian[:4]
-            root = np.linalg.solve(curvature, info[:n, :n])
-            covariance = np.linalg.solve(curvature, root.T) * (squares / weight)
-        except np.linalg.LinAlgError:
-            return unknown
-        return np.asarray(jacobian @ covariance @ jacobian.T)
-
-    @classmethod
-    def _check_shapes(cls, parts: dict[str, Any]) -> None:
-        """Raise ValueError unless the arrays fit each other: the kernel does not look."""
-        na, nb, delay = (int(value) for value in parts["orders"][:3])
-        method, form = (str(label) for label in parts["labels"])
-        made = cls(na, nb, delay, 1.0, method=method, form=form)
-        for name in _STATE:
-            wanted = made._state[name]
-            if parts[name].shape != wanted.shape or parts[name].dtype != wanted.dtype:
-                raise ValueError(name)
+            moved = _zone_and_model(shifted, na, nb, float(self._state[iv.KNOWN_GAIN]))
+            jacobian[:, column] = [np.imag(moved[name]) / 1e-30 for name in values]
+        covariance = covariance_of_theta(self._state, self._layout, jacobian[:4])
+        return unknown if covariance is None else np.asarray(jacobian @ covariance @ jacobian.T)
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""
         buffer = io.BytesIO()
-        labels = np.array([self.method, self.form])
-        np.savez(buffer, labels=labels, dt=np.array(self.dt), **self._state)
+        labels = np.array([KIND, self.method, self.form])
+        np.savez(buffer, labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
         return buffer.getvalue()
 
     @classmethod
@@ -258,25 +231,28 @@ class RecursiveIV:
         """
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-                parts = {name: stored[name] for name in (*_STATE, "labels", "dt")}
-            cls._check_shapes(parts)
-        except (
-            ValueError,
-            OSError,
-            KeyError,
-            EOFError,
-            TypeError,
-            IndexError,
-            zipfile.BadZipFile,
-            zlib.error,
-        ) as error:
+                kind, method, form = (str(label) for label in stored["labels"])
+                state, layout, dt = stored["state"], stored["layout"], float(stored["dt"])
+            na, nb, delay = (int(value) for value in layout[: iv.NE])
+            if max((na + nb + 4) ** 2, delay) > state.size:
+                raise ValueError(kind)
+            new = cls(na, nb, delay, 1.0, dt=dt, method=method, form=form)
+            new._take_over(kind, state, layout)
+        except (*_BROKEN, ParameterError) as error:
             raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
-        new = cls.__new__(cls)
-        new.method, new.form = (str(label) for label in parts["labels"])
-        new.dt = float(parts["dt"])
-        new._state = {name: np.ascontiguousarray(parts[name]) for name in _STATE}
-        new._arguments = tuple(new._state[name] for name in _STATE)
         return new
+
+    def _take_over(self, kind: str, state: FloatArray, layout: npt.NDArray[np.int64]) -> None:
+        """Take state and layout of an equal estimator; ValueError where they do not fit: the kernel does not look."""
+        moving = list(iv.MOVING)
+        fixed = self._layout.copy()
+        fixed[moving] = layout[moving]
+        now_u, now_z = layout[iv.NOW_U], layout[iv.NOW_Z]
+        rings = 0 <= now_u < layout[iv.PAST_U] and 0 <= now_z <= layout[iv.NA] and layout[iv.COUNT] >= 0
+        same = state.shape == self._state.shape and state.dtype == np.float64 and layout.dtype == np.int64
+        if kind != KIND or not (rings and same and np.array_equal(fixed, layout)):
+            raise ValueError(kind)
+        self._state[:], self._layout[:] = state, layout
 
 
 def _zone_and_model(theta: npt.NDArray[Any], na: int, nb: int, gain: float) -> dict[str, Any]:

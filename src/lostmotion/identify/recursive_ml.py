@@ -74,6 +74,9 @@ class RecursiveML:
     Integrating processes are not followed: give the differences of PV instead, one order less. A window whose batch
     fit is integrating does not start the recursion.
 
+    A width is claimed (Status.OK) where BIC prefers it to none, not from 1.96 standard errors on: the estimate is
+    looked at again and again.
+
     Standard errors take the remembered information at full weight. With forgetting below 1 they are therefore wider
     than the noise alone would ask for (by up to the square root of two), which leaves room for the drift for whose
     sake one forgets.
@@ -272,7 +275,10 @@ class RecursiveML:
         settings = self._settings
         window = Window(np.array(self._gathered[0]), np.array(self._gathered[1]))
         first = settings["start_samples"]
-        fit = fit_window(window, (settings["na"], settings["nb"], settings["delay"]), settings["noise"], settings["dt"])
+        fit = fit_window(
+            window, (settings["na"], settings["nb"], settings["delay"]), settings["noise"], settings["offset"],
+            settings["dt"],
+        )  # fmt: skip
         longest = self._seen >= LARGEST_WINDOW * first
         accepted = (*GOOD, Status.NOT_SEEN) if self._seen >= 2 * first else GOOD
         if longest:
@@ -396,7 +402,9 @@ class RecursiveML:
             return Status.CANNOT_TELL
         if not all(known):
             return Status.ONE_SIDED
-        return Status.OK if values["width"] > 1.96 * errors["width"] else Status.NOT_SEEN
+        # BIC of the one parameter: an estimate is looked at a thousand times, and 1.96 would claim a width by chance
+        remembered = min(float(self.samples), 1.0 / max(1.0 - self._settings["forgetting"], 1e-12))
+        return Status.OK if values["width"] ** 2 > np.log(remembered) * errors["width"] ** 2 else Status.NOT_SEEN
 
     def _model(self, values: dict[str, float]) -> Hammerstein:
         settings = self._settings

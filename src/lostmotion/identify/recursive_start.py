@@ -42,16 +42,18 @@ class Window:
         return np.asarray(pairs[pairs[:, 1] - pairs[:, 0] >= shortest])
 
 
-def fit_window(window: Window, orders: tuple[int, int, int], noise: str | int, dt: float) -> HammersteinFit | None:
+def fit_window(
+    window: Window, orders: tuple[int, int, int], noise: str | int, offset: str, dt: float
+) -> HammersteinFit | None:
     """Batch fit of a start window with bounded influence of outliers; None where nothing can be fitted."""
     na, nb, delay = orders
     segments = window.segments(3 * (na + nb + delay + (noise if isinstance(noise, int) else 0)) + 40)
     if not len(segments):
         return None
     try:
-        fit = _fit(window.u, window.y, segments, orders, noise, dt)
+        fit = _fit(window.u, window.y, segments, orders, noise, offset, dt)
         drawn = _drawn_in(fit, window.y, segments)
-        return fit if drawn is None else _fit(window.u, drawn, segments, orders, noise, dt)
+        return fit if drawn is None else _fit(window.u, drawn, segments, orders, noise, offset, dt)
     except (DataError, np.linalg.LinAlgError):  # constant, or nearly: no information yet
         return None
 
@@ -62,10 +64,11 @@ def _fit(
     segments: npt.NDArray[np.int64],
     orders: tuple[int, int, int],
     noise: str | int,
+    offset: str,
     dt: float,
 ) -> HammersteinFit:
     records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=dt) for start, stop in segments]
-    return identify(records, orders=orders, noise=noise, offset="free", raw=True)
+    return identify(records, orders=orders, noise=noise, offset=offset, raw=True)
 
 
 def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
@@ -160,16 +163,22 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
         np.array(fit.noise.d),
         values["offset"] / scales[1],
     )
-    best = refine(problem, theta)  # initial states
+    # Where the offset is 0, the model is linearised there: without a dead zone its valley is long and curved.
+    pinned = fit.standard_errors["offset"] == 0.0
+    basis = np.delete(np.eye(theta.size), problem.eta_at - 1, axis=1) if pinned else None
+    best = refine(problem, theta, basis)  # initial states
     state, layout = allocate(na, nb, delay, p, tuning)
     n = int(layout[kernel.N])
     shared, initial = slice(0, n), slice(n, None)
     h, theta = best.hessian, np.ascontiguousarray(best.theta[:n])
     nuisance = np.linalg.pinv(h[initial, initial], hermitian=True)
-    information = h[shared, shared] - h[shared, initial] @ nuisance @ h[initial, shared]
+    gradient = problem.evaluate(best.theta)[1]
+    past = h[shared, initial] @ nuisance
+    information = h[shared, shared] - past @ h[initial, shared]
+    slopes = gradient[shared] - past @ gradient[initial]
     _put(state, layout, kernel.THETA, theta)
     _put(state, layout, kernel.REF_H, 0.5 * (information + information.T))
-    _put(state, layout, kernel.REF_R, information @ theta)
+    _put(state, layout, kernel.REF_R, information @ theta - slopes)
     weight = min(problem.errors, 1.0 / max(1.0 - tuning.forgetting, 1e-12))
     state[kernel.WEIGHT] = weight
     state[kernel.SQUARES] = max(best.cost / max(problem.errors - n, 1), SMALLEST_VARIANCE) * weight

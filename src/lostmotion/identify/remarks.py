@@ -99,8 +99,8 @@ def about_sampling(fit: HammersteinFit) -> str:
     """Sampling time against the slowest time constant and the delay."""
     dt = fit.data.dt
     slowest, delay = slowest_constant(fit), fit.linear.delay
-    factor = int(max(round(slowest / WANTED), round(delay / WANTED), 2))
-    if (slowest > FAST or delay > LATE) and moves_within(fit.data.u, factor) < CALM:
+    factor = calm_factor(fit.data.u, max(slowest, float(delay)) / WANTED)
+    if (slowest > FAST or delay > LATE) and factor > 1:
         return (
             f"The sampling is fast for this process: {slowest:.0f} samples in its slowest time constant, {delay} in "
             f"its delay. Fewer samples tell as much, and sooner: records.resample(record, {factor})."
@@ -111,6 +111,19 @@ def about_sampling(fit: HammersteinFit) -> str:
             f"time {dt:g} s. Moves of OP between the samples are not seen; record faster if OP moves faster."
         )
     return ""
+
+
+def calm_factor(u: FloatArray, wanted: float) -> int:
+    """Factor near the wanted one whose blocks OP hardly moves within; 1 where there is none.
+
+    Examples
+    --------
+    >>> calm_factor(np.repeat(np.arange(10.0) % 3, 10), 4.0), calm_factor(np.arange(100.0) % 7, 4.0)
+    (5, 1)
+    """
+    near = range(max(round(0.5 * wanted), 2), max(min(round(1.5 * wanted), u.size // 2), 2) + 1)
+    calmest = min(near, key=lambda factor: (round(moves_within(u, factor), 6), abs(factor - wanted)))
+    return calmest if moves_within(u, calmest) < CALM else 1
 
 
 def moves_within(u: FloatArray, factor: int) -> float:

@@ -34,6 +34,7 @@ TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT
 LEFT, RIGHT, GAIN = range(3)  # directions that are tested for a change
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 RIDGE = 1e-11  # relative information put into every direction, about the present estimate
+SURE = 1e9  # times the information about an offset that is known to be zero
 SMALLEST = 1e-200  # information below this is none: filters fade to denormal numbers
 UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
 HALVINGS = 20
@@ -384,8 +385,13 @@ def total_information(state: FloatArray, layout: IntArray) -> None:
         at = layout[RING_R] + slot * n
         for i in range(n):
             r[i] += state[at + i]
+    at = (layout[NA] + layout[NB1]) * (n + 1)
+    offset_information = h[at]
+    if state[ZERO] > 0.0:  # known to be zero: solved and linearised there
+        h[at] += SURE * h[at]
     root = state[layout[ROOT] : layout[ROOT] + square].reshape(n, n)
     factor(h.reshape(n, n), root)
+    h[at] = offset_information
     invert(root, state[layout[INVERSE] : layout[INVERSE] + square].reshape(n, n))
 
 
@@ -402,6 +408,8 @@ def newton_step(state: FloatArray, layout: IntArray) -> None:
     for i in range(n):
         for j in range(n):
             move[i] -= h[i, j] * theta[j]
+    if state[ZERO] > 0.0:
+        move[eta - 1] -= SURE * h[eta - 1, eta - 1] * theta[eta - 1]
     solve(root, move)
     wanted = theta + move
     constrain(wanted, root, eta, state[LOW], state[HIGH], state[RATIO_LIMIT])

@@ -1,0 +1,74 @@
+"""Four floats at once: what the loops over padded rows of the recursive estimators are made of.
+
+A compiler does not vectorise loops over a dozen floats whose number and overlap it cannot know. These functions say
+it outright: a quad is a vector register (or two of half the width). Their Python bodies are their meaning and run
+with the JIT off; there a quad is an array (4,). Indices are not checked, and only whole quads are moved.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias, TypeVar
+
+import numpy as np
+from numba import njit
+
+from lostmotion.kernels import lanes_llvm as machine
+from lostmotion.kernels.types import FloatArray, IntArray
+
+Quad: TypeAlias = FloatArray
+AnyArray = TypeVar("AnyArray", FloatArray, IntArray)
+WIDTH = machine.WIDTH
+
+
+@machine.as_address
+def address(array: AnyArray) -> AnyArray:
+    """Where an array begins: indexed like the array, without bounds and without counted references.
+
+    In compiled code it lives as long as the array does; the counting would cost more than the arithmetic.
+    """
+    return array
+
+
+@machine.as_load
+def load(floats: FloatArray, at: int) -> Quad:
+    """Four neighbours from `at` on."""
+    return floats[at : at + WIDTH].copy()
+
+
+@machine.as_store
+def store(floats: FloatArray, at: int, values: Quad) -> None:
+    """Write four neighbours from `at` on."""
+    floats[at : at + WIDTH] = values
+
+
+@machine.as_spread
+def spread(value: float) -> Quad:
+    """The same float four times."""
+    return np.full(WIDTH, value)
+
+
+@machine.as_product
+def times(one: Quad, other: Quad) -> Quad:
+    """Products of equal places."""
+    return one * other
+
+
+@machine.as_fused
+def plus_product(start: Quad, one: Quad, other: Quad) -> Quad:
+    """`start` + `one` * `other`, rounded once where the processor can."""
+    return start + one * other
+
+
+@machine.as_total
+def total(values: Quad) -> float:
+    """Sum of the four."""
+    return float((values[0] + values[2]) + (values[1] + values[3]))
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def dot(floats: FloatArray, one: int, other: int, size: int) -> float:
+    """Inner product of two padded rows that begin at `one` and `other`."""
+    values = spread(0.0)
+    for j in range(0, size, WIDTH):
+        values = plus_product(values, load(floats, one + j), load(floats, other + j))
+    return total(values)

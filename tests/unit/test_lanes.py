@@ -1,0 +1,97 @@
+"""The machine's form of each function does what its Python body says."""
+
+import numpy as np
+import pytest
+from numba import njit
+
+from lostmotion.kernels import lanes
+from lostmotion.kernels.lanes import address, load, plus_product, spread, store, times, total
+
+
+def floats(size=16, seed=0):
+    return np.random.default_rng(seed).normal(size=size)
+
+
+@njit
+def through_address(array, i, value):
+    place = address(array)
+    place[i] = value + place[i - 1]
+    return place[i]
+
+
+@njit
+def copy_quad(array, source, target):
+    store(address(array), target, load(address(array), source))
+
+
+@njit
+def fuse(array):
+    place = address(array)
+    store(place, 12, plus_product(load(place, 0), load(place, 4), load(place, 8)))
+
+
+@njit
+def scale(array, factor):
+    place = address(array)
+    store(place, 4, times(spread(factor), load(place, 1)))
+
+
+@njit
+def add_up(array, rounds):
+    place = address(array)
+    values = spread(0.0)
+    for i in range(rounds):
+        values = plus_product(values, spread(1.0), load(place, 4 * i))
+    return total(values)
+
+
+@njit
+def inner(array, one, other, size):
+    return lanes.dot(address(array), one, other, size)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        (through_address, (3, 0.5)),
+        (copy_quad, (1, 7)),
+        (copy_quad, (3, 5)),
+        (fuse, ()),
+        (scale, (-2.5,)),
+        (scale, (3,)),
+        (add_up, (0,)),
+        (add_up, (4,)),
+    ],
+)
+def test_compiled_is_the_python_body(function, arguments):
+    array, expected = floats(), floats()
+    given = function(array, *arguments)
+    wanted = getattr(function, "py_func", function)(expected, *arguments)
+    np.testing.assert_allclose(array, expected, rtol=1e-15, atol=1e-15)
+    assert given is None or given == pytest.approx(wanted, rel=1e-14, abs=1e-14)
+
+
+def test_what_they_mean():
+    array = floats()
+    expected = array.copy()
+    expected[12:] = array[:4] + array[4:8] * array[8:12]
+    fuse(array)
+    np.testing.assert_allclose(array, expected, rtol=1e-14, atol=1e-15)
+    assert add_up(array, 4) == pytest.approx(array.sum(), rel=1e-13)
+    assert inner(array, 0, 8, 8) == pytest.approx(array[:8] @ array[8:], rel=1e-13)
+    assert through_address(array, 2, 1.0) == 1.0 + array[1] == array[2]
+    first = array.copy()
+    scale(array, 2.0)
+    np.testing.assert_array_equal(array[4:8], 2.0 * first[1:5])
+
+
+def test_integers_keep_their_type():
+    @njit
+    def turn(array):
+        place = address(array)
+        place[0] = place[1] + 1
+        return place[0]
+
+    whole = np.array([0, 2**60], dtype=np.int64)
+    assert turn(whole) == 2**60 + 1
+    assert whole[0] == 2**60 + 1
