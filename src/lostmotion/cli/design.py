@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,6 +13,7 @@ import typer
 from lostmotion.cli.options import Force, Json, NoTime, Op, Pv, Time, refuse_existing, show
 from lostmotion.design import achievable as achievable_of
 from lostmotion.design import design as design_test
+from lostmotion.design.asked import TARGETS
 from lostmotion.errors import ParameterError
 from lostmotion.files import read_fit, read_loop, write_columns
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
@@ -45,12 +47,11 @@ SpLimits = Annotated[Pair | None, _number("--sp-limits", "Range of SP, in closed
 Rate = Annotated[float | None, _number("--rate-limit", "Fastest move, units per second.")]
 Hold = Annotated[float | None, _number("--hold", "Shortest time in seconds for which a level is kept.")]
 Duration = Annotated[float | None, _number("--duration", "Seconds; with a wanted interval the most.")]
-Width = Annotated[float | None, _number("--width-interval", "Wanted half-width of the 95 % interval of the width.")]
-Target = Annotated[str, typer.Option("--target", help='"width" or "break points", where no interval is wanted.')]
+Interval = Annotated[float | None, _number("--interval", "Wanted half-width of the 95 % interval, in units of OP.")]
+Target = Annotated[str, typer.Option("--target", help='Of what: "width" or "break points".')]
 Loop = Annotated[str, typer.Option("--loop", help='"open" (steps of OP) or "closed" (steps of SP).')]
 Kp = Annotated[float | None, _number("--kp", "Gain of the PI controller, in closed loop.")]
 Ki = Annotated[float | None, _number("--ki", "Integral gain of it, units of OP per unit of PV and second.")]
-Robust = Annotated[str, typer.Option("--robust", help='"average" or "worst" of the plausible plants.')]
 Spread = Annotated[float, typer.Option("--spread", help="Roughness of the numbers of a model, 0.3 is 30 %.")]
 Seed = Annotated[int, typer.Option("--seed", help="Of the search; the same seed, the same test.")]
 At = Annotated[Path | None, _number("--achievable", "Say what this record can at best give, instead of a test.")]
@@ -79,12 +80,11 @@ def design(
     rate_limit: Rate = None,
     hold: Hold = None,
     duration: Duration = None,
-    width_interval: Width = None,
+    interval: Interval = None,
     target: Target = "width",
     loop: Loop = "open",
     kp: Kp = None,
     ki: Ki = None,
-    robust: Robust = "average",
     spread: Spread = 0.3,
     seed: Seed = 0,
     achievable: At = None,
@@ -101,7 +101,7 @@ def design(
     """Design the test that tells most about the dead zone, or say what a record can at best tell.
 
     Example: lostmotion design --left 48 --right 52 --gain 1.5 --time-constant 30 --dead-time 4 --dt 1
-    --noise-deviation 0.2 --op-limits 40 60 --hold 20 --width-interval 0.2 --out test.csv --figure test.png
+    --noise-deviation 0.2 --op-limits 40 60 --hold 20 --interval 0.2 --out test.csv --figure test.png
 
     Example: lostmotion design --fit fic101.json --achievable FIC-101.csv
 
@@ -123,8 +123,8 @@ def design(
     test = design_test(
         model, noise, op_limits=op_limits, op_now=op_now, pv_limits=pv_limits, sp_limits=sp_limits,
         rate_limit=rate_limit, shortest_hold=hold, duration=duration,
-        wanted=None if width_interval is None else {"width": width_interval},
-        target=target, loop=loop, controller=_controller(kp, ki), robust=robust, spread=spread, seed=seed,
+        wanted=None if interval is None else dict.fromkeys(TARGETS.get(target, ("width",)), interval),
+        target=target, loop=loop, controller=_controller(kp, ki), spread=spread, seed=seed, progress=_progress,
     )  # fmt: skip
     if out is not None:
         write_columns(out, test.columns(every_sample=not steps), force)
@@ -132,6 +132,11 @@ def design(
         test.plot().savefig(figure, dpi=120)
     show(test.summary(), test.to_dict(), json)
     raise typer.Exit(0 if test.reached else 1)
+
+
+def _progress(line: str) -> None:
+    if sys.stderr.isatty():
+        typer.echo(f"design: {line} ..", err=True)
 
 
 def _from_fit(

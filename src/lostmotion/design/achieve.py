@@ -33,7 +33,7 @@ class Achievable:
     ----------
     expected : dict of float
         Half-widths of the 95 % intervals if the model as given is true: left, right, width in units of OP,
-        left_slope, right_slope, slope_ratio, gain. Infinite where the data are blind.
+        slope_ratio, gain. Infinite where the data are blind.
     expected_best, expected_worst : dict of float
         Smallest and largest over plausible plants.
     samples, duration, dt : int, seconds, seconds
@@ -122,7 +122,6 @@ def achievable(
     noise: NoiseModel | float | None = None,
     *,
     y: npt.ArrayLike | None = None,
-    gain: float | None = None,
     spread: float = SPREAD,
     seed: int = 0,
 ) -> Achievable:
@@ -132,7 +131,7 @@ def achievable(
     ----------
     u : array_like (n,), LoopRecord or list of LoopRecord
         OP. A record brings its PV; gaps and missing samples cut it into pieces, each with an unknown initial state.
-    model, noise, gain, spread
+    model, noise, spread
         As in :func:`design`.
     y : array_like (n,), optional
         PV, with arrays only: for coloured noise in closed loop, beside a fit.
@@ -164,7 +163,7 @@ def achievable(
     # a guess does not follow PV closely enough to tell the noise in it, so PV is used with a fit only
     pv = pv if rough.covariance is not None and rough.noise.order else None
     plants = [given, *(replace(given, model=other) for other in rough.fresh(PLANTS, seed))]
-    several = [half_widths(plant, op, pv if plant is given else None, gain, segments) for plant in plants]
+    several = [half_widths(plant, op, pv if plant is given else None, segments) for plant in plants]
     own = several[0]
     left, right = int((op < given.zone.left).sum()), int((op > given.zone.right).sum())
     return Achievable(
@@ -176,7 +175,7 @@ def achievable(
         width=given.zone.width,
         beyond=(left, op.size - left - right, right),
         feedback=pv is not None,
-        settings={"gain": gain, "plants": len(several), "roughness": rough.roughness, "pieces": len(segments)},
+        settings={"plants": len(several), "roughness": rough.roughness, "pieces": len(segments)},
     )
 
 

@@ -10,7 +10,7 @@ from lostmotion.identify.parameters import Scaling, named_values
 from lostmotion.identify.problem import Problem
 from lostmotion.models._arguments import FloatArray
 
-NAMES = ("left", "right", "width", "left_slope", "right_slope", "slope_ratio", "gain")
+NAMES = ("left", "right", "width", "slope_ratio", "gain")
 SEED_STEP = 100_000  # between realisations, so that plants and realisations do not share one
 LOOP_SEEDS = 6  # noise realisations over which the information in closed loop is averaged
 RIDGE = 1e-13  # relative
@@ -21,7 +21,6 @@ def half_widths(
     plant: Plant,
     u: FloatArray,
     y: FloatArray | None,
-    gain: float | None,
     segments: IntArray | None = None,
 ) -> dict[str, float]:
     """95 % half-widths that an efficient estimator reaches with OP u (n,); PV y (n,) in closed loop.
@@ -41,19 +40,17 @@ def half_widths(
         information[at, :] = 0.0
         information[:, at] = 0.0
         information[at, at] = np.eye(plant.noise.order) * problem.errors
-    return _by_name(plant, problem, theta, information, gain)
+    return _by_name(plant, problem, theta, information)
 
 
-def _by_name(
-    plant: Plant, problem: Problem, theta: FloatArray, information: FloatArray, gain: float | None
-) -> dict[str, float]:
+def _by_name(plant: Plant, problem: Problem, theta: FloatArray, information: FloatArray) -> dict[str, float]:
     """Half-widths by the chain rule.
 
     A prior that is out of all proportion marks what the data are blind to: it is never as narrow as that.
     """
     s = problem.structure
     shared = theta[: problem.initial_at]
-    values, jacobian = named_values(shared, "dead zone", s.na, s.nb, Scaling(0, 1, 0, 1), gain)
+    values, jacobian = named_values(shared, "dead zone", s.na, s.nb, Scaling(0, 1, 0, 1), None)
     vague = np.array([BLIND * plant.zone.width, BLIND * plant.zone.width, BLIND])
     at = np.arange(problem.eta_at, problem.eta_at + 3)
     information[at, at] += vague**-2.0
@@ -82,9 +79,9 @@ def _with_initial_states(problem: Problem, theta: FloatArray) -> FloatArray:
     return result
 
 
-def expected(plant: Plant, signal: FloatArray, gain: float | None, seeds: int = LOOP_SEEDS) -> dict[str, float]:
+def expected(plant: Plant, signal: FloatArray, seeds: int = LOOP_SEEDS) -> dict[str, float]:
     """95 % half-widths of a planned test; in closed loop the root mean square over noise realisations."""
     if plant.controller is None:
-        return half_widths(plant, signal, None, gain)
-    runs = [half_widths(plant, *plant.run(signal, plant.seed + SEED_STEP * seed), gain) for seed in range(seeds)]
+        return half_widths(plant, signal, None)
+    runs = [half_widths(plant, *plant.run(signal, plant.seed + SEED_STEP * seed)) for seed in range(seeds)]
     return {name: float(np.sqrt(np.mean([run[name] ** 2 for run in runs]))) for name in runs[0]}

@@ -44,20 +44,15 @@ def prs_signal(plants: list[Plant], limits: Limits, samples: int, hold: int, see
     return drawn_in(allowed)
 
 
-def prs_expected(
-    plants: list[Plant], limits: Limits, samples: int, hold: int, seed: int, gain: float | None
-) -> dict[str, float]:
-    """95 % half-widths of a PRS at the first plant: mean over seeds."""
+def prs_expected(plants: list[Plant], limits: Limits, samples: int, hold: int, seed: int) -> dict[str, float]:
+    """95 % half-widths of a PRS at the first plant: median over seeds."""
     runs = [
-        expected(plants[0], prs_signal(plants, limits, samples, hold, seed + draw), gain, seeds=1)
-        for draw in range(SEEDS)
+        expected(plants[0], prs_signal(plants, limits, samples, hold, seed + draw), seeds=1) for draw in range(SEEDS)
     ]
-    return {name: float(np.mean([run[name] for run in runs])) for name in runs[0]}
+    return {name: float(np.median([run[name] for run in runs])) for name in runs[0]}
 
 
-def prs_by_hold(
-    plants: list[Plant], limits: Limits, samples: int, seed: int, gain: float | None
-) -> dict[int, dict[str, float]]:
+def prs_by_hold(plants: list[Plant], limits: Limits, samples: int, seed: int) -> dict[int, dict[str, float]]:
     """Half-widths of PRSs with the shortest hold and with longer ones, by the hold in samples."""
     holds = [limits.hold * times for times in LONGER if times == 1 or limits.hold * times * FEWEST_HOLDS <= samples]
-    return {hold: prs_expected(plants, limits, samples, hold, seed, gain) for hold in holds}
+    return {hold: prs_expected(plants, limits, samples, hold, seed) for hold in holds}

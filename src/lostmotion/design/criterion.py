@@ -24,9 +24,6 @@ class Criterion:
     ----------
     wanted : dict of float
         Half-width of the 95 % interval by name, in units of OP; 1 where only the smallest is asked for.
-    robust : {"average", "worst"}
-        Mean over the plants, in which a half-width counts as no more than `blind`: a plant that is missed costs
-        much, but one on which no test within the limits can tell anything does not drown the others. Or the worst.
     reach : float
         Deviation of the break points before the test, in units of OP: finite, so that a test that says nothing about
         one of them still has a score. Wide beside every interval that is worth a test.
@@ -35,7 +32,6 @@ class Criterion:
     """
 
     wanted: dict[str, float]
-    robust: str
     reach: float
     blind: float
 
@@ -51,9 +47,11 @@ class Criterion:
         return np.asarray(Z95 * np.sqrt(variances))
 
     def over(self, table: FloatArray) -> FloatArray:
-        """Half-widths over plants (rows) as one number for each wanted parameter."""
-        if self.robust == "worst":
-            return np.asarray(table.max(axis=0))
+        """Half-widths over plants (rows) as one number for each wanted parameter: their mean.
+
+        In it a half-width counts as no more than `blind`: a plant that is missed costs much, but one on which no test
+        within the limits can tell anything does not drown the others.
+        """
         return np.asarray(np.mean(table / (1.0 + table / self.blind), axis=0))
 
     def table(self, plants: list[Plant], signal: FloatArray) -> FloatArray:

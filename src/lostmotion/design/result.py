@@ -46,12 +46,11 @@ class TestDesign:
         OP (open loop) or SP (closed loop), one value every `dt` seconds.
     expected : dict of float
         Half-widths of the 95 % intervals that an efficient estimator reaches if the model as given is true: left,
-        right, width in units of OP, left_slope, right_slope, slope_ratio, gain. With an unknown gain right_slope is 1
-        by convention, so its half-width is 0.
+        right, width in units of OP, slope_ratio, gain (with right_slope 1 by convention).
     expected_typical, expected_worst : dict of float
         Median and largest over the plausible plants.
     prs_expected : dict of float
-        The same as `expected` for a pseudo-random staircase of the same length, limits and shortest hold: mean over
+        The same as `expected` for a pseudo-random staircase of the same length, limits and shortest hold: median over
         seeds. `prs_by_hold` holds those with longer holds, by the hold in seconds.
     goals : dict of float
         What the test was made for: `wanted`, or 1 for each parameter whose smallest interval was sought.

@@ -68,6 +68,15 @@ class Staircase:
             levels, lengths = levels[:-1], lengths[:-1]
         return Staircase(levels, lengths)
 
+    def until(self, samples: int, shortest: int) -> Staircase:
+        """The first `samples` samples, or more: until the hold that is reached has lasted `shortest`."""
+        ends = np.cumsum(self.lengths)
+        count = min(int(np.searchsorted(ends, samples)), ends.size - 1)
+        lengths = self.lengths[: count + 1].copy()
+        before = int(ends[count - 1]) if count else 0
+        lengths[-1] = min(max(samples - before, shortest), int(lengths[-1]))
+        return Staircase(self.levels[: count + 1], lengths)
+
     def merged(self) -> Staircase:
         """Without moves from a level to itself."""
         first = np.concatenate([[True], np.diff(self.levels) != 0])

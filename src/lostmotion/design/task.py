@@ -76,12 +76,10 @@ class Task:
     def ratio(self, signal: FloatArray) -> float:
         """Half-width over wanted half-width, 1 or less where it is reached.
 
-        By the model as given and four plausible plants in five, with none far beyond; or by every one.
+        By the model as given and four plausible plants in five, with none far beyond.
         """
         table = self.criterion.table(self.plants + self.fresh, signal)
         ratios = (table / self.criterion.goals).max(axis=1)
-        if self.criterion.robust == "worst":
-            return float(ratios.max())
         enough = np.sort(ratios)[int(np.ceil(ASSURED * ratios.size)) - 1]
         return float(max(enough, ratios[0], ratios.max() / FAR))
 

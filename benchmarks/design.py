@@ -1,0 +1,157 @@
+"""The designed test against a PRS of the same length and limits, by simulation.
+
+Run: ``.venv/bin/python benchmarks/design.py`` (about 3 minutes, one process); writes docs/design.md.
+Options: ``--seeds N`` for another number of records, ``--only NAME`` for one plant; both print the table only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.design.plausible import drawn_around_guess
+from lostmotion.kernels.threads import one_thread
+
+OUTPUT = Path(__file__).parent.parent / "docs" / "design.md"
+TANK = lm.platforms.level_tank()
+TARGETS = {"width": ("width",), "break points": ("left", "right")}
+SEEDS = 30
+
+
+@dataclass(frozen=True)
+class Case:
+    """A plant, as guessed, and what the operator allows."""
+
+    title: str
+    model: lm.Hammerstein
+    noise: lm.NoiseModel
+    limits: tuple[float, float]
+    hold: float
+    duration: float
+    controller: lm.PI | None = None
+
+
+def lag(constants: list[float], gain: float, dead_time: float, dt: float) -> lm.LinearModel:
+    den = np.array([1.0])
+    for constant in constants:
+        den = np.polymul(den, [constant, 1.0])
+    return lm.LinearModel.from_continuous([gain], den, dead_time, dt)
+
+
+WHITE = lm.NoiseModel((), 0.03)
+SLOW = lm.Hammerstein(lm.DeadZone(48.0, 52.0), lag([30.0], 1.5, 4.0, 1.0), offset=20.0)
+OFF_CENTRE = lm.Hammerstein(lm.DeadZone(2.0, 4.3, 4.0, 1.0), TANK.linear, offset=12.0)
+COLOURED = lm.Hammerstein(lm.DeadZone(29.0, 31.0), lag([40.0, 12.0], 0.8, 5.0, 1.0), offset=50.0)
+FLOW = lm.Hammerstein(lm.DeadZone(48.0, 52.0), lag([8.0], 1.2, 2.0, 1.0), offset=60.0)
+CASES = {
+    "tank-2000": Case("level tank, N = 2,000", TANK, WHITE, (-5.0, 5.0), 1.0, 200.0),
+    "tank-600": Case("level tank, N = 600", TANK, WHITE, (-5.0, 5.0), 1.0, 60.0),
+    "slow": Case("first order, 30 s, dead time 4 s", SLOW, lm.NoiseModel((), 0.04), (40.0, 60.0), 20.0, 1200.0),
+    "off-centre": Case("off centre, slopes 4 and 1", OFF_CENTRE, WHITE, (-2.0, 9.0), 1.0, 100.0),
+    "coloured": Case(
+        "second order, coloured noise", COLOURED, lm.NoiseModel((-0.9,), 0.0076), (20.0, 40.0), 20.0, 2000.0
+    ),
+    "closed": Case(
+        "first order, closed loop, steps of SP", FLOW, lm.NoiseModel((), 0.01), (56.0, 64.0), 20.0, 1200.0,
+        lm.PI(0.4, 0.05),
+    ),
+}  # fmt: skip
+
+
+def made(case: Case, target: str, seed: int = 0) -> lm.TestDesign:
+    """The designed test."""
+    common = {"shortest_hold": case.hold, "duration": case.duration, "target": target, "seed": seed}
+    if case.controller is None:
+        return lm.design(case.model, case.noise, op_limits=case.limits, **common)
+    loop = {"loop": "closed", "controller": case.controller, "sp_limits": case.limits}
+    return lm.design(case.model, case.noise, **loop, **common)
+
+
+def staircase(test: lm.TestDesign, hold: float, seed: int) -> lm.TestDesign:
+    """A PRS of the same length and amplitude in the place of the designed signal."""
+    low, high = test.limits.levels
+    samples = len(test.signal)
+    return replace(test, signal=lm.signals.prs(samples, low, high, hold=round(hold / test.dt), seed=seed))
+
+
+def fitted(test: lm.TestDesign, plant: lm.Hammerstein, seed: int, names: tuple[str, ...]) -> np.ndarray:
+    """Error and half-width of the interval of each name, shape (2, names); not a number where there is none."""
+    linear = plant.linear
+    fit = lm.identify(test.simulate(seed, plant), orders=(len(linear.a), len(linear.b) - 1, linear.delay))
+    if fit.preferred != "dead zone":
+        return np.full((2, len(names)), np.nan)
+    truth = {"left": plant.nonlinearity.left, "right": plant.nonlinearity.right, "width": plant.nonlinearity.width}
+    ends = [fit.interval(name) for name in names]
+    return np.array([[fit.parameters[name] - truth[name] for name in names], [0.5 * (b - a) for a, b in ends]])
+
+
+@dataclass(frozen=True)
+class Score:
+    """Over seeds and names: intervals, spread, coverage, and in how many records a dead zone was found."""
+
+    interval: float
+    spread: float
+    covered: float
+    found: int
+
+
+def score(tests: list[lm.TestDesign], plants: list[lm.Hammerstein], names: tuple[str, ...]) -> Score:
+    """Mean half-width and root mean square error of the worse name."""
+    table = np.array([fitted(test, plant, k, names) for k, (test, plant) in enumerate(zip(tests, plants, strict=True))])
+    good = np.isfinite(table).all(axis=(1, 2))
+    error, half = table[good, 0], table[good, 1]
+    spread = float(np.sqrt(np.mean(error**2, axis=0)).max())
+    return Score(float(half.mean(axis=0).max()), spread, float(np.mean(np.abs(error) <= half)), int(good.sum()))
+
+
+@one_thread
+def rows(case: Case, target: str, seeds: int) -> list[str]:
+    """Table rows of one plant and one target: the plant as guessed, and plants that the guess misses by up to 30 %."""
+    begun = time.perf_counter()
+    test = made(case, target)
+    seconds = time.perf_counter() - begun
+    names = TARGETS[target]
+    lines = []
+    for truth, plants in (
+        ("as guessed", [case.model] * seeds),
+        ("30 % off", drawn_around_guess(case.model, seeds, 7)),
+    ):
+        own = score([test] * seeds, plants, names)
+        rivals = [score([staircase(test, hold, k) for k in range(seeds)], plants, names)
+                  for hold in dict.fromkeys([case.hold, test.best_prs_hold])]  # fmt: skip
+        usual, best = rivals[0], rivals[-1]
+        worst = max(test.expected[name] for name in names)
+        cells = [
+            case.title, target, truth, f"{seconds:.1f} s", f"{worst:.3g}", f"{own.interval:.3g}",
+            f"{100 * own.covered:.0f}", f"{own.found} / {usual.found} of {seeds}",
+            f"{usual.interval / own.interval:.2f}", f"{usual.spread / own.spread:.2f}",
+            f"{best.interval / own.interval:.2f} ({test.best_prs_hold:g} s)", f"{best.spread / own.spread:.2f}",
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=None)
+    parser.add_argument("--only", choices=list(CASES), default=None)
+    arguments = parser.parse_args()
+    lm.identify(made(CASES["tank-600"], "width").simulate(0))  # compiles
+    lines = []
+    for name in [arguments.only] if arguments.only else CASES:
+        for target in TARGETS:
+            lines += rows(CASES[name], target, arguments.seeds or SEEDS)
+    if arguments.seeds is None and arguments.only is None:
+        OUTPUT.write_text(PAGE.format(rows="\n".join(lines), seeds=SEEDS), encoding="utf-8")
+
+
+PAGE = """TBD {rows} {seeds}"""
+
+if __name__ == "__main__":
+    main()
