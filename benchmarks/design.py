@@ -20,7 +20,7 @@ from lostmotion.kernels.threads import one_thread
 OUTPUT = Path(__file__).parent.parent / "docs" / "design.md"
 TANK = lm.platforms.level_tank()
 TARGETS = {"width": ("width",), "break points": ("left", "right")}
-SEEDS = 30
+SEEDS, DRAWS = 30, 7  # records; seed of the true plants
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def fitted(test: lm.TestDesign, plant: lm.Hammerstein, seed: int, names: tuple[s
     """Error and half-width of the interval of each name, shape (2, names); not a number where there is none."""
     linear = plant.linear
     fit = lm.identify(test.simulate(seed, plant), orders=(len(linear.a), len(linear.b) - 1, linear.delay))
-    if fit.preferred != "dead zone":
+    if fit.status is not lm.Status.OK:
         return np.full((2, len(names)), np.nan)
     truth = {"left": plant.nonlinearity.left, "right": plant.nonlinearity.right, "width": plant.nonlinearity.width}
     ends = [fit.interval(name) for name in names]
@@ -92,7 +92,7 @@ def fitted(test: lm.TestDesign, plant: lm.Hammerstein, seed: int, names: tuple[s
 
 @dataclass(frozen=True)
 class Score:
-    """Over seeds and names: intervals, spread, coverage, and in how many records a dead zone was found."""
+    """Over seeds and names: intervals, spread, coverage, and how many records ``identify`` calls OK."""
 
     interval: float
     spread: float
@@ -110,31 +110,26 @@ def score(tests: list[lm.TestDesign], plants: list[lm.Hammerstein], names: tuple
 
 
 @one_thread
-def rows(case: Case, target: str, seeds: int) -> list[str]:
-    """Table rows of one plant and one target: the plant as guessed, and plants that the guess misses by up to 30 %."""
+def row(case: Case, target: str, seeds: int) -> str:
+    """Table row of one plant and one target; in every record the true plant is another one."""
     begun = time.perf_counter()
     test = made(case, target)
     seconds = time.perf_counter() - begun
     names = TARGETS[target]
-    lines = []
-    for truth, plants in (
-        ("as guessed", [case.model] * seeds),
-        ("30 % off", drawn_around_guess(case.model, seeds, 7)),
-    ):
-        own = score([test] * seeds, plants, names)
-        rivals = [score([staircase(test, hold, k) for k in range(seeds)], plants, names)
-                  for hold in dict.fromkeys([case.hold, test.best_prs_hold])]  # fmt: skip
-        usual, best = rivals[0], rivals[-1]
-        worst = max(test.expected[name] for name in names)
-        cells = [
-            case.title, target, truth, f"{seconds:.1f} s", f"{worst:.3g}", f"{own.interval:.3g}",
-            f"{100 * own.covered:.0f}", f"{own.found} / {usual.found} of {seeds}",
-            f"{usual.interval / own.interval:.2f}", f"{usual.spread / own.spread:.2f}",
-            f"{best.interval / own.interval:.2f} ({test.best_prs_hold:g} s)", f"{best.spread / own.spread:.2f}",
-        ]  # fmt: skip
-        lines.append("| " + " | ".join(cells) + " |")
-        print(lines[-1], flush=True)
-    return lines
+    plants = drawn_around_guess(case.model, seeds, DRAWS)
+    own = score([test] * seeds, plants, names)
+    usual, best = (
+        score([staircase(test, hold, k) for k in range(seeds)], plants, names)
+        for hold in (case.hold, test.best_prs_hold)
+    )
+    promised = max(test.expected_typical[name] for name in names)
+    cells = [
+        case.title, target, f"{seconds:.1f} s", f"{promised:.2g}", f"{own.interval:.2g}", f"{own.spread:.2g}",
+        f"{100 * own.covered:.0f}", f"{own.found}, {usual.found}, {best.found} of {seeds}",
+        f"{usual.interval / own.interval:.2f}", f"{usual.spread / own.spread:.2f}",
+        f"{best.interval / own.interval:.2f} ({test.best_prs_hold:g} s)", f"{best.spread / own.spread:.2f}",
+    ]  # fmt: skip
+    return "| " + " | ".join(cells) + " |"
 
 
 def main() -> None:
@@ -146,12 +141,41 @@ def main() -> None:
     lines = []
     for name in [arguments.only] if arguments.only else CASES:
         for target in TARGETS:
-            lines += rows(CASES[name], target, arguments.seeds or SEEDS)
+            lines.append(row(CASES[name], target, arguments.seeds or SEEDS))
+            print(lines[-1], flush=True)
     if arguments.seeds is None and arguments.only is None:
         OUTPUT.write_text(PAGE.format(rows="\n".join(lines), seeds=SEEDS), encoding="utf-8")
 
 
-PAGE = """TBD {rows} {seeds}"""
+PAGE = """# The designed test against a PRS
+
+Made by `.venv/bin/python benchmarks/design.py` (about 3 minutes, one process).
+
+Both tests have the same length, the same range of OP (in closed loop: of SP) and the same shortest hold; the PRS uses
+the whole range, as in the paper (tank: -5 .. 5, hold 10 samples). The second PRS has the hold among 1, 2, 4 and 8
+shortest holds that Fisher information prefers for this plant and target. Each test is simulated {seeds} times, each
+time with other noise, another PRS, and **another true plant**: break points up to 30 % of the half-width, slope ratio,
+gain and time constants up to a factor of 1.3 away from the guess that the design was made for. `lostmotion.identify`
+with the true orders takes the place of theory; records whose status is not OK are left out of the averages and
+counted. For two break points the figures are those of the worse one.
+
+| plant | target | design takes | half-width promised (median) | measured | RMSE | covered, % | OK: designed, PRS, best PRS | PRS / designed: interval | RMSE | best PRS / designed: interval (its hold) | RMSE |
+|---|---|---|---|---|---|---|---|---|---|---|---|
+{rows}
+
+The ratio of two RMSEs over {seeds} records is uncertain by about 20 %, that of two intervals by a few per cent.
+
+{notes}
+
+## What else was tried
+
+* The interval of the model as given, instead of the mean over eight plausible plants: levels come to lie just beyond
+  the guessed break points; where the true ones are a little farther out, the test is blind. Not offered.
+* Information with the order and the dead time of the model taken for granted: the tests are hardly better and shorter
+  ones have so few moves that `identify` with automatic orders finds a linear model instead in one record of seven. The
+  search now counts one more coefficient on either side of B, and the shortest test has 12 of the shortest holds.
+* The worst plausible plant as criterion, instead of the mean: no better over the plants, and slower to search. Taken out.
+"""
 
 if __name__ == "__main__":
     main()

@@ -16,7 +16,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.models._arguments import finite, positive
 from lostmotion.simulate import PI
 
-FEWEST_SAMPLES, FEWEST_HOLDS = 60, 6  # below this identify has nothing to work on
+FEWEST_SAMPLES, FEWEST_HOLDS = 60, 12  # below this identify has nothing to work on
 MOST_SAMPLES = 100_000
 TARGETS = {"width": ("width",), "break points": ("left", "right")}
 DEFAULT_HOLD = 1.0 / 3.0  # of delay and dominant time constant

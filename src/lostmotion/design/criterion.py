@@ -36,12 +36,32 @@ class Criterion:
     blind: float
 
     def half_widths(self, plant: Plant, op: FloatArray, pv: FloatArray) -> FloatArray:
-        """95 % half-widths of the wanted parameters on one plant, shape (len(wanted),)."""
+        """95 % half-widths of the wanted parameters on one plant, shape (len(wanted),).
+
+        Information is local: a level barely beyond a break point counts in full. It does not where the break point may
+        as well lie beyond that level, so such a test is judged once more with the break points moved out by their own
+        half-widths.
+        """
+        plant = plant.unsure
+        contrasts = np.array([CONTRASTS[name] for name in ("left", "right", *self.wanted)])
+        found = self._half_widths(plant, plant.theta, op, pv, contrasts)
+        left, right = plant.zone.left, plant.zone.right
+        farther = np.minimum(found[:2], self.blind)
+        outer = ((op < left) & (op >= left - farther[0])) | ((op > right) & (op <= right + farther[1]))
+        if outer.any():
+            eta = plant.structure.na + plant.structure.nb + 2
+            theta = plant.theta.copy()
+            theta[eta : eta + 2] += farther * [-1.0, 1.0]
+            found = np.maximum(found, self._half_widths(plant, theta, op, pv, contrasts))
+        return found[2:]
+
+    def _half_widths(
+        self, plant: Plant, theta: FloatArray, op: FloatArray, pv: FloatArray, contrasts: FloatArray
+    ) -> FloatArray:
         s = plant.structure
         prior = np.array([self.reach**-2, self.reach**-2, RATIO_PRIOR**-2])
-        contrasts = np.array([CONTRASTS[name] for name in self.wanted])
         variances = kernel.variances(
-            plant.theta, s.na, s.nb, s.noise_order, s.delay, s.integrating, op, pv, plant.noise.variance, plant.free,
+            theta, s.na, s.nb, s.noise_order, s.delay, s.integrating, op, pv, plant.noise.variance, plant.free,
             prior, contrasts,
         )  # fmt: skip
         return np.asarray(Z95 * np.sqrt(variances))

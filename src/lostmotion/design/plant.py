@@ -166,6 +166,14 @@ class Plant:
             basis = basis[:, ~np.any(basis[noise] != 0.0, axis=0)]
         return np.ascontiguousarray(basis)
 
+    @cached_property
+    def unsure(self) -> Plant:
+        """The same plant to one who does not know its dead time and order: B with a coefficient more at either end."""
+        linear = self.model.linear
+        early = min(linear.delay, 1)
+        wider = replace(linear, b=(*[0.0] * early, *linear.b, 0.0), delay=linear.delay - early)
+        return replace(self, model=replace(self.model, linear=wider))
+
     def problem(self, u: FloatArray, y: FloatArray | None, segments: IntArray | None = None) -> Problem:
         """Likelihood of OP u (n,) and PV y; in open loop y is not needed."""
         rows = np.array([[0, u.size]]) if segments is None else segments

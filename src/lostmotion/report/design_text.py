@@ -81,8 +81,8 @@ def _rival(design: TestDesign) -> str:
     if np.isinf(gain):
         return "PRS: a pseudo-random staircase within these limits tells nothing about it."
     text = (
-        f"PRS: a pseudo-random staircase of the same length, limits and shortest hold (median over seeds); its interval "
-        f"of the {_called(design.goals)} is {gain:.2g} times as wide"
+        f"PRS: a pseudo-random staircase of the same length, limits and shortest hold (median over seeds); its "
+        f"interval of the {_called(design.goals)} is {gain:.2g} times as wide"
     )
     if best < 0.95 * gain:
         text += f", with its best hold ({design.best_prs_hold:g} s) {best:.2g} times"
