@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.design.asked import TARGETS, Asked, check
+from lostmotion.design.asked import FEWEST_SAMPLES, TARGETS, Asked, check
 from lostmotion.design.bound import expected
 from lostmotion.design.comparison import prs_by_hold
 from lostmotion.design.criterion import Criterion
@@ -223,7 +223,7 @@ def _package(
         prs_by_hold={hold * dt: values for hold, values in rivals.items()},
         goals=task.criterion.wanted,
         target=target,
-        growth=_growth(task, signal, target, asked.fewest),
+        growth=_growth(task, signal, target),
         wanted=asked.wanted,
         reached=reached,
         reached_by=float(np.mean([_reaches(one, asked.wanted) for one in several])),
@@ -248,9 +248,9 @@ def _ends(task: Task, name: str) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def _growth(task: Task, signal: FloatArray, target: str, fewest: int) -> dict[str, FloatArray]:
+def _growth(task: Task, signal: FloatArray, target: str) -> dict[str, FloatArray]:
     """Half-width of the target after some time, more and more; infinite while it is not known."""
-    rows = np.unique(np.linspace(min(fewest, signal.size), signal.size, GROWTH_POINTS).astype(int))
+    rows = np.unique(np.linspace(min(FEWEST_SAMPLES, signal.size), signal.size, GROWTH_POINTS).astype(int))
     criterion = replace(task.criterion, wanted={target: 1.0})
     trials = [(plant, *plant.trial(signal)) for plant in task.plants + task.fresh]
     table = np.array(

@@ -40,7 +40,9 @@ def design_figure(design: TestDesign, title: str | None = None) -> Figure:
 
 def _title(design: TestDesign) -> str:
     reach = design.expected[design.target]
-    said = f"{design.target} to +-{reach:.2g} (95 %)" if np.isfinite(reach) else "not possible within the limits"
+    said = (
+        f"{_called(design.target)} to +-{reach:.2g} (95 %)" if np.isfinite(reach) else "not possible within the limits"
+    )
     what = "OP steps, open loop" if design.loop == "open" else "SP steps, closed loop"
     missed = "" if design.reached or not np.isfinite(reach) else ", wanted interval not reached"
     return f"Test design: {what}: {said}{missed}"
@@ -50,6 +52,10 @@ def _unit(duration: float) -> tuple[float, str]:
     if duration > HOURS:
         return 3600.0, "h"
     return (60.0, "min") if duration > MINUTES else (1.0, "s")
+
+
+def _called(target: str) -> str:
+    return target if target == "width" else f"{target} break point"
 
 
 def _rows(design: TestDesign, scale: float) -> tuple[np.ndarray, slice]:
@@ -75,7 +81,7 @@ def _op(axes: Axes, design: TestDesign, scale: float) -> None:
         axes.step(time, design.signal[rows], where="post", color=MODEL, lw=1.1, label="OP, to be set")
     limits = design.limits.levels if design.loop == "open" else design.limits.op
     _limits(axes, limits)
-    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", ncols=4, loc="upper left")
+    _legend(axes)
     calm(axes, "OP, grey: where the break points may be", "", "OP")
 
 
@@ -89,7 +95,7 @@ def _pv(axes: Axes, design: TestDesign, scale: float) -> None:
     if design.loop == "closed":
         axes.step(time, design.signal[rows], where="post", color=MEASURED, lw=1.2, label="SP, to be set")
     _limits(axes, design.limits.pv)
-    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", ncols=4, loc="upper left")
+    _legend(axes)
     calm(axes, "PV", "", "PV")
 
 
@@ -97,6 +103,14 @@ def _limits(axes: Axes, limits: tuple[float, float]) -> None:
     for limit in limits:
         if np.isfinite(limit):
             axes.axhline(limit, color=ALERT, lw=1.0, ls="--", label="limits" if limit == limits[1] else None)
+
+
+def _legend(axes: Axes) -> None:
+    """Above the panel, beside its title: inside, every corner may be needed."""
+    axes.legend(
+        fontsize=8, frameon=False, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1,
+        handlelength=1.6, columnspacing=1.4,
+    )  # fmt: skip
 
 
 def _interval(axes: Axes, design: TestDesign, scale: float) -> None:
@@ -119,5 +133,8 @@ def _interval(axes: Axes, design: TestDesign, scale: float) -> None:
         axes.axhline(design.wanted[design.target], color=ALERT, lw=1.0, ls="--", label="wanted")
     if known or np.isfinite(rival):
         axes.set_yscale("log")
-    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", ncols=3, loc="upper right")
-    calm(axes, f"Expected 95 % half-width of {design.target}", "", "units of OP")
+        for axis_format in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+            axis_format(lambda value, _: f"{value:.3g}" if f"{value:.0e}"[0] in "1235" else "")
+        axes.tick_params(axis="y", which="minor", labelsize=7)
+    _legend(axes)
+    calm(axes, f"Expected 95 % interval of the {_called(design.target)}, +-", "", "units of OP")
