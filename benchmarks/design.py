@@ -181,10 +181,11 @@ A PRS with a well chosen hold is a better rival than one with the shortest; to k
 Fisher information as well. The designed test tells most where it matters (the width) and least more than a PRS where
 both break points are wanted at once from many samples.
 
-Where it falls short: with both break points wanted of the tank at N = 2,000, and in the closed loop, the best PRS comes
-within a factor of 1.5. Off centre, 2 of 30 records of the designed test end in a status other than OK (a second
-maximum of the likelihood), and with few moves and coloured noise the intervals that `identify` reports cover 83 to 89 %, not 95.
-A test of the shortest length, 12 holds, identified with automatic orders, behaves likewise (80 to 87 % in 15 records).
+Where it falls short: with both break points wanted, the best PRS comes within a factor of 1.5 on the tank (interval
+at N = 2,000, RMSE at N = 600) and in the closed loop (RMSE). Off centre, 2 of 30 records of the designed test end in a
+status other than OK (a second maximum of the likelihood). With few moves and coloured noise the intervals that
+`identify` reports cover 83 to 89 %, not 95; a test of the shortest length, 12 holds, identified with automatic orders,
+behaves likewise (80 to 87 % in 15 records each).
 
 ## What else was tried
 
