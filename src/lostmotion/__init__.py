@@ -11,6 +11,7 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
 from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import (
     ColumnError,
@@ -44,6 +45,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "PI",
+    "Achievable",
     "Backlash",
     "ChangeEvent",
     "ColumnError",
@@ -68,10 +70,13 @@ __all__ = [
     "Series",
     "Status",
     "Stiction",
+    "TestDesign",
     "TimeError",
+    "achievable",
     "check",
     "control_variance",
     "describing_function",
+    "design",
     "diagnose",
     "identify",
     "mean_absolute_error",

@@ -104,7 +104,7 @@ def test_usage_errors_exit_with_2(capsys):
     assert code == 2
 
 
-@pytest.mark.parametrize("command", ["check", "identify", "compensate"])
+@pytest.mark.parametrize("command", ["check", "identify", "compensate", "design"])
 def test_help_has_an_example(capsys, command):
     code, text, _ = run(capsys, command, "--help")
     assert code == 0
@@ -117,3 +117,83 @@ def test_installed_as_a_module(record):
     )
     assert json.loads(done.stdout)["usable"]
     assert done.stderr == ""
+
+
+MODEL = (
+    *("design", "--left", 48, "--right", 52, "--gain", 1.5, "--time-constant", 30, "--dead-time", 4, "--dt", 1),
+    *("--noise-deviation", 0.2, "--pv-now", 30, "--hold", 20),
+)
+OPEN = (*MODEL, "--op-limits", 40, 60)
+
+
+def test_design_writes_set_points_result_and_figure(capsys, tmp_path):
+    out, figure = tmp_path / "test.csv", tmp_path / "test.png"
+    words = (*OPEN, "--duration", 600, "--pv-limits", 22, 38, "--out", out, "--figure", figure)
+    code, text, error = run(capsys, *words, "--json")
+    assert code == 0
+    assert error == ""
+    data = json.loads(text)
+    assert data["reached"]
+    assert data["expected_95"]["width"] * 1.5 < data["prs_expected_95"]["width"]
+    assert figure.read_bytes()[:4] == b"\x89PNG"
+    table = np.genfromtxt(out, delimiter=",", names=True)
+    assert table.dtype.names == ("time_s", "OP")
+    assert len(table) == 600
+    assert table["OP"].min() >= 40.0
+    assert table["OP"].max() <= 60.0
+    assert run(capsys, *words)[0] == 1  # not overwritten
+    code, text, _ = run(capsys, *words, "--force", "--steps")
+    assert code == 0
+    assert "Expected 95 % interval of the width" in text
+    assert len(out.read_text().splitlines()) == len(data["steps"]) + 1
+
+
+def test_design_in_closed_loop_and_for_an_interval(capsys, tmp_path):
+    out = tmp_path / "test.csv"
+    loop = ("--loop", "closed", "--kp", 0.5, "--ki", 0.02, "--sp-limits", 27, 33)
+    code, text, _ = run(capsys, *MODEL, *loop, "--interval", 0.2, "--out", out)
+    assert code == 0
+    assert "REACHED" in text
+    assert out.read_text().startswith("time_s,SP")
+
+
+def test_design_that_cannot_reach_says_so_and_exits_with_1(capsys):
+    code, text, _ = run(capsys, *OPEN, "--interval", 0.001, "--duration", 600)
+    assert code == 1
+    assert "NOT REACHED" in text
+    assert "To relax: " in text
+
+
+def test_design_from_a_fit_and_what_its_record_can_tell(capsys, record, tmp_path):
+    fit = tmp_path / "fit.json"
+    code, text, _ = run(capsys, "identify", record, "--orders", "3,2,3", "--json")
+    fit.write_text(text)
+    code, text, _ = run(capsys, "design", "--fit", fit, "--op-limits", -5, 5, "--hold", 1, "--duration", 60, "--json")
+    assert code == 0
+    assert json.loads(text)["settings"]["roughness"] == "drawn from the covariance of the fit"
+    code, text, _ = run(capsys, "design", "--fit", fit, "--achievable", record)
+    assert code == 0
+    assert "cannot give the width better than" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((*MODEL, "--duration", 600), "op_limits"),
+        ((*MODEL, "--op-limits", 60, 40, "--duration", 600), "low < high"),
+        ((*MODEL, "--op-limits", 40, 49, "--op-now", 50, "--duration", 600), "op_now inside op_limits"),
+        ((*OPEN, "--pv-limits", 29.9, 30.1, "--duration", 600), "pv_limits that hold PV at rest"),
+        (OPEN, "duration"),
+        ((*OPEN, "--duration", 100), "duration of at least 240 s"),
+        ((*OPEN, "--duration", 600, "--target", "gain"), "target"),
+        ((*OPEN, "--interval", 0.2, "--loop", "closed"), "controller"),
+        (("design", "--op-limits", 40, 60, "--duration", 600), "--fit, or --gain"),
+        (("design", "--fit", "nothing.json", "--op-limits", 40, 60, "--duration", 600), "readable nothing.json"),
+    ],
+)
+def test_bad_design_requests_are_one_clear_line(capsys, words, said):
+    code, _, error = run(capsys, *words)
+    assert code == 1
+    assert error.startswith("error: expected")
+    assert said in error
+    assert error.count("\n") == 1

@@ -3,7 +3,8 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import dead_zone, lagged, likelihood, linear, loop, stamps
+from lostmotion.kernels import contrast, dead_zone, lagged, likelihood, linear, loop, stamps
+from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
 from tests.naive import lagged as slow_lagged
 from tests.naive import likelihood as slow_likelihood
@@ -268,3 +269,32 @@ def test_samples_of_stamps(seed, wrap):
     np.testing.assert_array_equal(np.concatenate(counts), expected)
     np.testing.assert_allclose(times, moved, rtol=1e-15)
     np.testing.assert_allclose(state, after, rtol=1e-12)
+
+
+CONTRASTS = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 1.0]])
+
+
+@pytest.mark.parametrize("load", [False, True])
+@pytest.mark.parametrize(("na", "nb", "p", "delay"), [(1, 0, 0, 1), (3, 1, 0, 3), (2, 1, 1, 2), (1, 2, 2, 0)])
+def test_contrast_variances(na, nb, p, delay, load):
+    rng = np.random.default_rng([na, nb, p, delay, load])
+    eta = [-0.8, 0.5, 0.3, *([0.1] if load else [])]
+    c = rng.normal(size=max(na, nb))
+    theta = np.concatenate(
+        [stable_polynomial(rng, na), rng.normal(size=nb + 1), [0.4], eta, stable_polynomial(rng, p), c]
+    )
+    u, y = rng.uniform(-4, 4, 150), rng.normal(size=150)
+    prior = np.array([1e-3, 2e-3, 1e-3])
+    basis = np.eye(theta.size)
+    if load:  # offset and load cannot both be known: one direction of the two is left out, as in the design
+        basis = np.delete(basis, na + nb + 1, axis=1)
+    settings = (theta, na, nb, p, delay, load, u, y, 0.3, np.ascontiguousarray(basis), prior, CONTRASTS)
+    np.testing.assert_allclose(contrast.variances(*settings), slow_contrast.variances(*settings), rtol=1e-6)
+
+
+def test_contrast_without_information_is_as_wide_as_before():
+    theta = np.array([-0.5, 1.0, 0.0, -1.0, 1.0, 0.0, 0.0])
+    u, y = np.full(50, 0.2), np.zeros(50)  # never beyond a break point
+    prior = np.array([0.25, 0.04, 1.0])
+    settings = (theta, 1, 0, 0, 1, False, u, y, 1.0, np.eye(7), prior, CONTRASTS)
+    np.testing.assert_allclose(contrast.variances(*settings), [4.0, 25.0, 29.0], rtol=1e-6)

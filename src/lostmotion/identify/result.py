@@ -185,6 +185,7 @@ class HammersteinFit(NamedEstimate):
             "noise": self.noise.to_dict(),
             "parameters": {name: _finite(value) for name, value in self.parameters.items()},
             "standard_errors": {name: _finite(value) for name, value in self.standard_errors.items()},
+            "covariance": [[_finite(value) for value in row] for row in self.covariance],
             "intervals_95": {name: [_finite(end) for end in self.interval(name)] for name in self.parameters},
             "fit_percent": self.fit_percent,
             "widest": None if self.widest is None else _finite(self.widest),
