@@ -18,6 +18,7 @@ BLIND_STEP = 4.0  # from here on by more, by many in a loop that rests inside th
 FEW_LEVELS = 4.0  # steps of OP inside the dead zone
 FAST = 40.0  # samples in the slowest time constant
 WANTED = 10.0  # samples in it after resampling
+FEWEST_LEFT = 300  # samples after resampling: fewer tell less
 LATE = 20  # samples of delay
 SLOW = 0.5  # samples in the slowest time constant
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
@@ -118,10 +119,12 @@ def calm_factor(u: FloatArray, wanted: float) -> int:
 
     Examples
     --------
-    >>> calm_factor(np.repeat(np.arange(10.0) % 3, 10), 4.0), calm_factor(np.arange(100.0) % 7, 4.0)
+    >>> calm_factor(np.repeat(np.arange(300.0) % 3, 10), 4.0), calm_factor(np.arange(3000.0) % 7, 4.0)
     (5, 1)
     """
-    near = range(max(round(0.5 * wanted), 2), max(min(round(1.5 * wanted), u.size // 2), 2) + 1)
+    near = range(max(round(0.5 * wanted), 2), min(round(1.5 * wanted), u.size // FEWEST_LEFT) + 1)
+    if not near:
+        return 1
     calmest = min(near, key=lambda factor: (round(moves_within(u, factor), 6), abs(factor - wanted)))
     return calmest if moves_within(u, calmest) < CALM else 1
 
