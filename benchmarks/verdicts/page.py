@@ -1,0 +1,76 @@
+"""Tables of docs/diagnosis.md."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from lostmotion.diagnose.result import ACTUATOR, VERDICTS
+from lostmotion.evaluate.random_faults import CAUSES
+from verdicts.cases import Row
+
+LOST = ("dead zone", "backlash", "stiction")
+
+
+def confusion(rows: list[Row]) -> str:
+    """Truth against verdict."""
+    lines = ["| truth | " + " | ".join(VERDICTS) + " | all |", "|---" * (len(VERDICTS) + 2) + "|"]
+    for cause in CAUSES:
+        counts = Counter(row.verdict for row in rows if row.truth == cause)
+        lines.append(f"| {cause} | " + " | ".join(str(counts[v] or ".") for v in VERDICTS) + f" | {counts.total()} |")
+    return "\n".join(lines)
+
+
+def scores(rows: list[Row]) -> dict[str, tuple[int, int]]:
+    """Hits and cases of each bar."""
+    lost = [row for row in rows if row.truth in LOST]
+    wide = [row for row in lost if row.width > 2.0 * row.noise_in_op]
+    seen = [row for row in lost if row.visible]
+    named = [row for row in wide if row.verdict == row.truth]
+    sized = [row for row in named if abs(row.found / row.width - 1.0) < 0.15]
+    sound = [row for row in rows if row.truth in ("none", "tuning", "disturbance")]
+    alarms = [row for row in sound if row.verdict in ACTUATOR]
+    claimed = [row for row in wide if row.verdict in ACTUATOR]
+    return {
+        "kind right, width over twice the noise in OP": (len(named), len(wide)),
+        "kind right, and OP turned by more than the width": (sum(row.verdict == row.truth for row in seen), len(seen)),
+        "kind right where an actuator fault was named": (
+            sum(row.verdict == row.truth for row in claimed),
+            len(claimed),
+        ),
+        "width within 15 %, where the kind is right": (len(sized), len(named)),
+        "false alarms: healthy, badly tuned, disturbed": (len(alarms), len(sound)),
+    }
+
+
+def score_table(rows: list[Row]) -> str:
+    lines = ["| what | cases | share |", "|---|---|---|"]
+    for name, (hits, cases) in scores(rows).items():
+        lines.append(f"| {name} | {hits} of {cases} | {100 * hits / max(cases, 1):.1f} % |")
+    seconds = np.array([row.seconds for row in rows if row.seconds > 0])
+    lines.append(
+        f"| processor time for 2,000 samples, median (worst) | {np.median(seconds):.2f} s ({seconds.max():.2f} s) | |"
+    )
+    return "\n".join(lines)
+
+
+def real_table(found: list[tuple[Row, bool]]) -> str:
+    lines = ["| loop | label | verdict | probability | size, % of span | right |", "|---|---|---|---|---|---|"]
+    for row, right in found:
+        size = "-" if not np.isfinite(row.severity) else f"{row.severity:.2g}"
+        verdict = row.verdict if row.kind in ("actuator", "none", "unknown") else f"{row.verdict} ({row.kind})"
+        lines.append(
+            f"| {row.name} | {row.truth} | {verdict} | {row.confidence:.2f} | {size} | {'yes' if right else '**no**'} |"
+        )
+    return "\n".join(lines)
+
+
+def loop_table(found: list[tuple[str, str, list[Row], bool]]) -> str:
+    lines = ["| loop | label | runs | verdicts | right |", "|---|---|---|---|---|"]
+    for name, label, rows, right in found:
+        counts = ", ".join(
+            f"{verdict} {count}" for verdict, count in Counter(row.verdict for row in rows).most_common()
+        )
+        lines.append(f"| {name} | {label} | {len(rows)} | {counts} | {'yes' if right else '**no**'} |")
+    return "\n".join(lines)
