@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from lostmotion.identify.problem import Problem
+from lostmotion.kernels import products as kernel
 from lostmotion.models._arguments import FloatArray
 
 MOST_STEPS = 100
@@ -80,12 +79,8 @@ def _damped_step(
     hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None, damping: float
 ) -> tuple[FloatArray, float]:
     """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
-    block, slope = (hessian, gradient) if basis is None else (basis.T @ hessian @ basis, basis.T @ gradient)
-    scale = np.sqrt(np.diag(block))
-    scale[scale == 0] = 1.0
-    scaled = block / np.outer(scale, scale)
-    slope = slope / scale
-    move = -np.linalg.solve(scaled + damping * np.eye(scale.size), slope)
-    promised = float(-2.0 * slope @ move - move @ scaled @ move)
-    step = move / scale
-    return (step if basis is None else basis @ step), promised
+    if basis is None:
+        step, promised = kernel.damped_step(hessian, gradient, damping)
+        return step, float(promised)
+    step, promised = kernel.damped_step(basis.T @ hessian @ basis, basis.T @ gradient, damping)
+    return basis @ step, float(promised)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -148,13 +148,17 @@ def identify(
         packed = _package(data, scaled, scaling, found, linear, settings, own)
         return replace(packed, linear_alternative=linear_result)
 
-    def fitted(kind: str, sought: Sought) -> Fitted:
-        found = fit_kind(sought, scaled, orders_given, noise_given, levels=gain is None)
+    def fitted(kind: str, sought: Sought, near: Fitted | None = None) -> Fitted:
+        found = fit_kind(sought, scaled, orders_given, noise_given, gain is None, near)
         return settle_offset(found, scaling, offset) if kind == "dead zone" else found
 
     if nonlinearity != "auto":
         return result(nonlinearity, fitted(nonlinearity, seek(nonlinearity, scaled, orders_given)))
-    fits = {kind: fitted(kind, sought) for kind, sought in likely_kinds(scaled, orders_given).items()}
+    fits = _fits_of_all(scaled, orders_given, linear, fitted)
+    best = max(fits.values(), key=lambda found: gain_over_linear(found, linear))
+    again = fit_kind(None, scaled, orders_given, noise_given, gain is None, best)
+    if gain_over_linear(again, linear) > 0:  # with the process of the best fault: it is what a fault must beat
+        linear, linear_result = again, _package(data, scaled, scaling, again, again, settings, gain=None)
     seen = {kind: found for kind, found in fits.items() if gain_over_linear(found, linear) > 0}
     kinds = choose_kind(scaled, {"none": linear, **seen})
     if kinds.best == "none":
@@ -163,6 +167,20 @@ def identify(
     if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
         return replace(linear_result, kinds=kinds)
     return chosen
+
+
+def _fits_of_all(
+    scaled: ScaledData,
+    orders: tuple[int, int, int] | None,
+    linear: Fitted,
+    fit: Callable[[str, Sought, Fitted | None], Fitted],
+) -> dict[str, Fitted]:
+    """Fits of the likely kinds; each but the dead zone, which has most local maxima, begins at the best before it."""
+    found: dict[str, Fitted] = {}
+    for kind, sought in likely_kinds(scaled, orders).items():
+        nearest = max(found.values(), key=lambda other: gain_over_linear(other, linear), default=None)
+        found[kind] = fit(kind, sought, None if kind == "dead zone" else nearest)
+    return found
 
 
 def _package(

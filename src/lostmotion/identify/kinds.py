@@ -18,6 +18,7 @@ KINDS = ("none", "dead zone", "backlash", "stiction", "saturation")
 STICTION_MODELS = ("kano", "he")
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 MOST_STARTS = 2
+HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
 WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
 
 
@@ -50,7 +51,12 @@ def seek(kind: str, data: ScaledData, orders: tuple[int, int, int] | None) -> So
 
 
 def fit_kind(
-    sought: Sought | None, data: ScaledData, orders: tuple[int, int, int] | None, noise: int | None, levels: bool
+    sought: Sought | None,
+    data: ScaledData,
+    orders: tuple[int, int, int] | None,
+    noise: int | None,
+    levels: bool,
+    near: Fitted | None = None,
 ) -> Fitted:
     """Global maximum of the likelihood of one kind.
 
@@ -63,19 +69,28 @@ def fit_kind(
         As in ``best_fit``.
     levels : bool
         Whether the process may integrate.
+    near : Fitted or None
+        As in ``best_fit``.
     """
     if sought is None:
         return best_fit(data, LinearFamily(), [np.zeros(0)], orders, noise, levels)
-    best = best_fit(data, sought.family, sought.etas, orders, noise, levels)
+    best = best_fit(data, sought.family, sought.etas, orders, noise, levels, near)
     return polished(best) if sought.family.kinks else best
 
 
 def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[str, Sought]:
-    """Kinds that explain more than a linear model already in their profile; a dead zone is always looked at."""
+    """Kinds whose profile explains more than a linear model and is not hopelessly behind another, likeliest first."""
     lagged = regression(data, orders)
-    limit = lagged.squares(data.u) * np.exp(-2.0 * WORTHWHILE / lagged.rows.size)
+    rows = lagged.samples
     found = {kind: seek(kind, data, orders) for kind in KINDS if kind != "none"}
-    return {kind: sought for kind, sought in found.items() if kind == "dead zone" or sought.squares < limit}
+    behind = {kind: 0.5 * rows * np.log(max(sought.squares, 1e-300)) for kind, sought in found.items()}
+    behind["dead zone"] += lagged.lags.inputs  # its two sides are inputs of their own
+    linear = 0.5 * rows * np.log(max(lagged.squares(data.u), 1e-300))
+    order = sorted(found, key=lambda kind: behind[kind])
+    best = behind[order[0]]
+    likely = [kind for kind in order if behind[kind] < best + HOPELESS]
+    kept = {kind: found[kind] for kind in likely if kind == "dead zone" or behind[kind] < linear - WORTHWHILE}
+    return kept or {order[0]: found[order[0]]}
 
 
 def families(kind: str, data: ScaledData) -> list[Family]:

@@ -16,14 +16,16 @@ import numpy.typing as npt
 from lostmotion.identify.families import Family
 from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
 from lostmotion.identify.profile import Lags
+from lostmotion.kernels.products import lagged_products
 from lostmotion.models._arguments import FloatArray
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
 RIDGE = 1e-9
+SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
 GRID, ZOOM = 18, 6
 SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
 JUMPS = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.5)  # of the band
-LIMITS = (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3)  # shares of the samples beyond a limit
+LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
 TAIL = 0.005  # on either side of the range
 RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
 MOST_SEGMENTS = 10  # whose rests are sought
@@ -36,18 +38,25 @@ class LaggedRegression:
 
     Attributes
     ----------
-    rows : ndarray of int, shape (m,)
-        Predicted rows.
-    past : ndarray, shape (m, k)
-        Orthonormal basis of what is always there.
-    target : ndarray, shape (m,)
-        PV with `past` projected out.
+    blocks : list of (int, int)
+        Start and stop of the predicted rows, one for each segment.
+    signals : tuple of (ndarray, int, int)
+        Signal, first lag and number of lags of what is always there: constant, PV, and `beside`.
+    basis : ndarray, shape (k, m)
+        Takes the lagged `signals` to orthonormal columns.
+    explained : ndarray, shape (m,)
+        Products of these columns with PV.
+    alone : float
+        Sum of squares without any actuator.
     """
 
     lags: Lags
-    rows: npt.NDArray[np.int64]
-    past: FloatArray
-    target: FloatArray
+    y: FloatArray
+    blocks: list[tuple[int, int]]
+    signals: tuple[tuple[FloatArray, int, int], ...]
+    basis: FloatArray
+    explained: FloatArray
+    alone: float
 
     @classmethod
     def on(
@@ -59,32 +68,57 @@ class LaggedRegression:
         most: int = MOST_ROWS,
     ) -> LaggedRegression:
         """Project out constant and past of y, and the past of `beside`."""
-        rows = np.concatenate([np.arange(start + lags.head, stop) for start, stop in segments])[:most]
-        columns = [np.ones((rows.size, 1)), y[rows[:, None] - np.arange(1, lags.outputs + 1)]]
+        blocks = _blocks(segments, lags.head, most)
+        rows = np.concatenate([np.arange(start, stop) for start, stop in blocks])
+        signals = [(np.ones(y.size), 0, 1), (y, 1, lags.outputs)]
         if beside is not None:
-            columns.append(_lagged(beside, rows, lags))
-        past = np.concatenate(columns, axis=1)
+            signals.append((beside, lags.delay, lags.inputs))
+        past = np.concatenate(
+            [signal[rows[:, None] - lag - np.arange(count)] for signal, lag, count in signals], axis=1
+        )
         scale = np.sqrt((past**2).mean(axis=0))
-        basis, sizes, _ = np.linalg.svd(past / np.where(scale > 0, scale, 1.0), full_matrices=False)
-        basis = basis[:, sizes > 1e-9 * sizes[0]]
-        return cls(lags, rows, basis, y[rows] - basis @ (basis.T @ y[rows]))
+        scale[scale == 0] = 1.0
+        left, sizes, right = np.linalg.svd(past / scale, full_matrices=False)
+        kept = sizes > SMALLEST_DIRECTION * sizes[0]
+        left = left[:, kept]
+        explained = left.T @ y[rows]
+        target = y[rows] - left @ explained
+        basis = (right[kept] / sizes[kept, None] / scale).T
+        return cls(lags, y, blocks, tuple(signals), basis, explained, float(target @ target))
 
     @property
-    def alone(self) -> float:
-        """Sum of squares without any actuator."""
-        return float(self.target @ self.target)
+    def samples(self) -> int:
+        """Predicted rows."""
+        return sum(stop - start for start, stop in self.blocks)
 
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
-        lagged = _lagged(x, self.rows, self.lags)
-        lagged -= self.past @ (self.past.T @ lagged)
-        gram, cross = lagged.T @ lagged, lagged.T @ self.target
-        gram[np.diag_indices_from(gram)] += RIDGE * (np.diag(gram) + self.rows.size)
+        delay, inputs = self.lags.delay, self.lags.inputs
+
+        def products(signal: FloatArray, lag: int, count: int) -> FloatArray:
+            parts = [lagged_products(signal, lag, count, x, delay, inputs, *block) for block in self.blocks]
+            return np.asarray(np.sum(parts, axis=0))
+
+        past = self.basis.T @ np.concatenate([products(*signal) for signal in self.signals])
+        gram = products(x, delay, inputs) - past.T @ past
+        cross = products(self.y, 0, 1)[0] - past.T @ self.explained
+        gram[np.diag_indices_from(gram)] += RIDGE * (np.diag(gram) + self.samples)
         return self.alone - float(cross @ np.linalg.solve(gram, cross))
 
 
-def _lagged(x: FloatArray, rows: npt.NDArray[np.int64], lags: Lags) -> FloatArray:
-    return np.asarray(x[rows[:, None] - lags.delay - np.arange(lags.inputs)])
+def _lagged(signal: FloatArray, rows: npt.NDArray[np.int64], lag: int, count: int) -> FloatArray:
+    return np.asarray(signal[rows[:, None] - lag - np.arange(count)])
+
+
+def _blocks(segments: npt.NDArray[np.int64], head: int, most: int) -> list[tuple[int, int]]:
+    """Rows with a complete past, `most` at most."""
+    blocks, room = [], most
+    for start, stop in segments.tolist():
+        end = min(stop, start + head + room)
+        if end > start + head:
+            blocks.append((start + head, end))
+            room -= end - start - head
+    return blocks
 
 
 @dataclass(frozen=True)
@@ -117,7 +151,7 @@ def operator_profile(
     family = settle_rests(regression, family, coarse[0].eta, u)
     best = score([eta for start in coarse[:most] for eta in finer(start.eta)])
     best += score([best[0].eta + 0.25 * (eta - best[0].eta) for eta in finer(best[0].eta)])
-    return family, _apart(sorted(best, key=lambda start: start.squares), regression.rows.size, most)
+    return family, _apart(sorted(best, key=lambda start: start.squares), regression.samples, most)
 
 
 def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, u: FloatArray) -> Family:

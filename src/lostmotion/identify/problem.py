@@ -76,7 +76,7 @@ class Problem:
         """Index of the first initial condition."""
         return self.noise_at + self.structure.noise_order
 
-    @property
+    @cached_property
     def errors(self) -> int:
         """Number of prediction errors."""
         return int((self.segments[:, 1] - self.segments[:, 0] - self.structure.start).sum())

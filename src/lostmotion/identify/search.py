@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,7 @@ MOST_NULL_SPACE = 2
 START_LAGS = 30
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
+NEAR = 3  # samples of delay about that of another fit
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
 
@@ -91,6 +93,7 @@ def best_fit(
     orders: tuple[int, int, int] | None,
     noise: int | None,
     levels: bool = True,
+    near: Fitted | None = None,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -106,9 +109,12 @@ def best_fit(
         Order of the AR noise; None: chosen from the data.
     levels : bool
         Whether the process may integrate.
+    near : Fitted or None
+        Fit of another kind of actuator to the same data: its process and noise are where the search begins.
     """
     search = _Search.on(data, family, orders, noise, levels)
-    best = search.over([attempt for eta in etas for attempt in search.likely(eta)])
+    first = search.likely if near is None else partial(search.like, near)
+    best = search.over([attempt for eta in etas for attempt in first(eta)])
     assert best is not None  # noqa: S101  there is always a start
     if orders is None:
         best = search.improve(best)
@@ -215,6 +221,16 @@ class _Search:
         longer[: min(p, arx.a.size)] = arx.a[:p]
         starts = null_space_starts(arx)[:MOST_NULL_SPACE]
         return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
+
+    def like(self, near: Fitted, eta: FloatArray) -> list[_Attempt]:
+        """The process and noise of another fit, and the best on the grid with that noise and about that delay."""
+        s, theta = near.problem.structure, near.fit.theta
+        d = theta[near.problem.noise_at : near.problem.initial_at]
+        a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
+        own = GridStart(s.na, s.nb, s.delay, a, b, 0.0, 1.0 if s.integrating else 0.0)
+        delays = (max(s.delay - NEAR, self.delays[0]), min(s.delay + NEAR, self.delays[1]))
+        starts = self._grid(self._internal(eta), d, delays)
+        return [(eta, start, d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps."""

@@ -48,8 +48,9 @@ def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None
     n = out.size
     for i in range(coefficients.size):
         weight = coefficients[i]
-        for k in range(i, n):
-            out[k] += weight * x[k - i]
+        later = out[i:]  # a slice: the loop over it runs in lanes
+        for k in range(n - i):
+            later[k] += weight * x[k]
 
 
 @njit(cache=True)
@@ -110,10 +111,12 @@ def _fill_gradients(
 @njit(cache=True)
 def _copy_shifted(signal: FloatArray, k0: int, m: int, lag: int, row: FloatArray) -> None:
     """row[j] = -signal[k0 + j - lag], zero before the first sample."""
-    for j in range(min(m, max(lag - k0, 0))):
-        row[j] = 0.0
-    for j in range(max(lag - k0, 0), m):
-        row[j] = -signal[k0 + j - lag]
+    before = min(m, max(lag - k0, 0))
+    row[:before] = 0.0
+    later = row[before:m]
+    source = signal[max(k0 - lag, 0) :]
+    for j in range(later.size):
+        later[j] = -source[j]
 
 
 @njit(cache=True)

@@ -18,6 +18,15 @@ RIDGE = 1e-12
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _product(first: FloatArray, second: FloatArray) -> float:
+    """Sum of the products."""
+    total = 0.0
+    for k in range(first.size):
+        total += first[k] * second[k]
+    return total
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _add_segment(
     x: FloatArray,
     y: FloatArray,
@@ -36,28 +45,23 @@ def _add_segment(
     size = lags + 2
     part = np.zeros((size, size))
     with_decay = np.zeros(size)
-    mode = np.empty(n)  # the decay
-    mode[first] = 1.0
-    for k in range(first + 1, n):
+    mode = np.empty(n - first)  # the decay
+    mode[0] = 1.0
+    for k in range(1, mode.size):
         mode[k] = mode[k - 1] * decay
-    levels, outputs, whole, one, two, three = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(first, n):
-        levels += mode[k] * level[k]
-        outputs += mode[k] * y[k]
-        whole += mode[k] * mode[k]
-        one += level[k] * level[k]
-        two += level[k] * y[k]
-        three += y[k] * y[k]
-    with_decay[lags], with_decay[lags + 1] = levels, outputs
-    part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = one, two, three
+    steps, target, newest = level[first:], y[first:], x[first - low : n - low]  # slices: loops over them run in lanes
+    with_decay[lags], with_decay[lags + 1] = _product(mode, steps), _product(mode, target)
+    whole = _product(mode, mode)
+    part[lags, lags] = _product(steps, steps)
+    part[lags + 1, lags], part[lags + 1, lags + 1] = _product(steps, target), _product(target, target)
     for lag in range(lags):
-        shift = low + lag
+        shifted = x[first - low - lag : n - low - lag]
         product, cross, sums, decayed = 0.0, 0.0, 0.0, 0.0
-        for k in range(first, n):
-            value = x[k - shift]
-            product += value * x[k - low]
-            cross += value * y[k]
-            sums += value * level[k]
+        for k in range(shifted.size):
+            value = shifted[k]
+            product += value * newest[k]
+            cross += value * target[k]
+            sums += value * steps[k]
             decayed += value * mode[k]
         part[lag, 0] = product
         part[lags + 1, lag] = cross

@@ -1,0 +1,50 @@
+"""Sums of products of lagged signals, and the damped step of a least-squares problem."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from lostmotion.kernels.types import FloatArray
+
+
+@njit(cache=True)
+def lagged_products(
+    first: FloatArray, ahead: int, rows: int, second: FloatArray, behind: int, columns: int, start: int, stop: int
+) -> FloatArray:
+    """Sums over k in [start, stop) of first(k-ahead-i) second(k-behind-j), shape (rows, columns).
+
+    Only the first row and column are summed up: moving both lags by one drops the last product and adds one in front.
+    """
+    gram = np.empty((rows, columns))
+    head = first[start - ahead : stop - ahead]
+    for j in range(columns):
+        gram[0, j] = np.dot(head, second[start - behind - j : stop - behind - j])
+    head = second[start - behind : stop - behind]
+    for i in range(1, rows):
+        gram[i, 0] = np.dot(first[start - ahead - i : stop - ahead - i], head)
+    for i in range(1, rows):
+        before, after = first[start - ahead - i], first[stop - ahead - i]
+        for j in range(1, columns):
+            gram[i, j] = gram[i - 1, j - 1] + before * second[start - behind - j] - after * second[stop - behind - j]
+    return gram
+
+
+@njit(cache=True)
+def damped_step(hessian: FloatArray, gradient: FloatArray, damping: float) -> tuple[FloatArray, float]:
+    """Marquardt step with columns scaled by their norm, and the decrease of the sum of squares that it promises."""
+    n = gradient.size
+    scale = np.ones(n)
+    for i in range(n):
+        if hessian[i, i] > 0.0:
+            scale[i] = np.sqrt(hessian[i, i])
+    scaled = np.empty((n, n))
+    for i in range(n):
+        for j in range(n):
+            scaled[i, j] = hessian[i, j] / (scale[i] * scale[j])
+        scaled[i, i] += damping
+    slope = gradient / scale
+    move = -np.linalg.solve(scaled, slope)
+    # with (H + damping) move = -slope: move' H move = -slope' move - damping move' move
+    promised = -np.dot(slope, move) + damping * np.dot(move, move)
+    return move / scale, promised
