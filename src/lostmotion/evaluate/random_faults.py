@@ -181,7 +181,7 @@ def _actuator(rng: np.random.Generator, cause: str, width: float) -> Nonlinearit
 def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
     """Slow load, in units of OP."""
     pole = np.exp(-1.0 / (pace * rng.uniform(3.0, 20.0)))
-    size = width * np.exp(rng.uniform(np.log(0.02), np.log(1.0)))
+    size = width * np.exp(rng.uniform(np.log(0.005), np.log(1.0)))  # half of them little: limit cycles are seen
     steps = rng.normal(scale=size * np.sqrt(1.0 - pole**2), size=n)
     drift = np.zeros(n)
     for k in range(1, n):
@@ -190,13 +190,15 @@ def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> Float
 
 
 def _upstream(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
-    """A periodic load that this loop does not cause: a sine, or the square wave of another valve after a process."""
+    """A periodic load that this loop does not cause: a sine, or the square wave of another valve behind two lags."""
     period = min(pace * rng.uniform(4.0, 25.0), n / MOST_SLOW)
     time = np.arange(n) + np.cumsum(rng.normal(scale=rng.uniform(0.0, 0.1), size=n))
     wave = np.sin(2.0 * np.pi * time / period)
     if rng.random() < 0.5:
-        pole = float(np.exp(-1.0 / (period * rng.uniform(0.05, 0.3))))
-        wave = LinearModel((-pole,), (1.0 - pole,), 1).simulate(np.sign(wave))
+        wave = np.sign(wave)
+        for lag in period * rng.uniform(0.08, 0.4, size=2):
+            pole = float(np.exp(-1.0 / lag))
+            wave = LinearModel((-pole,), (1.0 - pole,), 1).simulate(wave)
     return np.asarray(width * rng.uniform(0.5, 3.0) * wave)
 
 
