@@ -17,7 +17,7 @@ from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.evidence import SIZE
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models._arguments import FloatArray
-from lostmotion.records import LoopRecord, prepare
+from lostmotion.records import LoopRecord, check, prepare
 from lostmotion.records.modes import rows_of
 
 PERCENT = (0.0, 100.0)
@@ -72,7 +72,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     measured = measure(fit, integrating)
     stability = loop_stability(fit, sp) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
-    verdict = decide(fit, measured, stability, quantised)
+    verdict = decide(fit, measured, stability, quantised, _limited(record))
     return _package(record, fit, sp, measured, stability, verdict, prepared.notes, loop_type)
 
 
@@ -121,6 +121,12 @@ def _package(
         fit=fit,
         record=record,
     )
+
+
+def _limited(record: LoopRecord) -> float:
+    """Share of the rows in which OP stands at the lower or upper end of its range or span."""
+    loop = check(record).loop
+    return 0.0 if loop is None else loop.saturated_low + loop.saturated_high
 
 
 def _span(record: LoopRecord) -> tuple[tuple[float, float], tuple[str, ...]]:

@@ -13,6 +13,8 @@ from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 
 SURE = 0.6  # least probability of a verdict
+FAULTS = ("dead zone", "backlash", "stiction", "saturation")
+LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 CLEAR = 3.0  # of log density, by which stiction must beat backlash where both are possible
 
 
@@ -45,8 +47,10 @@ def probabilities(features: Features) -> dict[str, float]:
     return dict(zip(CLASSES, (scores / scores.sum()).tolist(), strict=True))
 
 
-def decide(fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool) -> Verdict:
-    """Verdict of one loop."""
+def decide(
+    fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool, limited: float
+) -> Verdict:
+    """Verdict of one loop; `limited` is the share of the rows with OP at a limit."""
     found = probabilities(measured.features)
     best = max(found, key=lambda name: found[name])
     fault = max((name for name in found if name != "none"), key=lambda name: found[name])
@@ -54,6 +58,8 @@ def decide(fit: HammersteinFit, measured: Measured, stability: LoopStability | N
     values = measured.features.values()
     parts = {name: (float(values[i]), float(row[i + 1] * values[i])) for i, name in enumerate(NAMES)}
     verdict, kind = _name(best, found[best], fit, measured, stability, quantised)
+    if verdict not in FAULTS and limited > LIMITED:
+        verdict, kind = "saturation", "actuator"  # seen in OP itself: the controller stands at a limit
     return Verdict(verdict, kind, found[best], found, parts)
 
 
