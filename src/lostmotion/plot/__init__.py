@@ -1,12 +1,15 @@
 """Figures, one file each; needs the extra ``lostmotion[plot]``."""
 
 from lostmotion import _verbs
+from lostmotion.diagnose import Diagnosis
 from lostmotion.identify import HammersteinFit
+from lostmotion.plot.diagnosis_figure import diagnosis_figure
 from lostmotion.plot.fit_figure import fit_figure
 from lostmotion.plot.loop_figure import loop_figure
 from lostmotion.simulate import LoopResponse
 
+_verbs.plot.register(Diagnosis, diagnosis_figure)
 _verbs.plot.register(HammersteinFit, fit_figure)
 _verbs.plot.register(LoopResponse, loop_figure)
 
-__all__ = ["fit_figure", "loop_figure"]
+__all__ = ["diagnosis_figure", "fit_figure", "loop_figure"]
