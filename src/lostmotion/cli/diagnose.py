@@ -6,10 +6,10 @@ import json as json_module
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 from numpy.linalg import LinAlgError
 
@@ -31,12 +31,24 @@ from lostmotion.cli.options import (
 )
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose import diagnose as diagnose_record
-from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.errors import FileAccessError, LostMotionError
 from lostmotion.files import read_loop, write_text
 from lostmotion.report import diagnosis_line, diagnosis_table
 
 INNOCENT = ("none", "other oscillation")  # verdicts that clear the actuator
+
+
+class LoopType(StrEnum):
+    """What PV measures, as ``diagnose`` knows it."""
+
+    FLOW = "flow"
+    PRESSURE = "pressure"
+    TEMPERATURE = "temperature"
+    LEVEL = "level"
+    ANALYSER = "analyser"
+    CONCENTRATION = "concentration"
+    OTHER = "other"
+
 
 Files = Annotated[
     list[Path], typer.Argument(metavar="FILE...", help="Records, one file for each loop.", show_default=False)
@@ -49,14 +61,9 @@ Integrating = Annotated[
         show_default=False,
     ),
 ]
-LoopType = Annotated[
-    str | None,
-    typer.Option(
-        "--loop-type",
-        help="What PV measures: the class of performance depends on it.",
-        click_type=click.Choice(sorted(LEAST_INDEX)),
-        show_default=False,
-    ),
+Type = Annotated[
+    LoopType | None,
+    typer.Option("--loop-type", help="What PV measures: the class of performance depends on it.", show_default=False),
 ]
 Figure = Annotated[
     Path | None,
@@ -97,7 +104,7 @@ def diagnose(
     pv_span: PvSpan = None,
     mode: Mode = None,
     integrating: Integrating = None,
-    loop_type: LoopType = None,
+    loop_type: Type = None,
     figure: Figure = None,
     out: Out = None,
     force: Force = False,
@@ -112,7 +119,7 @@ def diagnose(
     Exit code 0 where nothing is wrong with the actuator; 1 for a finding, a record that does not tell, or a failure.
     """
     if len(files) > 1 and tag is not None:
-        raise click.UsageError("--tag names one loop; leave it out with several files.")
+        raise typer.BadParameter("it names one loop; leave it out with several files", param_hint="--tag")
     figures = _figures(files, figure)
     for path in (out, *figures.values()):
         refuse_existing(path, force)
@@ -122,7 +129,9 @@ def diagnose(
             file, op=op, pv=pv, sp=sp, time=False if ignore_time else time, dt=dt, tag=tag, op_span=op_span,
             pv_span=pv_span, mode=mode,
         )  # fmt: skip
-        found = diagnose_record(record, integrating=integrating, loop_type=loop_type)
+        found = diagnose_record(
+            record, integrating=integrating, loop_type=None if loop_type is None else loop_type.value
+        )
         if file in figures:
             found.plot().savefig(figures[file], dpi=120)
         return found

@@ -20,7 +20,7 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
         "odd": ("OP-PV correlation", "1 odd as in stiction, 0 even (Horch)"),
         "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
-        "nonlinear": ("nonlinearity", "of PV, from its bicoherence; 0 linear (Choudhury)"),
+        "nonlinear": ("nonlinearity", "of PV, by bicoherence; 0 linear (Choudhury)"),
         "misfit": ("misfit", "1: no actuator describes the record"),
     }
 )

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.words import LABEL, balance, of_what
+from lostmotion.diagnose.words import LABEL, balance, cause, of_what
 from lostmotion.models import DeadZone
+from lostmotion.models._arguments import FloatArray
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
 from lostmotion.records import LoopRecord, prepare
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 PERIODS = 12
 MOST_ROWS = 1500  # shown where nothing swings
 FEWEST_ROWS = 100
+FAR = 3.0  # ranges of PV from which on SP is not drawn
 WRAP = 170  # characters of a line over the whole width
 NOTICEABLE = 0.05  # log-odds that are not written as 0
 BANDED = ("dead zone", "backlash", "stiction")
@@ -72,9 +74,12 @@ def _heading(diagnosis: Diagnosis) -> str:
         said += f": {diagnosis.kind}"
     if np.isfinite(diagnosis.size_percent):
         ends = np.array(diagnosis.interval) * diagnosis.size_percent / diagnosis.size
-        between = f" ({ends[0]:.2g} .. {ends[1]:.2g})" if np.isfinite(ends).all() else " (apparent)"
-        said += f", {diagnosis.size_percent:.2g} % {of_what(diagnosis.record)}{between}, {diagnosis.severity}"
-    if diagnosis.verdict != "cannot tell":
+        between = f" ({ends[0]:.3g} .. {ends[1]:.3g})" if np.isfinite(ends).all() else " (apparent)"
+        said += f", {diagnosis.size_percent:.3g} % {of_what(diagnosis.record)}{between}, {diagnosis.severity}"
+    if diagnosis.verdict == "cannot tell":
+        first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)
+        said += f"; likeliest: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"
+    else:
         said += f", confidence {min(100 * diagnosis.confidence, 99.0):.0f} %"
     return said
 
@@ -87,16 +92,27 @@ def _trend(above: Axes, below: Axes, rows: LoopRecord, start: int) -> None:
     _, scale, unit = next(one for one in UNITS if len(rows) * rows.dt >= one[0])
     time = (start + np.arange(len(rows))) * rows.dt / scale
     above.plot(time, rows.pv, color=MODEL, lw=1.0, label="PV")
-    if rows.sp is not None:
+    title = "Measurement"
+    if rows.sp is not None and not _far(rows.sp, rows.pv):
+        title = "Measurement and set point"
         above.plot(time, rows.sp, color=ALERT, lw=1.0, ls="--", label="SP")
         above.legend(
             fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
         )
+    elif rows.sp is not None:
+        title += f" (set point far away: {np.nanmin(rows.sp):.4g} .. {np.nanmax(rows.sp):.4g})"
     below.plot(time, rows.op, color=MODEL, lw=1.0)
     above.tick_params(labelbottom=False)
     above.margins(x=0.0)
-    calm(above, "Measurement and set point" if rows.sp is not None else "Measurement", "", "PV")
+    calm(above, title, "", "PV")
     calm(below, "Controller output", f"time, {unit}", "OP")
+
+
+def _far(sp: FloatArray, pv: FloatArray) -> bool:
+    """Whether SP would squash PV into a line: other units, or a loop that has lost it."""
+    low, high = float(pv.min()), float(pv.max())
+    away = max(low - float(np.nanmin(sp)), float(np.nanmax(sp)) - high)
+    return bool(away > FAR * (high - low))
 
 
 def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
