@@ -47,9 +47,10 @@ def test_bars_are_the_weights_and_what_they_come_to():
 
 def test_without_set_point_and_without_period():
     measured = replace(example().measured, period=float("nan"))
-    figure = replace(example(), record=replace(loop_record(), sp=None), measured=measured).plot()
-    assert figure.axes[0].get_title(loc="left") == "Measurement"
-    assert len(figure.axes[0].lines) == 1
+    for sp in (None, np.full(400, np.nan)):
+        figure = replace(example(), record=replace(loop_record(), sp=sp), measured=measured).plot()
+        assert figure.axes[0].get_title(loc="left") == "Measurement"
+        assert len(figure.axes[0].lines) == 1
 
 
 def test_a_set_point_in_other_units_does_not_squash_the_measurement():

@@ -93,14 +93,15 @@ def _trend(above: Axes, below: Axes, rows: LoopRecord, start: int) -> None:
     time = (start + np.arange(len(rows))) * rows.dt / scale
     above.plot(time, rows.pv, color=MODEL, lw=1.0, label="PV")
     title = "Measurement"
-    if rows.sp is not None and not _far(rows.sp, rows.pv):
+    sp = rows.sp if rows.sp is not None and np.isfinite(rows.sp).any() else None
+    if sp is not None and not _far(sp, rows.pv):
         title = "Measurement and set point"
-        above.plot(time, rows.sp, color=ALERT, lw=1.0, ls="--", label="SP")
+        above.plot(time, sp, color=ALERT, lw=1.0, ls="--", label="SP")
         above.legend(
             fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
         )
-    elif rows.sp is not None:
-        title += f" (set point far away: {np.nanmin(rows.sp):.4g} .. {np.nanmax(rows.sp):.4g})"
+    elif sp is not None:
+        title += f" (set point far away: {np.nanmin(sp):.4g} .. {np.nanmax(sp):.4g})"
     below.plot(time, rows.op, color=MODEL, lw=1.0)
     above.tick_params(labelbottom=False)
     above.margins(x=0.0)
