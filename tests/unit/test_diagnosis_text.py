@@ -50,6 +50,11 @@ def test_an_apparent_size_says_so_and_a_missing_one_too():
     assert "STICTION of unknown size" in verdict_sentence(unknown)
 
 
+def test_a_size_of_another_kind_than_the_verdict_says_so():
+    assert "full width of the dead zone that was fitted" in " ".join(variant("stiction", "actuator").summary().split())
+    assert "that was fitted" not in example().summary()
+
+
 def test_the_weights_add_up_to_the_odds_of_the_probabilities():
     found = example()
     rows = {line[2:20].strip(): line.split() for line in found.summary().splitlines() if line.startswith("  ")}

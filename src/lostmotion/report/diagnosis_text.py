@@ -11,6 +11,7 @@ from lostmotion.diagnose.result import Item
 from lostmotion.diagnose.verdict import SURE
 from lostmotion.diagnose.words import LABEL, balance, cause, of_what
 from lostmotion.identify.choice import NEEDED
+from lostmotion.identify.evidence import SIZE
 from lostmotion.report.fit_text import fill, head
 from lostmotion.report.numbers import digits, plain, span
 
@@ -111,9 +112,12 @@ def _in_units(diagnosis: Diagnosis) -> str:
     """The size once more, in units of OP, and what of the fault it measures."""
     if not math.isfinite(diagnosis.size):
         return ""
-    what = MEASURE.get(diagnosis.verdict, "full width")
+    kind = diagnosis.fit.nonlinearity.kind
+    what = MEASURE.get(kind, "full width")
+    if kind != diagnosis.verdict and kind in SIZE:
+        what += f" of the {kind} that was fitted"
     if not all(math.isfinite(end) for end in diagnosis.interval):
-        return f" In units of OP: {what} about {diagnosis.size:.2g}."
+        return f" In units of OP: about {diagnosis.size:.2g}."
     value, between = _between(diagnosis.size, *diagnosis.interval)
     return f" In units of OP: {what} {value} ({between})."
 
