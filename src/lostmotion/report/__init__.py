@@ -29,12 +29,3 @@ __all__ = [
     "monte_carlo_summary",
     "recursive_summary",
 ]
-    "achievable_summary",
-    "design_summary",
-    "diagnosis_line",
-    "diagnosis_summary",
-    "diagnosis_table",
-    "fit_summary",
-    "monte_carlo_summary",
-    "recursive_summary",
-]
