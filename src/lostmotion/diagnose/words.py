@@ -20,11 +20,9 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
         "odd": ("OP-PV correlation", "1 odd as in stiction, 0 even (Horch)"),
         "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
-        "nonlinear": ("nonlinearity", "of PV, by bicoherence; 0 linear (Choudhury)"),
-        "misfit": ("misfit", "1: no actuator describes the record"),
     }
 )
-CAUSE = MappingProxyType({"none": "no actuator fault", "sticking": "stiction or backlash"})
+CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})
 
 
 def cause(name: str) -> str:
@@ -32,8 +30,8 @@ def cause(name: str) -> str:
 
     Examples
     --------
-    >>> cause("sticking"), cause("dead zone")
-    ('stiction or backlash', 'dead zone')
+    >>> cause("actuator"), cause("dead zone")
+    ('a fault of the actuator', 'dead zone')
     """
     return CAUSE.get(name, name)
 
@@ -62,9 +60,9 @@ def balance(probabilities: Mapping[str, float], weights: Iterable[float]) -> Bal
 
     Examples
     --------
-    >>> found = balance({"none": 0.1, "dead zone": 0.1, "sticking": 0.8}, [3.0, -0.5])
+    >>> found = balance({"none": 0.1, "actuator": 0.9}, [3.0, -0.5])
     >>> found.fault, round(found.before, 2), round(found.total, 2)
-    ('stiction or backlash', -0.42, 2.08)
+    ('a fault of the actuator', -0.3, 2.2)
     """
     fault = max((name for name in probabilities if name != "none"), key=probabilities.__getitem__)
     total = math.log(max(probabilities[fault], 1e-300) / max(probabilities["none"], 1e-300))
