@@ -36,7 +36,7 @@ def polished(fitted: Fitted) -> Fitted:
     step = FIRST_STEP * max(float(np.abs(_eta(fitted, best)[: len(names)]).max()), 1e-3)
     directions = [np.eye(len(names))[i] * sign for i in range(len(names)) for sign in (1.0, -1.0)]
     if len(names) == 2:
-        directions += [np.array([1.0, 1.0]), np.array([-1.0, -1.0])]
+        directions += [np.array(move) for move in ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))]
     for _ in range(HALVINGS):
         for _ in range(MOST_MOVES):
             trials = [_moved(fitted, best, step * direction) for direction in directions]
