@@ -16,7 +16,7 @@ import numpy.typing as npt
 from lostmotion.identify.families import Family
 from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
 from lostmotion.identify.profile import Lags
-from lostmotion.kernels.products import lagged_products
+from lostmotion.kernels.products import add_products, explained
 from lostmotion.models._arguments import FloatArray
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
@@ -98,16 +98,14 @@ class LaggedRegression:
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
         delay, inputs = self.lags.delay, self.lags.inputs
-
-        def products(signal: FloatArray, lag: int, count: int) -> FloatArray:
-            parts = [lagged_products(signal, lag, count, x, delay, inputs, *block) for block in self.blocks]
-            return np.asarray(np.sum(parts, axis=0))
-
-        past = self.basis.T @ np.concatenate([products(*signal) for signal in self.signals])
-        gram = products(x, delay, inputs) - past.T @ past
-        cross = products(self.y, 0, 1)[0] - past.T @ self.explained
-        gram[np.diag_indices_from(gram)] += RIDGE * (np.diag(gram) + self.samples)
-        return self.alone - float(cross @ np.linalg.solve(gram, cross))
+        size = self.basis.shape[0] + inputs + 1
+        table = np.zeros((size, inputs))
+        for start, stop in self.blocks:
+            at = 0
+            for signal, lag, count in (*self.signals, (x, delay, inputs), (self.y, 0, 1)):
+                add_products(signal, lag, count, x, delay, inputs, start, stop, table[at : at + count])
+                at += count
+        return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
 
 
 def _lagged(signal: FloatArray, rows: npt.NDArray[np.int64], lag: int, count: int) -> FloatArray:
@@ -207,10 +205,12 @@ def _apart(starts: list[Start], samples: int, most: int, margin: float = MARGIN)
     limit = starts[0].squares * (1.0 + 2.0 * margin / samples)
     kept: list[Start] = []
     for start in starts:
+        if len(kept) == most or start.squares > limit:
+            break
         size = 0.125 * float(np.abs(start.eta).max())
-        if start.squares <= limit and all(np.abs(start.eta - other.eta).max() > size for other in kept):
+        if all(np.abs(start.eta - other.eta).max() > size for other in kept):
             kept.append(start)
-    return kept[:most]
+    return kept
 
 
 _DIAGONALS = {2: [np.array([1.0, 1.0]), np.array([1.0, -1.0])]}  # of stiction
