@@ -183,7 +183,7 @@ class HammersteinFit(NamedEstimate):
             "preferred": self.preferred,
             "model": self.model.to_dict(),
             "noise": self.noise.to_dict(),
-            "parameters": dict(self.parameters),
+            "parameters": {name: _finite(value) for name, value in self.parameters.items()},
             "standard_errors": {name: _finite(value) for name, value in self.standard_errors.items()},
             "intervals_95": {name: [_finite(end) for end in self.interval(name)] for name in self.parameters},
             "fit_percent": self.fit_percent,
