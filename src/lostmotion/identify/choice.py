@@ -25,7 +25,8 @@ STEPS = 6  # of each refit: it starts at the fit to everything
 BLOCKS = 32
 FEWEST = 20  # rows of a fold beside what its start needs
 SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that predict alike, neither is sure
-SEARCHED = 5.5  # of log density, for parameters held at the best of a few hundred places: the logarithm of their number
+# of log density, for parameters that are held at the best place found: about the logarithm of the number of places
+SEARCHED = {"backlash": 2.5, "stiction": 7.5}
 NEEDED_JUMP = 5.0  # by which stiction must beat backlash: its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
 NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
@@ -110,7 +111,8 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
         errors = _predicted(fitted, structure, pieces[mine], theta)
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
     densities = np.concatenate(found)
-    paid = SEARCHED + len(fitted.problem.family.names) if fitted.problem.family.kinks else 0.0
+    family = fitted.problem.family
+    paid = SEARCHED.get(family.kind, 0.0) + (len(family.names) if family.kinks else 0)
     return np.asarray(densities - paid / densities.size)
 
 
