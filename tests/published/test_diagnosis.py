@@ -29,9 +29,7 @@ def verdicts():
 
 
 def test_the_26_loops():
-    right = {
-        loop: (found.verdict in STICKING) == (label == "stiction") for loop, (label, found) in verdicts().items()
-    }
+    right = {loop: (found.verdict in STICKING) == (label == "stiction") for loop, (label, found) in verdicts().items()}
     assert len(right) == 26
     assert sum(right.values()) >= FEWEST_RIGHT, [loop for loop, good in right.items() if not good]
 
