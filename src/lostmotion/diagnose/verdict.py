@@ -17,7 +17,7 @@ CLEAR = 3.0  # of log density, by which stiction must beat backlash where both a
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
-FAULTS = ("dead zone", "backlash", "stiction", "saturation")
+STICKING = ("backlash", "stiction")
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised)
     else:
         verdict, kind = "cannot tell", "unknown"
-    if verdict not in FAULTS and limited > LIMITED:
-        verdict, kind = "saturation", "actuator"  # seen in OP itself: the controller stands at a limit
+    if verdict not in STICKING and limited > LIMITED:
+        verdict, kind = "saturation", "actuator"  # seen in OP itself; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
     return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts)
 

@@ -1,8 +1,8 @@
 """Random closed loops of which the fault is known: on them the diagnosis is calibrated, and can be checked by anyone.
 
 OP and PV are in percent of span. A loop is a process (fast and slow self-regulating, second order, level), a PI
-controller tuned for it, an actuator, drift and noise; a badly tuned loop has a controller near its limit of
-stability, a disturbed one swings because something upstream does.
+controller tuned for it, an actuator, drift, steps of load and noise; a badly tuned loop has a controller near its
+limit of stability, a disturbed one swings because something upstream does.
 """
 
 from __future__ import annotations
@@ -105,8 +105,12 @@ def random_faulty_loop(
     actuator = _actuator(rng, cause, width)
     n = round(samples / (1.0 - SETTLED))
     deviation = width * np.exp(rng.uniform(np.log(0.01), np.log(0.5))) / max(abs(controller.kp), 0.3)
-    noise = rng.normal(scale=deviation, size=n)
-    load = _drift(rng, n, pace, width) + (_upstream(rng, n, pace, width) if cause == "disturbance" else 0.0)
+    noise = deviation * _grains(rng, n)
+    load = (
+        _drift(rng, n, pace, width)
+        + _steps(rng, n, pace, width)
+        + (_upstream(rng, n, pace, width) if cause == "disturbance" else 0.0)
+    )
     response = _run(linear, controller, actuator, _set_point(rng, n, width), load, noise)
     kept = slice(n - samples, n)
     step = SCAN * float(rng.choice([0.0, 0.1, 1.0]))
@@ -189,6 +193,22 @@ def _drift(rng: np.random.Generator, n: int, pace: float, width: float) -> Float
     for k in range(1, n):
         drift[k] = pole * drift[k - 1] + steps[k]
     return drift
+
+
+def _steps(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
+    """Load that changes in steps, in half of the loops: batches, pumps and valves elsewhere are switched."""
+    if rng.random() < 0.5:
+        return np.zeros(n)
+    changes = rng.random(n) < 1.0 / (pace * rng.uniform(8.0, 60.0))
+    levels = rng.normal(scale=width * rng.uniform(0.1, 1.0), size=n)
+    return np.asarray(levels[np.maximum.accumulate(np.where(changes, np.arange(n), 0))])
+
+
+def _grains(rng: np.random.Generator, n: int) -> FloatArray:
+    """Noise of deviation 1; in a third of the loops with the tails of Student's t, three degrees of freedom."""
+    if rng.random() < 2.0 / 3.0:
+        return rng.normal(size=n)
+    return np.asarray(rng.standard_t(3.0, size=n) / np.sqrt(3.0))
 
 
 def _upstream(rng: np.random.Generator, n: int, pace: float, width: float) -> FloatArray:
