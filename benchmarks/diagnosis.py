@@ -11,11 +11,11 @@ import argparse
 from pathlib import Path
 
 from lostmotion.diagnose.features import Features
-from lostmotion.diagnose.verdict import probabilities
-from lostmotion.diagnose.weights import CLASSES, NAMES, WEIGHTS
+from lostmotion.diagnose.verdict import SURE, fault_probability
+from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.evaluate.workers import run_all
 from verdicts import page
-from verdicts.calibrate import as_code, calibrated
+from verdicts.calibrate import SOUND, as_code, calibrated
 from verdicts.cases import Row, simulated
 from verdicts.sets import isdb, sacac
 
@@ -34,7 +34,7 @@ def main() -> None:
     given = parser.parse_args()
     if given.calibrate:
         rows = run_all(simulated, range(CALIBRATION, CALIBRATION + given.cases), "calibration", given.workers)
-        print(as_code(calibrated(rows)))
+        print(as_code(*calibrated(rows)))
         return
     rows = run_all(simulated, range(EVALUATION, EVALUATION + given.cases), "simulated loops", given.workers)
     real = isdb(given.data)
@@ -64,34 +64,28 @@ def written(rows: list[Row], real: list[tuple[Row, bool]], loops: list[tuple[str
 
 
 def weight_table() -> str:
-    lines = ["| evidence | " + " | ".join(CLASSES[1:]) + " |", "|---" * len(CLASSES) + "|"]
-    for index, name in enumerate(("constant", *NAMES)):
-        lines.append(
-            f"| {name} | " + " | ".join(f"{row[index] - WEIGHTS[0, index]:+.2f}" for row in WEIGHTS[1:]) + " |"
-        )
+    lines = ["| evidence | weight |", "|---|---|", f"| constant | {CONSTANT:+.2f} |"]
+    lines += [f"| {name} | {weight:+.2f} |" for name, weight in zip(NAMES, WEIGHTS, strict=True)]
     return "\n".join(lines)
 
 
 def ablation(rows: list[Row], real: list[tuple[Row, bool]]) -> str:
-    """What each piece of evidence is worth: without it, the most probable class is right how often?"""
-    lines = ["| without | simulated: class right | false alarms | 26 loops right |", "|---|---|---|---|"]
+    """What each piece of evidence is worth: a fault of the actuator or not, with one weight set to 0."""
+    lines = ["| without | faults found | false alarms | stiction or not, 26 loops |", "|---|---|---|---|"]
     lines += [f"| {name} | " + " | ".join(_without(name, rows, real)) + " |" for name in ("-", *NAMES)]
     return "\n".join(lines)
 
 
 def _without(name: str, rows: list[Row], real: list[tuple[Row, bool]]) -> tuple[str, str, str]:
-    def best(row: Row) -> str:
+    def alarm(row: Row) -> bool:
         values = dict(zip(NAMES, row.features, strict=True))
-        found = probabilities(Features(**(values | ({name: 0.0} if name in values else {}))))
-        return max(found, key=lambda one: found[one])
+        return fault_probability(Features(**(values | ({name: 0.0} if name in values else {})))) > SURE
 
-    classes: dict[str, str] = {"dead zone": "dead zone", "backlash": "sticking", "stiction": "sticking"}
-    seen = [row for row in rows if row.features and row.visible and row.truth in classes]
-    sound = [row for row in rows if row.features and row.truth in ("none", "tuning", "disturbance")]
-    hits = sum(best(row) == classes[row.truth] for row in seen)
-    alarms = sum(best(row) != "none" for row in sound)
-    right = sum((best(row) == "sticking") == (row.truth == "stiction") for row, _ in real if row.features)
-    return f"{100 * hits / len(seen):.0f} %", f"{100 * alarms / len(sound):.1f} %", f"{right}"
+    faults = [row for row in rows if row.features and row.visible and row.truth not in SOUND]
+    sound = [row for row in rows if row.features and row.truth in SOUND]
+    right = sum(alarm(row) == (row.truth == "stiction") for row, _ in real if row.features)
+    found, false = sum(map(alarm, faults)), sum(map(alarm, sound))
+    return f"{100 * found / len(faults):.0f} %", f"{100 * false / len(sound):.1f} %", f"{right}"
 
 
 if __name__ == "__main__":

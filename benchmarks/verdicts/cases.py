@@ -61,7 +61,7 @@ def real(name: str, label: str, source: str, path: Any, options: dict[str, Any],
     try:
         record = lm.read_loop(path, **options)
         if name.startswith("tuning-L-paper-horch"):
-            record = record[:GLUED_AT]
+            record = record.cut(0, GLUED_AT)
     except lm.InputError as refused:
         return _refused(name, label, source, str(refused))
     return _row(name, label, source, record, known, True, float("nan"), float("nan"))

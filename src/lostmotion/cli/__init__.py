@@ -14,6 +14,7 @@ import typer
 from lostmotion.cli.check import check
 from lostmotion.cli.compensate import compensate
 from lostmotion.cli.design import design
+from lostmotion.cli.diagnose import diagnose
 from lostmotion.cli.identify import identify
 from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, identify, compensate, design, online, paper):
+for command in (check, diagnose, identify, compensate, design, online, paper):
     app.command()(command)
 
 

@@ -15,6 +15,7 @@ File = Annotated[
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
 Pv = Annotated[str, typer.Option("--pv", help="Column of the measurement.")]
+Sp = Annotated[str, typer.Option("--sp", help="Column of the set point; not needed.")]
 Dt = Annotated[
     float | None,
     typer.Option("--dt", help="Sampling time in seconds; default: from the time column.", show_default=False),
@@ -41,7 +42,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text."
 Force = Annotated[bool, typer.Option("--force", help="Replace files that are already there.")]
 
 
-def show(text: str, data: dict[str, Any], as_json: bool) -> None:
+def show(text: str, data: dict[str, Any] | list[dict[str, Any]], as_json: bool) -> None:
     """Print a result as text or as JSON."""
     typer.echo(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
 

@@ -17,7 +17,7 @@ def severity_of(percent: float) -> str:
     return "severe"
 
 
-def advise(verdict: str, kind: str, severity: str, integrating: bool) -> tuple[str, ...]:
+def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bool) -> tuple[str, ...]:
     """Sentences for the engineer, most important first."""
     if verdict == "none":
         return ("Nothing to do for the actuator.",)
@@ -29,7 +29,7 @@ def advise(verdict: str, kind: str, severity: str, integrating: bool) -> tuple[s
     if verdict == "other oscillation":
         return (_OTHER[kind],)
     first = _FAULT[verdict]
-    if severity == "low":
+    if severity == "low" and not swings:
         first = ("It is within the 1 % of span that is recommended for control valves: watch it, do not mend it.",)
     if verdict == "backlash" and integrating:
         first = (*first, "Behind a level a dead band makes the loop cycle for ever; a smaller integral gain helps.")

@@ -17,7 +17,7 @@ LIGHTLY_DAMPED = 0.12  # damping ratio below which a loop keeps swinging from ev
 
 @dataclass(frozen=True)
 class LoopStability:
-    """Least damped root of the closed loop.
+    """A root of the closed loop: the one near the oscillation, or the least damped.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class LoopStability:
         return self.unexplained < EXACT and self.damping < LIGHTLY_DAMPED and near
 
 
-def loop_stability(fit: HammersteinFit, sp: FloatArray | None) -> LoopStability:
+def loop_stability(fit: HammersteinFit, sp: FloatArray | None, period: float = np.nan) -> LoopStability:
     """PI by least squares on the moves of OP, then the roots of the loop with the linear part of the fit.
 
     Parameters
@@ -52,6 +52,8 @@ def loop_stability(fit: HammersteinFit, sp: FloatArray | None) -> LoopStability:
         Its linear part with the slope of the actuator counts as the process.
     sp : ndarray or None
         Set point on the rows of the data; None: constant.
+    period : float
+        In samples, of an oscillation whose root is sought; NaN: the least damped root.
     """
     data = fit.data
     moves, columns = [], []
@@ -65,12 +67,16 @@ def loop_stability(fit: HammersteinFit, sp: FloatArray | None) -> LoopStability:
     gains = np.linalg.lstsq(rows / scale, du, rcond=1e-10)[0] / scale
     left = du - rows @ gains
     unexplained = float(left @ left) / max(float(du @ du), 1e-300)
-    damping, period = _least_damped(fit.linear, float(gains[0]), float(gains[1]))
-    return LoopStability(float(gains[0]), float(gains[1]), unexplained, damping, period)
+    damping, own = _root_near(fit.linear, float(gains[0]), float(gains[1]), period)
+    return LoopStability(float(gains[0]), float(gains[1]), unexplained, damping, own)
 
 
-def _least_damped(linear: LinearModel, kp: float, ki: float) -> tuple[float, float]:
-    """Damping ratio and period of the least damped pair of 1 + B q^-d (kp + ki - kp q^-1) / (A (1 - q^-1)) = 0."""
+def _root_near(linear: LinearModel, kp: float, ki: float, period: float) -> tuple[float, float]:
+    """Damping ratio and period of a pair of roots of 1 + B q^-d (kp + ki - kp q^-1) / (A (1 - q^-1)) = 0.
+
+    The one whose period is nearest to the given one, or the least damped: a slow root of the process must not hide
+    the one that swings.
+    """
     around = np.convolve(np.r_[np.zeros(linear.delay), linear.b], [kp + ki, -kp])
     along = np.convolve(np.r_[1.0, linear.a], [1.0, -1.0])
     size = max(around.size, along.size)
@@ -80,5 +86,6 @@ def _least_damped(linear: LinearModel, kp: float, ki: float) -> tuple[float, flo
         return 1.0, float(np.inf)
     logs = np.log(swinging)
     ratios = -logs.real / np.abs(logs)
-    worst = int(np.argmin(ratios))
+    distance = ratios if np.isnan(period) else np.abs(np.log(2.0 * np.pi / np.maximum(logs.imag, 1e-12) / period))
+    worst = int(np.argmin(distance))
     return float(ratios[worst]), float(2.0 * np.pi / logs[worst].imag)

@@ -11,7 +11,7 @@ from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.result import ACTUATOR, Diagnosis, Item
 from lostmotion.diagnose.verdict import Verdict, decide
-from lostmotion.diagnose.weights import MEANING
+from lostmotion.diagnose.words import LABEL
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.evidence import SIZE
@@ -20,6 +20,7 @@ from lostmotion.models._arguments import FloatArray
 from lostmotion.records import LoopRecord, check, prepare
 from lostmotion.records.modes import rows_of
 
+INTEGRATES = {"flow": False, "pressure": False, "temperature": False, "level": True}  # unless said otherwise
 PERCENT = (0.0, 100.0)
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
 
@@ -63,14 +64,14 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     kinds = sorted(LEAST_INDEX)
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
-    if integrating is None and loop_type is not None and loop_type in ("flow", "pressure"):
-        integrating = False
+    if integrating is None and loop_type is not None and loop_type in INTEGRATES:
+        integrating = INTEGRATES[loop_type]
     prepared = prepare(record)
     stretches = prepared.require()
     fit = identify(prepared, nonlinearity="auto")
     sp = _set_point(stretches, fit.data.u.size)
     measured = measure(fit, integrating)
-    stability = loop_stability(fit, sp) if fit.evidence.closed_loop else None
+    stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
     verdict = decide(fit, measured, stability, quantised, _limited(record))
     return _package(record, fit, sp, measured, stability, verdict, prepared.notes, loop_type)
@@ -97,7 +98,8 @@ def _package(
     span, assumed = _span(record)
     size, interval, about_size = _size(verdict.verdict, fit, measured)
     percent = 100.0 * size / (span[1] - span[0])
-    severity = severity_of(percent) if verdict.verdict in ACTUATOR else "none"
+    known = record.op_span is not None or span == PERCENT
+    severity = severity_of(percent if known else np.nan) if verdict.verdict in ACTUATOR else "none"
     pv_stronger = measured.pv.share >= measured.op.share
     performance = measure_performance(
         fit.data, sp, int(fit.settings["chosen"]["delay"]), span, measured.pv if pv_stronger else measured.op,
@@ -113,7 +115,7 @@ def _package(
         confidence=verdict.confidence,
         probabilities=verdict.probabilities,
         evidence=_items(verdict),
-        advice=advise(verdict.verdict, verdict.kind, severity, measured.integrating),
+        advice=advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings),
         notes=(*notes, *assumed, *about_size),
         measured=measured,
         stability=stability,
@@ -156,7 +158,7 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
 
 
 def _items(verdict: Verdict) -> tuple[Item, ...]:
-    items = [Item(name, value, weight, MEANING[name]) for name, (value, weight) in verdict.contributions.items()]
+    items = [Item(name, value, weight, LABEL[name][1]) for name, (value, weight) in verdict.contributions.items()]
     return tuple(sorted(items, key=lambda item: -abs(item.weight)))
 
 

@@ -12,13 +12,13 @@ from lostmotion.diagnose.ellipse import apparent_stiction
 from lostmotion.diagnose.oscillation import Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
-from lostmotion.errors import DataError, Status
+from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
 from lostmotion.models._arguments import FloatArray
 
 SHORTEST_PERIOD = 6.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
-FEWEST_CYCLES = 5.0
+FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
@@ -30,7 +30,8 @@ class Features:
     Attributes
     ----------
     dead_zone, memory, saturation : float
-        log(1 + gain), gain in log predictive density over the linear model (backlash or stiction: the larger).
+        log(1 + gain) of the kind that predicts best, the gain in log predictive density over the linear model; 0 for
+        the other kinds, and for all where the best fit does not stand. Memory: backlash or stiction.
     oscillating : float
         1 where OP or PV swings regularly and that is most of what it does.
     shape : float
@@ -40,10 +41,6 @@ class Features:
         Horch's asymmetry of the cross-correlation.
     relay : float
         Rossi and Scali's index of PV.
-    nonlinear : float
-        Choudhury's nonlinearity index of the control error, where it is not Gaussian.
-    misfit : float
-        1 where the best actuator does not describe the record.
     """
 
     dead_zone: float = 0.0
@@ -53,8 +50,6 @@ class Features:
     shape: float = 0.0
     odd: float = 0.0
     relay: float = 0.0
-    nonlinear: float = 0.0
-    misfit: float = 0.0
 
     def values(self) -> FloatArray:
         """All in order."""
@@ -85,6 +80,11 @@ class Measured:
     integrating: bool
     indices: dict[str, float]
 
+    @property
+    def swings(self) -> bool:
+        """Whether OP or PV swings regularly, and that is most of what it does."""
+        return self.features.oscillating > 0.0
+
 
 def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     """Measure everything on the longest piece of what was identified.
@@ -105,26 +105,29 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    seen = fit.kinds is not None and fit.nonlinearity.kind != "none"  # its own status confirms the best kind
-    gains = fit.kinds.gains if seen and fit.kinds is not None else {}
-    memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
-    gaussian = indices.get("ngi", 0.0) <= 0.0
+    dead_zone, memory, saturation = _gains(fit)
     features = Features(
-        dead_zone=_logarithm(gains.get("dead zone", 0.0)),
-        memory=_logarithm(memory),
-        saturation=_logarithm(gains.get("saturation", 0.0)),
+        dead_zone=dead_zone,
+        memory=memory,
+        saturation=saturation,
         oscillating=float(bool(swinging)),
         shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
         odd=indices.get("horch", 0.0),
         relay=indices.get("relay", 0.0),
-        nonlinear=0.0 if gaussian else max(indices.get("nli", 0.0), 0.0),
-        misfit=float(fit.status is Status.MISFIT),
     )
     return Measured(features, of_op, of_pv, float(period), levels, indices)
 
 
-def _logarithm(gain: float) -> float:
-    return float(np.log1p(max(gain, 0.0)))
+def _gains(fit: HammersteinFit) -> tuple[float, float, float]:
+    """log(1 + gain) of dead zone, memory and saturation, but for the best 0."""
+    if fit.kinds is None or fit.nonlinearity.kind == "none":  # its own status does not confirm the best kind
+        return 0.0, 0.0, 0.0
+    gains = fit.kinds.gains
+    memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
+    found = (gains.get("dead zone", 0.0), memory, gains.get("saturation", 0.0))
+    best = max(found)
+    dead_zone, memory, saturation = (float(np.log1p(gain)) if gain == best > 0.0 else 0.0 for gain in found)
+    return dead_zone, memory, saturation
 
 
 def _oscillation(x: FloatArray) -> Oscillation:

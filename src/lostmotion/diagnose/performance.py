@@ -36,7 +36,8 @@ class Performance:
     manual, limited : float
         Share of the rows not in automatic, and with OP at a limit.
     audit_class : str
-        Excellent, acceptable, fair, poor, or open loop, as in the survey that the paper cites.
+        Excellent, acceptable, fair, poor, or open loop, as in the survey that the paper cites; "unknown" without a
+        Harris index.
     loop_type : str
         Whose limits the class uses.
     """
@@ -97,8 +98,8 @@ def measure_performance(
     harris = _harris(pv, target, max(delay, 1))
     limited = share_at_limits(op, span)
     band = NOISE_BANDS * 1.4826 * float(np.median(np.abs(np.diff(op))))
-    rated = audit_class(
-        harris[0] if np.isfinite(harris[0]) else 0.0, loop_type, oscillation, min(manual + limited, 1.0)
+    rated = (
+        "unknown" if np.isnan(harris[0]) else audit_class(harris[0], loop_type, oscillation, min(manual + limited, 1.0))
     )
     return Performance(
         float(np.mean((pv - target) ** 2)),

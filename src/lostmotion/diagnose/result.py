@@ -58,9 +58,9 @@ class Diagnosis:
     size_percent : float
         Of the OP span.
     confidence : float
-        Probability of the verdict, as calibrated on simulated loops.
+        Probability of a fault of the actuator, or of none, as the verdict says; calibrated on simulated loops.
     probabilities : dict of float
-        Of "none", "dead zone", "sticking" (stiction or backlash) and "saturation".
+        Of "none" and "actuator", a fault of the actuator.
     evidence : tuple of Item
         What speaks for and against, strongest first.
     advice : tuple of str

@@ -1,4 +1,4 @@
-"""From features to a verdict: calibrated log-odds, then what physics and the likelihood say about the kind."""
+"""From features to a verdict: whether it is the actuator by calibrated log-odds, then which fault by likelihood."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from lostmotion.diagnose.controller import LoopStability
 from lostmotion.diagnose.features import Features, Measured
-from lostmotion.diagnose.weights import CLASSES, NAMES, WEIGHTS
+from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 
-SURE = 0.6  # least probability of a verdict
-FAULTS = ("dead zone", "backlash", "stiction", "saturation")
-LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
+SURE = 0.55  # least probability of a verdict: false alarms on sound loops then stay at 2 % (docs/diagnosis.md)
 CLEAR = 3.0  # of log density, by which stiction must beat backlash where both are possible
+TRIANGLE = 0.1  # He's index above 0.6, the published limit
+LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
+FAULTS = ("dead zone", "backlash", "stiction", "saturation")
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,11 @@ class Verdict:
     verdict, kind : str
         As in Diagnosis.
     confidence : float
+        Probability of a fault of the actuator, or of none, whichever the verdict says.
     probabilities : dict of float
-        Of CLASSES.
+        Of "none" and "actuator".
     contributions : dict of (float, float)
-        Value of each feature and what it adds to the log-odds of the most probable fault against none.
+        Value of each feature and what it adds to the log-odds of a fault.
     """
 
     verdict: str
@@ -40,65 +42,58 @@ class Verdict:
     contributions: dict[str, tuple[float, float]]
 
 
-def probabilities(features: Features) -> dict[str, float]:
-    """Softmax of the calibrated log-odds of CLASSES."""
-    scores = WEIGHTS @ np.append(1.0, features.values())
-    scores = np.exp(scores - scores.max())
-    return dict(zip(CLASSES, (scores / scores.sum()).tolist(), strict=True))
+def fault_probability(features: Features) -> float:
+    """Probability that the actuator is at fault."""
+    return float(1.0 / (1.0 + np.exp(-(CONSTANT + np.dot(WEIGHTS, features.values())))))
 
 
 def decide(
     fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool, limited: float
 ) -> Verdict:
     """Verdict of one loop; `limited` is the share of the rows with OP at a limit."""
-    found = probabilities(measured.features)
-    best = max(found, key=lambda name: found[name])
-    fault = max((name for name in found if name != "none"), key=lambda name: found[name])
-    row = WEIGHTS[CLASSES.index(fault)] - WEIGHTS[CLASSES.index("none")]
-    values = measured.features.values()
-    parts = {name: (float(values[i]), float(row[i + 1] * values[i])) for i, name in enumerate(NAMES)}
-    verdict, kind = _name(best, found[best], fit, measured, stability, quantised)
+    features = measured.features
+    chance = fault_probability(features)
+    values = zip(NAMES, features.values().tolist(), WEIGHTS, strict=True)
+    parts = {name: (value, weight * value) for name, value, weight in values}
+    if chance > SURE:
+        verdict, kind = _fault(fit, measured), "actuator"
+    elif chance < 1.0 - SURE:
+        verdict, kind = _no_fault(fit, measured, stability, quantised)
+    else:
+        verdict, kind = "cannot tell", "unknown"
     if verdict not in FAULTS and limited > LIMITED:
         verdict, kind = "saturation", "actuator"  # seen in OP itself: the controller stands at a limit
-    return Verdict(verdict, kind, found[best], found, parts)
+    probabilities = {"none": 1.0 - chance, "actuator": chance}
+    return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts)
 
 
-def _name(
-    best: str,
-    probability: float,
-    fit: HammersteinFit,
-    measured: Measured,
-    stability: LoopStability | None,
-    quantised: bool,
+def _no_fault(
+    fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool
 ) -> tuple[str, str]:
-    swings = measured.features.oscillating > 0.0
-    if probability < SURE:
-        return "cannot tell", "unknown"
-    if best == "none":
-        if swings:
-            return "other oscillation", _other(measured, stability, quantised)
+    if not measured.swings:
         silent = fit.status is Status.CANNOT_TELL
         return ("cannot tell", "unknown") if silent else ("none", "none")
-    return (_sticking(fit, measured, swings) if best == "sticking" else best), "actuator"
-
-
-def _other(measured: Measured, stability: LoopStability | None, quantised: bool) -> str:
     if quantised:
-        return "sensor"
+        return "other oscillation", "sensor"
     if stability is None:
-        return "unknown"
-    return "tuning" if stability.explains(measured.period) else "disturbance"
+        return "other oscillation", "unknown"
+    return "other oscillation", "tuning" if stability.explains(measured.period) else "disturbance"
 
 
-def _sticking(fit: HammersteinFit, measured: Measured, swings: bool) -> str:
-    """Stiction or backlash.
+def _fault(fit: HammersteinFit, measured: Measured) -> str:
+    """Kind of the fault.
 
-    A dead band alone does not make a self-regulating loop with a PI controller swing for ever (its describing
-    function does not meet the loop's response; Choudhury, Thornhill and Shah, 2005): where such a loop does, the
-    valve slips.
+    The likelihood names it, but for what cannot be in a loop with a PI controller. A dead zone only lowers the gain of
+    the loop: it lets a tight loop swing near its critical frequency, as a sine, but makes no triangles and squares.
+    And a dead band alone does not make a self-regulating loop swing for ever (its describing function does not meet
+    the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, the valve slips.
     """
     gains = fit.kinds.gains if fit.kinds is not None else {}
-    if swings and not measured.integrating:
+    best = fit.nonlinearity.kind
+    angular = measured.swings and measured.features.shape > TRIANGLE
+    if best in ("dead zone", "saturation") and not angular:
+        return best
+    if measured.swings and not measured.integrating:
         return "stiction"
     if "stiction" not in gains:
         return "backlash" if "backlash" in gains else "stiction"

@@ -113,7 +113,9 @@ def random_faulty_loop(
     op, pv = _stored(response.control[kept], step), _stored(response.measured[kept], step)
     size = getattr(actuator, "width", getattr(actuator, "band", 0.0))
     in_op = deviation * abs(controller.kp)
-    return FaultyLoop(cause, process, actuator, float(size), op, pv, response.reference[kept], linear.dt, float(in_op))
+    return FaultyLoop(
+        cause, process, actuator, float(size), op, pv, REST + response.reference[kept], linear.dt, float(in_op)
+    )
 
 
 def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[LinearModel, PI, float]:

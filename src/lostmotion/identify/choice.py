@@ -25,6 +25,7 @@ STEPS = 6  # of each refit: it starts at the fit to everything
 BLOCKS = 32
 FEWEST = 20  # rows of a fold beside what its start needs
 SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that predict alike, neither is sure
+SEARCHED = 5.5  # of log density, for parameters held at the best of a few hundred places: the logarithm of their number
 NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
 
 
@@ -100,7 +101,7 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
         errors = _predicted(fitted, structure, pieces[mine], theta)
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
     densities = np.concatenate(found)
-    paid = len(fitted.problem.family.names) if fitted.problem.family.kinks else 0
+    paid = SEARCHED + len(fitted.problem.family.names) if fitted.problem.family.kinks else 0.0
     return np.asarray(densities - paid / densities.size)
 
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from lostmotion.identify.families import Family
 from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
 from lostmotion.identify.profile import Lags
-from lostmotion.kernels.products import lagged_products
+from lostmotion.kernels.products import add_products, explained
 from lostmotion.models._arguments import FloatArray
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
@@ -24,9 +24,13 @@ RIDGE = 1e-9
 SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
 GRID, ZOOM = 18, 6
 SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
-JUMPS = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.5)  # of the band
+FINE_GRID = 130  # bands of stiction, 3.5 % apart: a break-away must be in its sample
+FIRST_SHARES = (0.2, 0.9)  # jump over band
+SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
+FIRST_REACH, SMALLEST_REACH = 0.04, 0.004  # of the pattern search, relative
 LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
 TAIL = 0.005  # on either side of the range
+FIRST_RESTS = (-0.6, 0.6)
 RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
 MOST_SEGMENTS = 10  # whose rests are sought
 MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
@@ -94,16 +98,14 @@ class LaggedRegression:
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
         delay, inputs = self.lags.delay, self.lags.inputs
-
-        def products(signal: FloatArray, lag: int, count: int) -> FloatArray:
-            parts = [lagged_products(signal, lag, count, x, delay, inputs, *block) for block in self.blocks]
-            return np.asarray(np.sum(parts, axis=0))
-
-        past = self.basis.T @ np.concatenate([products(*signal) for signal in self.signals])
-        gram = products(x, delay, inputs) - past.T @ past
-        cross = products(self.y, 0, 1)[0] - past.T @ self.explained
-        gram[np.diag_indices_from(gram)] += RIDGE * (np.diag(gram) + self.samples)
-        return self.alone - float(cross @ np.linalg.solve(gram, cross))
+        size = self.basis.shape[0] + inputs + 1
+        table = np.zeros((size, inputs))
+        for start, stop in self.blocks:
+            at = 0
+            for signal, lag, count in (*self.signals, (x, delay, inputs), (self.y, 0, 1)):
+                add_products(signal, lag, count, x, delay, inputs, start, stop, table[at : at + count])
+                at += count
+        return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
 
 
 def _lagged(signal: FloatArray, rows: npt.NDArray[np.int64], lag: int, count: int) -> FloatArray:
@@ -127,6 +129,7 @@ class Start:
 
     eta: FloatArray
     squares: float
+    family: Family
 
 
 def operator_profile(
@@ -140,18 +143,44 @@ def operator_profile(
     first, finer = GRIDS[family.kind](u, high - low)
     x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
 
-    def score(etas: list[FloatArray]) -> list[Start]:
+    def score(etas: list[FloatArray], member: Family) -> list[Start]:
         found = []
         for eta in etas:
-            family.evaluate(family.project(eta), u, x, dx)
-            found.append(Start(family.project(eta), regression.squares(x)))
+            valid = member.project(eta)
+            member.evaluate(valid, u, x, dx)
+            found.append(Start(valid, regression.squares(x), member))
         return sorted(found, key=lambda start: start.squares)
 
-    coarse = score(first)
-    family = settle_rests(regression, family, coarse[0].eta, u)
-    best = score([eta for start in coarse[:most] for eta in finer(start.eta)])
-    best += score([best[0].eta + 0.25 * (eta - best[0].eta) for eta in finer(best[0].eta)])
-    return family, _apart(sorted(best, key=lambda start: start.squares), regression.samples, most)
+    coarse = [start for member in _at_rests(family) for start in score(first, member)]
+    coarse = _apart(sorted(coarse, key=lambda start: start.squares), regression.samples, 3 * most, np.inf)
+    fine = [start for each in coarse for start in score(finer(each.eta), each.family)[:1]]
+    settled = [settle_rests(regression, start.family, start.eta, u) for start in fine]
+    best = [start for each, member in zip(fine, settled, strict=True) for start in score([each.eta], member)]
+    best = sorted(best, key=lambda start: start.squares)[:most]
+    best = sorted((_climbed(start, score) for start in best), key=lambda start: start.squares)
+    return best[0].family, _apart(best, regression.samples, most)
+
+
+def _at_rests(family: Family) -> list[Family]:
+    """The family from the two sides of its band, the same in all segments."""
+    if not isinstance(family, BacklashFamily | StictionFamily):
+        return [family]
+    return [replace(family, rests=(rest,) * len(family.segments)) for rest in FIRST_RESTS]
+
+
+def _climbed(start: Start, score: Callable[[list[FloatArray], Family], list[Start]]) -> Start:
+    """Pattern search on the profile from one start."""
+    size = len(start.eta)
+    moves = [sign * move for move in (*np.eye(size), *_DIAGONALS.get(size, [])) for sign in (1.0, -1.0)]
+    reach = FIRST_REACH
+    while reach > SMALLEST_REACH:
+        scale = reach * float(np.abs(start.eta).max())
+        best = score([start.eta + scale * move for move in moves], start.family)[0]
+        if best.squares < start.squares:
+            start = best
+        else:
+            reach *= 0.5
+    return start
 
 
 def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, u: FloatArray) -> Family:
@@ -171,17 +200,20 @@ def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, 
     return replace(family, rests=tuple(rests))
 
 
-def _apart(starts: list[Start], samples: int, most: int) -> list[Start]:
-    """Starts that differ by more than a quarter of the largest parameter, near the best."""
-    limit = starts[0].squares * (1.0 + 2.0 * MARGIN / samples)
+def _apart(starts: list[Start], samples: int, most: int, margin: float = MARGIN) -> list[Start]:
+    """Starts that differ by more than an eighth of the largest parameter, near the best."""
+    limit = starts[0].squares * (1.0 + 2.0 * margin / samples)
     kept: list[Start] = []
     for start in starts:
-        size = 0.25 * float(np.abs(start.eta).max())
-        if start.squares <= limit and all(np.abs(start.eta - other.eta).max() > size for other in kept):
+        if len(kept) == most or start.squares > limit:
+            break
+        size = 0.125 * float(np.abs(start.eta).max())
+        if all(np.abs(start.eta - other.eta).max() > size for other in kept):
             kept.append(start)
-    return kept[:most]
+    return kept
 
 
+_DIAGONALS = {2: [np.array([1.0, 1.0]), np.array([1.0, -1.0])]}  # of stiction
 _Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
 
 
@@ -192,14 +224,14 @@ def _backlash(_: FloatArray, span: float) -> _Grid:
 
 
 def _stiction(_: FloatArray, span: float) -> _Grid:
-    bands = span * np.geomspace(SMALLEST, LARGEST, GRID)
-    ratio = (bands[1] / bands[0]) ** np.linspace(-0.7, 0.7, ZOOM)
-    shares = np.linspace(-0.12, 0.12, 4)
+    """By the band, which sets the samples of the break-aways after a turn, and the jump, which sets how far they go."""
+    bands = span * np.geomspace(SMALLEST, LARGEST, FINE_GRID)
+    ratio = (bands[1] / bands[0]) ** np.linspace(-1.0, 1.0, 5)
 
     def finer(eta: FloatArray) -> list[FloatArray]:
-        return [np.array([eta[0] * step, max(eta[1] + part * eta[0], 0.0)]) for step in ratio for part in shares]
+        return [step * eta[0] * np.array([1.0, share]) for step in ratio for share in SHARES]
 
-    return [np.array([band, share * band]) for band in bands for share in JUMPS], finer
+    return [band * np.array([1.0, share]) for band in bands for share in FIRST_SHARES], finer
 
 
 def _saturation(u: FloatArray, span: float) -> _Grid:

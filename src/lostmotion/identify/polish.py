@@ -21,7 +21,8 @@ HALVINGS = 6
 MOST_MOVES = 8  # with one step length
 STEPS = 4  # of the rest of the model at each trial
 LEVEL = 0.95
-GROWTH, MOST_GROWTH = 1.5, 30
+GROWTH = 1.5
+MISSES = 3  # rejections in a row that end the walk
 BISECTIONS = 5
 FIRST_REACH = 0.003  # of the range of OP: the first move away from the optimum
 
@@ -35,7 +36,7 @@ def polished(fitted: Fitted) -> Fitted:
     step = FIRST_STEP * max(float(np.abs(_eta(fitted, best)[: len(names)]).max()), 1e-3)
     directions = [np.eye(len(names))[i] * sign for i in range(len(names)) for sign in (1.0, -1.0)]
     if len(names) == 2:
-        directions += [np.array([1.0, 1.0]), np.array([-1.0, -1.0])]
+        directions += [np.array(move) for move in ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))]
     for _ in range(HALVINGS):
         for _ in range(MOST_MOVES):
             trials = [_moved(fitted, best, step * direction) for direction in directions]
@@ -61,15 +62,21 @@ def _end(fitted: Fitted, index: int, sign: float, rise: float) -> float:
     best, limit = fitted.fit, fitted.fit.cost + rise
     here = float(_eta(fitted, best)[index])
     span = float(np.ptp(fitted.problem.u))
-    inside, outside = 0.0, FIRST_REACH * span
-    last = best
-    for _ in range(MOST_GROWTH):
-        trial = _held(fitted, last, index, here + sign * outside)
-        if trial is None or outside > span:
-            return 0.0 if sign < 0 else float(np.inf)
-        if trial.cost > limit:
+    inside, outside, reach, misses = 0.0, 0.0, FIRST_REACH * span, 0
+    last = start = best
+    while misses < MISSES:  # with jumps the first rejection need not be the last
+        trial = _held(fitted, last, index, here + sign * reach)
+        if trial is None or reach > span:
+            if misses == 0:
+                return 0.0 if sign < 0 else float(np.inf)
             break
-        inside, outside, last = outside, GROWTH * outside, trial
+        if trial.cost > limit:
+            outside = reach if misses == 0 else outside
+            misses += 1
+        else:
+            inside, last, start, misses = reach, trial, trial, 0
+        reach *= GROWTH
+    last = start
     for _ in range(BISECTIONS):
         middle = 0.5 * (inside + outside)
         trial = _held(fitted, last, index, here + sign * middle)

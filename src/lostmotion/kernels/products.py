@@ -9,10 +9,18 @@ from lostmotion.kernels.types import FloatArray
 
 
 @njit(cache=True)
-def lagged_products(
-    first: FloatArray, ahead: int, rows: int, second: FloatArray, behind: int, columns: int, start: int, stop: int
-) -> FloatArray:
-    """Sums over k in [start, stop) of first(k-ahead-i) second(k-behind-j), shape (rows, columns).
+def add_products(
+    first: FloatArray,
+    ahead: int,
+    rows: int,
+    second: FloatArray,
+    behind: int,
+    columns: int,
+    start: int,
+    stop: int,
+    out: FloatArray,
+) -> None:
+    """Add the sums over k in [start, stop) of first(k-ahead-i) second(k-behind-j) to `out` (rows, columns).
 
     Only the first row and column are summed up: moving both lags by one drops the last product and adds one in front.
     """
@@ -27,7 +35,23 @@ def lagged_products(
         before, after = first[start - ahead - i], first[stop - ahead - i]
         for j in range(1, columns):
             gram[i, j] = gram[i - 1, j - 1] + before * second[start - behind - j] - after * second[stop - behind - j]
-    return gram
+    out += gram
+
+
+@njit(cache=True)
+def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
+    """Sum of squares that m columns explain beyond k columns that are always there.
+
+    `table` (k + m + 1, m) holds the products of those k, of the m and of the target with the m columns; `basis`
+    (k, r) makes the k orthonormal and `known` (r,) are their products with the target.
+    """
+    k, m = basis.shape[0], table.shape[1]
+    past = np.dot(basis.T.copy(), table[:k])
+    gram = table[k : k + m] - np.dot(past.T.copy(), past)
+    cross = table[k + m] - np.dot(known, past)
+    for i in range(m):
+        gram[i, i] += ridge * gram[i, i] + floor
+    return float(np.dot(cross, np.linalg.solve(gram, cross)))
 
 
 @njit(cache=True)

@@ -30,11 +30,12 @@ MEANING = {
 
 def fit_summary(fit: HammersteinFit) -> str:
     """Report of a fit as plain text."""
-    parts = [_head(fit), _finding(fit), _table(fit), _dynamics(fit), _checks(fit), _assumed(fit)]
+    parts = [head(fit), _finding(fit), _table(fit), _dynamics(fit), _checks(fit), _assumed(fit)]
     return "\n".join(part for part in parts if part)
 
 
-def _head(fit: HammersteinFit) -> str:
+def head(fit: HammersteinFit) -> str:
+    """Name and size of the record, and a line under it."""
     data = fit.data
     name = data.tag or data.source or "record"
     pieces = f" in {len(data.segments)} pieces" if len(data.segments) > 1 else ""
@@ -48,7 +49,7 @@ def _head(fit: HammersteinFit) -> str:
 
 
 def _finding(fit: HammersteinFit) -> str:
-    return _fill(f"{fit.status.name}: {fit.status.value}") + "\n" + _fill(finding(fit))
+    return fill(f"{fit.status.name}: {fit.status.value}") + "\n" + fill(finding(fit))
 
 
 def finding(fit: HammersteinFit) -> str:
@@ -129,7 +130,7 @@ def _dynamics(fit: HammersteinFit) -> str:
     constants = [
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
-    return _fill(
+    return fill(
         f"Linear part{' (integrating)' if chosen['integrating'] else ''}: na = {chosen['na']}, nb = {chosen['nb']}, "
         f"delay {chosen['delay']} samples "
         f"({chosen['delay'] * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
@@ -162,7 +163,7 @@ def _checks(fit: HammersteinFit) -> str:
     if evidence.rivals and fit.preferred == "dead zone":
         others = ", ".join(f"{left:.3g} .. {right:.3g} ({behind:.0f})" for left, right, behind in evidence.rivals[:3])
         text += f"Beware: other dead zones fit about as well: {others} (BIC behind the one reported). "
-    return _fill(text)
+    return fill(text)
 
 
 def _assumed(fit: HammersteinFit) -> str:
@@ -176,8 +177,8 @@ def _assumed(fit: HammersteinFit) -> str:
     if auto:
         said.append(f"{' and '.join(auto)} chosen from the data")
     said.append("OP is held between samples and not clipped")
-    lines = [_fill("Assumed: " + "; ".join(said) + ".")]
-    lines += [_fill("Note: " + note) for note in (*fit.data.notes, *fit.remarks)]
+    lines = [fill("Assumed: " + "; ".join(said) + ".")]
+    lines += [fill("Note: " + note) for note in (*fit.data.notes, *fit.remarks)]
     lines.append(f"Data fingerprint {fit.data.fingerprint}.")
     return "\n".join(lines)
 
@@ -191,5 +192,7 @@ def _percent(value: float, span_op: float | None) -> str:
     return "" if span_op is None else f" ({100 * value / span_op:.2g} % of the OP span)"
 
 
-def _fill(text: str) -> str:
-    return textwrap.fill(text, WIDTH, subsequent_indent="  ")
+def fill(text: str) -> str:
+    """Lines of at most WIDTH; a number stays with its per cent sign."""
+    held = text.replace(" %", "\u00a0%")
+    return textwrap.fill(held, WIDTH, subsequent_indent="  ").replace("\u00a0", " ")

@@ -49,3 +49,14 @@ def span(low: float, high: float, error: float) -> str:
         error = max((high - low) / 4.0, 1e-300) if math.isfinite(high - low) else 1.0
     ends = [digits(end, error)[0] if math.isfinite(end) else "open" for end in (low, high)]
     return f"{ends[0]} .. {ends[1]}"
+
+
+def plain(value: float) -> str:
+    """Three digits, without an exponent for numbers of daily life.
+
+    Examples
+    --------
+    >>> plain(5063.2), plain(37.64), plain(0.0123), plain(3.2e8)
+    ('5060', '37.6', '0.0123', '320000000')
+    """
+    return f"{float(f'{value:.3g}'):.9g}"

@@ -1,0 +1,77 @@
+"""Names of the evidence and of the causes, for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from lostmotion.records import LoopRecord
+
+LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
+    {
+        "dead_zone": ("dead zone predicts", "log(1 + gain over a linear process)"),
+        "memory": ("sticking predicts", "log(1 + gain over a linear process)"),
+        "saturation": ("limit predicts", "log(1 + gain over a linear process)"),
+        "oscillating": ("oscillation", "1: OP or PV swings regularly"),
+        "shape": ("wave shape", "above 0 triangle, below sine (He)"),
+        "odd": ("OP-PV correlation", "1 odd as in stiction, 0 even (Horch)"),
+        "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
+    }
+)
+CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})
+
+
+def cause(name: str) -> str:
+    """Class of the verdict in words.
+
+    Examples
+    --------
+    >>> cause("actuator"), cause("dead zone")
+    ('a fault of the actuator', 'dead zone')
+    """
+    return CAUSE.get(name, name)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Log-odds of the most probable fault against no actuator fault.
+
+    Attributes
+    ----------
+    fault : str
+        Class of the verdict, in words.
+    before : float
+        Without any evidence.
+    total : float
+        With all of it.
+    """
+
+    fault: str
+    before: float
+    total: float
+
+
+def balance(probabilities: Mapping[str, float], weights: Iterable[float]) -> Balance:
+    """What the weights of the evidence add up to.
+
+    Examples
+    --------
+    >>> found = balance({"none": 0.1, "actuator": 0.9}, [3.0, -0.5])
+    >>> found.fault, round(found.before, 2), round(found.total, 2)
+    ('a fault of the actuator', -0.3, 2.2)
+    """
+    fault = max((name for name in probabilities if name != "none"), key=probabilities.__getitem__)
+    total = math.log(max(probabilities[fault], 1e-300) / max(probabilities["none"], 1e-300))
+    return Balance(cause(fault), total - sum(weights), total)
+
+
+def of_what(record: LoopRecord) -> str:
+    """What the percentages of OP refer to: its span, or the range seen where that is unknown and not 0 .. 100."""
+    if record.op_span is not None:
+        return "of span"
+    inside = np.nanmin(record.op) >= 0.0 and np.nanmax(record.op) <= 100.0
+    return "of span" if inside else "of the OP range seen"

@@ -1,0 +1,164 @@
+"""The figure of a diagnosis: trend, PV over OP, evidence; the verdict above, what to do below."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lostmotion.diagnose import Diagnosis
+from lostmotion.diagnose.words import LABEL, balance, cause, of_what
+from lostmotion.models import DeadZone
+from lostmotion.models._arguments import FloatArray
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
+from lostmotion.records import LoopRecord, prepare
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PERIODS = 12
+MOST_ROWS = 1500  # shown where nothing swings
+FEWEST_ROWS = 100
+FAR = 3.0  # ranges of PV from which on SP is not drawn
+WRAP = 170  # characters of a line over the whole width
+NOTICEABLE = 0.05  # log-odds that are not written as 0
+BANDED = ("dead zone", "backlash", "stiction")
+HEADING = {
+    "none": "Nothing wrong with the actuator",
+    "other oscillation": "The loop swings, but not because of the actuator",
+    "cannot tell": "Cannot tell",
+}
+UNITS = ((10_000.0, 3600.0, "h"), (600.0, 60.0, "min"), (0.0, 1.0, "s"))  # from so many seconds on
+
+
+def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
+    """PV with SP and OP over time, PV over OP, log-odds of the evidence.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    title : str, optional
+        Heading; default the tag and the verdict.
+    """
+    figure = new_figure(12.0, 8.5)
+    data = diagnosis.fit.data
+    name = data.tag or data.source or "record"
+    figure.suptitle(title or f"{name}: {_heading(diagnosis)}", fontsize=13, fontweight="bold", x=0.01, ha="left")
+    figure.supxlabel(_advice(diagnosis), fontsize=9, x=0.01, ha="left")
+    grid = figure.add_gridspec(3, 5, height_ratios=(1.0, 1.0, 1.6))
+    rows, start = shown_rows(diagnosis)
+    above = figure.add_subplot(grid[0, :])
+    _trend(above, figure.add_subplot(grid[1, :], sharex=above), rows, start)
+    _phase(figure.add_subplot(grid[2, :2]), diagnosis, rows)
+    _evidence(figure.add_subplot(grid[2, 2:]), diagnosis)
+    return figure
+
+
+def shown_rows(diagnosis: Diagnosis) -> tuple[LoopRecord, int]:
+    """Last twelve periods (or 1500 rows) of the longest piece that was used, and its first row in the record."""
+    prepared = prepare(diagnosis.record)
+    pieces = prepared.require()
+    longest = max(range(len(pieces)), key=lambda number: len(pieces[number]))
+    piece = pieces[longest]
+    period = diagnosis.measured.period
+    count = PERIODS * period if np.isfinite(period) else MOST_ROWS
+    first = len(piece) - min(max(int(count), FEWEST_ROWS), len(piece))
+    return piece.cut(first, len(piece)), prepared.rows[longest][0] + first
+
+
+def _heading(diagnosis: Diagnosis) -> str:
+    said = HEADING.get(diagnosis.verdict, diagnosis.verdict.capitalize())
+    if diagnosis.kind not in ("none", "actuator", "unknown"):
+        said += f": {diagnosis.kind}"
+    if np.isfinite(diagnosis.size_percent):
+        ends = np.array(diagnosis.interval) * diagnosis.size_percent / diagnosis.size
+        between = f" ({ends[0]:.3g} .. {ends[1]:.3g})" if np.isfinite(ends).all() else " (apparent)"
+        said += f", {diagnosis.size_percent:.3g} % {of_what(diagnosis.record)}{between}, {diagnosis.severity}"
+    if diagnosis.verdict == "cannot tell":
+        first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)
+        said += f"; likeliest: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"
+    else:
+        said += f", confidence {min(100 * diagnosis.confidence, 99.0):.0f} %"
+    return said
+
+
+def _advice(diagnosis: Diagnosis) -> str:
+    return textwrap.fill("What to do: " + " ".join(diagnosis.advice), WRAP)
+
+
+def _trend(above: Axes, below: Axes, rows: LoopRecord, start: int) -> None:
+    _, scale, unit = next(one for one in UNITS if len(rows) * rows.dt >= one[0])
+    time = (start + np.arange(len(rows))) * rows.dt / scale
+    above.plot(time, rows.pv, color=MODEL, lw=1.0, label="PV")
+    title = "Measurement"
+    sp = rows.sp if rows.sp is not None and np.isfinite(rows.sp).any() else None
+    if sp is not None and not _far(sp, rows.pv):
+        title = "Measurement and set point"
+        above.plot(time, sp, color=ALERT, lw=1.0, ls="--", label="SP")
+        above.legend(
+            fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
+        )
+    elif sp is not None:
+        title += f" (set point far away: {np.nanmin(sp):.4g} .. {np.nanmax(sp):.4g})"
+    below.plot(time, rows.op, color=MODEL, lw=1.0)
+    above.tick_params(labelbottom=False)
+    above.margins(x=0.0)
+    calm(above, title, "", "PV")
+    calm(below, "Controller output", f"time, {unit}", "OP")
+
+
+def _far(sp: FloatArray, pv: FloatArray) -> bool:
+    """Whether SP would squash PV into a line: other units, or a loop that has lost it."""
+    low, high = float(pv.min()), float(pv.max())
+    away = max(low - float(np.nanmin(sp)), float(np.nanmax(sp)) - high)
+    return bool(away > FAR * (high - low))
+
+
+def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
+    ends, what = _lost(diagnosis, rows)
+    if ends is not None:
+        axes.axvspan(*ends, color=BAND, alpha=0.45, lw=0)
+    axes.plot(rows.op, rows.pv, color="0.65", lw=0.6)
+    period = diagnosis.measured.period
+    if np.isfinite(period):
+        last = slice(-max(int(2 * period), 2), None)
+        axes.plot(rows.op[last], rows.pv[last], color=MODEL, lw=1.4)
+        what += ("; " if what else "") + "blue line: last two periods"
+    calm(axes, "PV over OP", f"OP ({what})" if what else "OP", "PV")
+
+
+def _lost(diagnosis: Diagnosis, rows: LoopRecord) -> tuple[tuple[float, float] | None, str]:
+    """Lost motion on the axis of OP: the dead zone where it is, else a band as wide in the middle of OP."""
+    zone = diagnosis.fit.nonlinearity
+    if diagnosis.verdict not in BANDED or not np.isfinite(diagnosis.size):
+        return None, ""
+    if diagnosis.verdict == "dead zone" and isinstance(zone, DeadZone):
+        return (zone.left, zone.right), "band: the dead zone"
+    middle = 0.5 * float(rows.op.min() + rows.op.max())
+    half = 0.5 * diagnosis.size
+    return (middle - half, middle + half), f"band: as wide as the {diagnosis.verdict}"
+
+
+def _evidence(axes: Axes, diagnosis: Diagnosis) -> None:
+    """All evidence, strongest above; below it where it starts from and what it comes to."""
+    found = balance(diagnosis.probabilities, (item.weight for item in diagnosis.evidence))
+    bars = [(LABEL.get(item.name, (item.name, ""))[0], item.weight) for item in diagnosis.evidence]
+    bars += [("before evidence", found.before), ("together", found.total)]
+    places, weights = -np.arange(len(bars)), [weight for _, weight in bars]
+    colours = [ALERT if weight > 0 else MODEL for weight in weights[:-2]] + ["0.75", "0.35"]
+    axes.barh(places, weights, color=colours, height=0.65)
+    axes.axvline(0.0, color="0.4", lw=0.8)
+    axes.axhline(places[-2] + 0.5, color="0.8", lw=0.8)
+    axes.set_yticks(places, [name for name, _ in bars])
+    reach = 1.25 * max(*(abs(weight) for weight in weights), 1.0)
+    axes.set_xlim(-reach, reach)
+    for place, weight in zip(places, weights, strict=True):
+        text = f"{weight:+.1f}" if abs(weight) >= NOTICEABLE else "0"
+        axes.annotate(
+            text, (weight, place), xytext=(4 if weight >= 0 else -4, 0), textcoords="offset points",
+            ha="left" if weight >= 0 else "right", va="center", fontsize=8, color=MEASURED,
+        )  # fmt: skip
+    calm(axes, f"Evidence: {found.fault} against no actuator fault", "log-odds: right for, left against", "")
+    axes.grid(False, axis="y")

@@ -1,0 +1,233 @@
+"""A diagnosis as text: verdict first, then why, how the loop works, and what to do."""
+
+from __future__ import annotations
+
+import math
+
+from lostmotion.diagnose import Diagnosis
+from lostmotion.diagnose.controller import EXACT, LIGHTLY_DAMPED
+from lostmotion.diagnose.oscillation import Oscillation
+from lostmotion.diagnose.result import Item
+from lostmotion.diagnose.verdict import SURE
+from lostmotion.diagnose.words import LABEL, balance, cause, of_what
+from lostmotion.identify.choice import NEEDED
+from lostmotion.identify.evidence import SIZE
+from lostmotion.report.fit_text import fill, head
+from lostmotion.report.numbers import digits, plain, span
+
+MEASURE = {"stiction": "dead band and stick band together"}
+FINEST = 0.02
+KIND = {
+    "actuator": "It comes from the actuator.",
+    "tuning": "It comes from the tuning: controller and process together are hardly damped at this period.",
+    "disturbance": "It comes from outside: the loop itself is damped at this period.",
+    "sensor": "It comes from the measurement: PV moves in coarse steps.",
+    "unknown": "Where it comes from is not known.",
+    "none": "",
+}
+MARK = 0.5  # log-odds of one mark of a bar
+MOST_MARKS = 12
+
+
+def diagnosis_summary(diagnosis: Diagnosis) -> str:
+    """Report of a diagnosis as plain text."""
+    parts = [
+        head(diagnosis.fit),
+        fill(verdict_sentence(diagnosis)),
+        fill(where_from(diagnosis)),
+        _evidence(diagnosis),
+        _oscillation(diagnosis),
+        _kinds(diagnosis),
+        _stability(diagnosis),
+        _performance(diagnosis),
+        _last(diagnosis),
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """What is wrong, how much, how bad, how sure: one sentence."""
+    verdict, sure = diagnosis.verdict, probability(diagnosis.confidence)
+    if verdict == "none":
+        return f"NOTHING WRONG with the actuator that this record would show, confidence {sure}."
+    if verdict == "other oscillation":
+        return f"OTHER OSCILLATION: the loop swings, but not because of the actuator, confidence {sure}."
+    if verdict == "cannot tell":
+        if diagnosis.confidence >= SURE:
+            return "CANNOT TELL: the record does not show how OP moves PV."
+        return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
+    return f"{verdict.upper()}{_size(diagnosis)}, severity {diagnosis.severity}, confidence {sure}."
+
+
+def where_from(diagnosis: Diagnosis) -> str:
+    """Where it comes from, and the probability of every cause."""
+    ranked = sorted(diagnosis.probabilities.items(), key=lambda pair: -pair[1])
+    causes = ", ".join(f"{cause(name)} {probability(value)}" for name, value in ranked)
+    return f"{KIND[diagnosis.kind]}{_in_units(diagnosis)} Probabilities: {causes}.".strip()
+
+
+def size_text(diagnosis: Diagnosis) -> str:
+    """Size in % of span with its 95 % interval, or as apparent where there is none; "" where there is no size."""
+    if not math.isfinite(diagnosis.size_percent):
+        return ""
+    whole = of_what(diagnosis.record)
+    percent = diagnosis.size_percent / diagnosis.size if diagnosis.size else 0.0
+    low, high = (percent * end for end in diagnosis.interval)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return f"about {diagnosis.size_percent:.2g} % {whole} (apparent, no interval)"
+    value, between = _between(diagnosis.size_percent, low, high)
+    return f"{value} % {whole} (95 % interval {between})"
+
+
+def probability(value: float) -> str:
+    """Probability in whole percent that is never certain.
+
+    Examples
+    --------
+    >>> probability(0.936), probability(0.9998), probability(0.001)
+    ('94 %', 'over 99 %', 'under 1 %')
+    """
+    if value > 0.99:
+        return "over 99 %"
+    return "under 1 %" if value < 0.01 else f"{100.0 * value:.0f} %"
+
+
+def _between(value: float, low: float, high: float) -> tuple[str, str]:
+    """Value and interval with the digits that matter: finer than 2 % of the value is of no use to anyone."""
+    error = max((high - low) / 4.0, FINEST * abs(value), 1e-300)
+    return digits(value, error)[0], span(low, high, error)
+
+
+def _size(diagnosis: Diagnosis) -> str:
+    """Size in % of span, limits where it is a saturation."""
+    parameters = diagnosis.fit.parameters
+    if diagnosis.verdict == "saturation":
+        known = {"low", "high"} <= parameters.keys()
+        return f" at OP {plain(parameters['low'])} and {plain(parameters['high'])}" if known else ""
+    said = size_text(diagnosis)
+    return f" of {said}" if said else " of unknown size"
+
+
+def _in_units(diagnosis: Diagnosis) -> str:
+    """The size once more, in units of OP, and what of the fault it measures."""
+    if not math.isfinite(diagnosis.size):
+        return ""
+    kind = diagnosis.fit.nonlinearity.kind
+    what = MEASURE.get(kind, "full width")
+    if kind != diagnosis.verdict and kind in SIZE:
+        what += f" of the {kind} that was fitted"
+    if not all(math.isfinite(end) for end in diagnosis.interval):
+        return f" In units of OP: about {diagnosis.size:.2g}."
+    value, between = _between(diagnosis.size, *diagnosis.interval)
+    return f" In units of OP: {what} {value} ({between})."
+
+
+def _evidence(diagnosis: Diagnosis) -> str:
+    found = balance(diagnosis.probabilities, (item.weight for item in diagnosis.evidence))
+    lines = [
+        "",
+        f"Evidence: log-odds of {found.fault} against no actuator fault (+3: 20 to 1)",
+        f"  {'':18} {'value':>7} {'log-odds':>8}",
+        *(_row(item) for item in diagnosis.evidence),
+        _sum("before evidence", found.before),
+        _sum("together", found.total),
+    ]
+    return "\n".join(lines)
+
+
+def _sum(name: str, odds: float) -> str:
+    return f"  {name:18} {'':7} {signed(odds):>8}  {bar(odds)}".rstrip()
+
+
+def _row(item: Item) -> str:
+    name, meaning = LABEL.get(item.name, (item.name, item.meaning))
+    return (
+        f"  {name:18} {item.value:7.2f} {signed(item.weight):>8}  {bar(item.weight):{MOST_MARKS}}  {meaning}".rstrip()
+    )
+
+
+def signed(value: float) -> str:
+    """Number with its sign, "0" where it rounds to nothing."""
+    return "0" if abs(value) < 0.005 else f"{value:+.2f}"
+
+
+def bar(value: float) -> str:
+    """Marks of + or -, one for half a unit of log-odds, at most twelve."""
+    return ("+" if value > 0 else "-") * min(round(abs(value) / MARK), MOST_MARKS)
+
+
+def _oscillation(diagnosis: Diagnosis) -> str:
+    dt = diagnosis.fit.data.dt
+    pairs = (("OP", diagnosis.measured.op), ("PV", diagnosis.measured.pv))
+    return "\n".join(["", "Oscillation", *(f"  {name} {_swing(one, dt)}" for name, one in pairs)])
+
+
+def _swing(one: Oscillation, dt: float) -> str:
+    if not math.isfinite(one.period):
+        return "does not move, or the record is too short to tell"
+    period, share = plain(one.period * dt), f"{100 * one.share:.0f} %"
+    if not one.regular:
+        return (
+            f"does not swing regularly: regularity {one.regularity:.1f} (1 is needed); "
+            f"strongest near {period} s, {share} of its variance"
+        )
+    return (
+        f"swings regularly: period {period} s, {one.cycles:.0f} periods, {share} of its variance, "
+        f"regularity {one.regularity:.1f} (1 is needed)"
+    )
+
+
+def _kinds(diagnosis: Diagnosis) -> str:
+    kinds = diagnosis.fit.kinds
+    if kinds is None:
+        return ""
+    ranked = sorted(((gain, kind) for kind, gain in kinds.gains.items() if kind != "none"), reverse=True)
+    said = ", ".join(f"{kind} {gain:+.1f}" for gain, kind in ranked) or "none was worth a fit"
+    return "\n" + fill(
+        f"Actuators compared: log-likelihood of rows left out, over that of a linear process ({NEEDED:g} is needed): "
+        f"{said}."
+    )
+
+
+def _stability(diagnosis: Diagnosis) -> str:
+    found = diagnosis.stability
+    if found is None:
+        return fill("Controller: no feedback from PV to OP is visible, so the tuning cannot be judged.")
+    dt = diagnosis.fit.data.dt
+    if found.unexplained >= EXACT:
+        left = f"{100 * min(found.unexplained, 1.0):.0f} %"
+        return fill(f"Controller: a PI leaves {left} of the moves of OP unexplained, so the tuning cannot be judged.")
+    reset = f", reset time {plain(found.kp / found.ki * dt)} s" if found.ki and found.kp / found.ki > 0 else ""
+    root = "no root of the loop oscillates"
+    if math.isfinite(found.period):
+        light = f"lightly damped, the limit is {LIGHTLY_DAMPED:g}" if found.damping < LIGHTLY_DAMPED else "damped"
+        root = f"least damped root: ratio {found.damping:.2f} ({light}), period {plain(found.period * dt)} s"
+    return fill(f"Controller: PI with gain {plain(found.kp)}{reset}; with the process of the fit, {root}.")
+
+
+def _performance(diagnosis: Diagnosis) -> str:
+    found = diagnosis.performance
+    low, high = sorted(found.harris)
+    harris = f"{low:.2g} .. {high:.2g}" if math.isfinite(low) and math.isfinite(high) else "unknown"
+    about = "SP" if diagnosis.record.sp is not None else "its mean"
+    rows = [
+        ("class", f"{found.audit_class} (limits for: {found.loop_type})"),
+        ("Harris index", f"{harris} (1 is best; for the delay found and for 3 times that)"),
+        ("PV about " + about, f"deviation {plain(math.sqrt(found.variance))}"),
+        (
+            "travel of OP",
+            f"{plain(found.travel)} % {of_what(diagnosis.record)} an hour, {plain(found.reversals)} reversals an hour",
+        ),
+        (
+            "open loop",
+            f"not in automatic {100 * found.manual:.0f} %, OP at a limit {100 * found.limited:.0f} % of the time",
+        ),
+    ]
+    return "\n".join(["", "Performance, whatever the reason", *(f"  {name:18} {text}" for name, text in rows)])
+
+
+def _last(diagnosis: Diagnosis) -> str:
+    lines = ["", "What to do", *(fill(f"- {text}") for text in diagnosis.advice), ""]
+    lines += [fill(f"Note: {note}") for note in diagnosis.notes]
+    lines.append(f"Data fingerprint {diagnosis.fit.data.fingerprint}.")
+    return "\n".join(lines)
