@@ -8,6 +8,8 @@ Options: ``--cases N``, ``--data FOLDER``, ``--workers N``.
 from __future__ import annotations
 
 import argparse
+import json
+from dataclasses import asdict
 from pathlib import Path
 
 from lostmotion.diagnose.features import Features
@@ -30,10 +32,13 @@ def main() -> None:
     parser.add_argument("--calibrate", action="store_true")
     parser.add_argument("--cases", type=int, default=400)
     parser.add_argument("--data", type=Path, default=DATA)
+    parser.add_argument("--save", type=Path, default=None, help="with --calibrate: keep the rows as JSON")
     parser.add_argument("--workers", type=int, default=None)
     given = parser.parse_args()
     if given.calibrate:
         rows = run_all(simulated, range(CALIBRATION, CALIBRATION + given.cases), "calibration", given.workers)
+        if given.save is not None:
+            given.save.write_text(json.dumps([asdict(row) for row in rows]), encoding="utf-8")
         print(as_code(*calibrated(rows)))
         return
     rows = run_all(simulated, range(EVALUATION, EVALUATION + given.cases), "simulated loops", given.workers)

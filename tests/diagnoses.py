@@ -50,11 +50,11 @@ def example() -> lm.Diagnosis:
         interval=fit.interval("width"),
         size_percent=width,
         confidence=0.93,
-        probabilities={"none": 0.05, "dead zone": 0.93, "sticking": 0.0195, "saturation": 0.0005},
+        probabilities={"none": 0.07, "actuator": 0.93},
         evidence=(
             Item("dead_zone", 3.71, 5.2, "in words"),
             Item("shape", -0.31, -1.2, "in words"),
-            Item("odd", 0.0, 0.0, "in words"),
+            Item("relay", 0.0, 0.0, "in words"),
         ),
         advice=("Check the range.", "Compensate."),
         notes=("The OP span was taken as 0 .. 100; give op_span where it is not.",),

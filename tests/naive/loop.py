@@ -1,4 +1,4 @@
-"""Closed loop of a PI controller, an inverse, a dead zone and a linear process, one sample after the other."""
+"""Closed loop of a PI controller, an inverse, an actuator and a linear process, one sample after the other."""
 
 from tests.naive.dead_zone import dead_zone, inverse
 
@@ -17,7 +17,10 @@ def limited_pi(error, integral, kp, ki_dt, low, high):
 def closed_loop(
     a, b, delay, offset, zone, undo, kp, ki_dt, low, high, bias, reference, disturbance, noise,
 ):  # fmt: skip
-    """Lists of control, command, x, output and measured output; `zone` and `undo` may be None."""
+    """Lists of control, command, x, output and measured output; `zone` and `undo` may be None.
+
+    `zone` may also be a function from all commands so far to all positions: an actuator with memory.
+    """
     control, command, x, output, measured, z = [], [], [], [], [], []
     integral = bias
     for k, wanted in enumerate(reference):
@@ -34,5 +37,8 @@ def closed_loop(
         out, integral = limited_pi(wanted - measured[-1], integral, kp, ki_dt, low, high)
         control.append(out)
         command.append(out if undo is None else inverse(out, *undo))
-        x.append(command[-1] if zone is None else dead_zone(command[-1], *zone))
+        if callable(zone):
+            x.append(zone(command)[-1])
+        else:
+            x.append(command[-1] if zone is None else dead_zone(command[-1], *zone))
     return control, command, x, output, measured

@@ -3,14 +3,17 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import contrast, dead_zone, lagged, likelihood, linear, loop, stamps
+from lostmotion.kernels import actuator, contrast, dead_zone, lagged, likelihood, linear, loop, stamps
+from tests.naive import backlash as slow_backlash
 from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
 from tests.naive import lagged as slow_lagged
 from tests.naive import likelihood as slow_likelihood
 from tests.naive import linear as slow_linear
 from tests.naive import loop as slow_loop
+from tests.naive import saturation as slow_saturation
 from tests.naive import stamps as slow_stamps
+from tests.naive import stiction as slow_stiction
 
 SEEDS = range(6)
 
@@ -250,6 +253,34 @@ def test_closed_loop(seed, limit, has_zone, has_inverse):
     )
     for name, quick, plain in zip(("control", "command", "x", "output", "measured"), fast, slow, strict=True):
         np.testing.assert_allclose(quick, plain, rtol=1e-10, atol=1e-12, err_msg=name)
+
+
+BIAS = 0.3
+ACTUATORS = {
+    "backlash": (actuator.BACKLASH, (0.6,), lambda u: slow_backlash.backlash(u, 0.6, BIAS)),
+    "saturation": (actuator.SATURATION, (-0.4, 0.5), lambda u: slow_saturation.saturation(u, -0.4, 0.5)),
+    **{
+        model: (actuator.STICTION + code, (0.5, 0.3), lambda u, slow=slow: slow(u, 0.5, 0.3, BIAS))
+        for code, (model, slow) in enumerate(slow_stiction.MODELS.items())
+    },
+}
+
+
+@pytest.mark.parametrize("name", ACTUATORS)
+@pytest.mark.parametrize("seed", range(2))
+def test_closed_loop_with_other_actuators(seed, name):
+    kind, parameters, slow_valve = ACTUATORS[name]
+    rng = np.random.default_rng([seed, 7])
+    a, b = np.array([-1.3, 0.42]), np.array([0.05, 0.07])
+    reference = np.repeat(rng.normal(size=4), 40)
+    disturbance, noise = 0.3 * rng.normal(size=(2, reference.size))
+    settings = (0.2, 0.05, -np.inf, np.inf, BIAS, reference, disturbance, noise)
+    held = np.zeros(5)
+    held[: len(parameters)] = parameters
+    fast = loop.closed_loop(a, b, 2, 0.7, held, np.zeros(5), kind, False, *settings)
+    slow = slow_loop.closed_loop(a, b, 2, 0.7, slow_valve, None, *settings)
+    for signal, quick, plain in zip(("control", "command", "x", "output", "measured"), fast, slow, strict=True):
+        np.testing.assert_allclose(quick, plain, rtol=1e-10, atol=1e-12, err_msg=signal)
 
 
 @pytest.mark.parametrize("wrap", [0.0, 500.0])

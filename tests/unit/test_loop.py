@@ -170,3 +170,28 @@ def test_controller_refuses_what_is_not_a_number(name, value):
 @pytest.mark.parametrize(("low", "high"), [(1, 1), (2, 1), (NAN, 1), (0, NAN)])
 def test_controller_refuses_limits(low, high):
     assert "low" in refusal(ParameterError, lm.PI, 1.0, 1.0, low, high)
+
+
+VALVES = [
+    lm.DeadZone(-0.4, 0.6, 1.5, 1.0),
+    lm.Backlash(0.8),
+    lm.Stiction(0.8, 0.5),
+    lm.Stiction(0.8, 0.3, "he"),
+    lm.Stiction(0.8, 0.4, "choudhury"),
+    lm.Saturation(-0.5, 1.2),
+    lm.Identity(),
+]
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.7])
+@pytest.mark.parametrize("valve", VALVES, ids=lambda valve: f"{valve.kind} {getattr(valve, 'model', '')}")
+def test_internal_is_the_actuator_of_the_command(valve, bias):
+    """Every actuator; with memory it begins at rest at the bias of the controller."""
+    plant = lm.Hammerstein(valve, TANK.linear)
+    reference = np.repeat([0.0, 2.0, -1.0, 0.5], 100)
+    loop = lm.simulate_loop(plant, lm.PI(0.5, 0.7, bias=bias), reference, noise=0.02, seed=4)
+    memory = hasattr(valve, "run")
+    wanted = valve.run(loop.command, start=bias) if memory else valve(loop.command)
+    np.testing.assert_allclose(loop.internal, wanted, atol=1e-12)
+    np.testing.assert_allclose(TANK.linear.simulate(loop.internal), loop.output, atol=1e-9)
+    assert np.unique(np.sign(np.diff(loop.internal))).size >= 2

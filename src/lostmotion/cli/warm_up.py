@@ -8,6 +8,11 @@ from lostmotion.kernels.stamps import count_samples
 if __name__ == "__main__":
     loop = lm.routine_operation(600, seed=0)
     lm.identify(loop.command, loop.measured, 0.1)
+    for kind in ("backlash", "stiction", "saturation", "auto"):
+        lm.identify(loop.command, loop.measured, 0.1, nonlinearity=kind)
+    for valve in (lm.Backlash(0.5), lm.Stiction(0.5, 0.3), lm.Saturation(-1.0, 1.0)):
+        lm.simulate_loop(lm.Hammerstein(valve, lm.LinearModel((-0.8,), (0.2,), 1, 0.1)), lm.PI(0.5, 0.5), np.ones(50))
+        valve(loop.command)
     recursive = lm.RecursiveML(1, 0, 1, forgetting=0.999, start_samples=200)
     recursive.run(loop.command, loop.measured)
     count_samples(np.arange(3.0), 1.0, 0.0, np.array([np.nan, 0.0, 0.0, 0.0]), np.empty(3))

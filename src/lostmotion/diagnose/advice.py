@@ -17,7 +17,7 @@ def severity_of(percent: float) -> str:
     return "severe"
 
 
-def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bool) -> tuple[str, ...]:
+def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bool = False) -> tuple[str, ...]:
     """Sentences for the engineer, most important first."""
     if verdict == "none":
         return ("Nothing to do for the actuator.",)

@@ -37,8 +37,6 @@ class Features:
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
-    odd : float
-        Horch's asymmetry of the cross-correlation.
     relay : float
         Rossi and Scali's index of PV.
     """
@@ -48,7 +46,6 @@ class Features:
     saturation: float = 0.0
     oscillating: float = 0.0
     shape: float = 0.0
-    odd: float = 0.0
     relay: float = 0.0
 
     def values(self) -> FloatArray:
@@ -112,7 +109,6 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
         saturation=saturation,
         oscillating=float(bool(swinging)),
         shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
-        odd=indices.get("horch", 0.0),
         relay=indices.get("relay", 0.0),
     )
     return Measured(features, of_op, of_pv, float(period), levels, indices)

@@ -18,7 +18,6 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "saturation": ("limit predicts", "log(1 + gain over a linear process)"),
         "oscillating": ("oscillation", "1: OP or PV swings regularly"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
-        "odd": ("OP-PV correlation", "1 odd as in stiction, 0 even (Horch)"),
         "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
     }
 )

@@ -26,6 +26,7 @@ BLOCKS = 32
 FEWEST = 20  # rows of a fold beside what its start needs
 SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that predict alike, neither is sure
 SEARCHED = 5.5  # of log density, for parameters held at the best of a few hundred places: the logarithm of their number
+NEEDED_JUMP = 5.0  # by which stiction must beat backlash: its jump was sought as well
 NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
 
 
@@ -73,7 +74,7 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     gains = {kind: float((values - densities["none"]).sum()) for kind, values in densities.items()}
     order = sorted(gains, key=lambda kind: gains[kind], reverse=True)
     best = order[0] if gains[order[0]] > NEEDED else "none"
-    if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < NEEDED:
+    if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < NEEDED_JUMP:
         best = "backlash"  # stiction without a jump: the simpler one of two that do as well
         order.remove("stiction")
     runner_up = next((kind for kind in order if kind != best), best)

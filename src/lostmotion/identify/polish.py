@@ -13,6 +13,8 @@ import numpy as np
 from scipy import stats
 
 from lostmotion.identify.batch import LocalFit, refine
+from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
+from lostmotion.identify.operator_profile import MOST_SEGMENTS
 from lostmotion.identify.search import Fitted
 from lostmotion.models._arguments import FloatArray
 
@@ -24,6 +26,8 @@ LEVEL = 0.95
 GROWTH = 1.5
 MISSES = 3  # rejections in a row that end the walk
 BISECTIONS = 5
+COARSE_RESTS = (1.0, 0.5, 0.25, 0.12)  # steps of the rest, in halves of the band
+FINE_RESTS = (0.25, 0.12, 0.06, 0.03, 0.015, 0.008, 0.004, 0.002, 0.001)
 FIRST_REACH = 0.003  # of the range of OP: the first move away from the optimum
 
 
@@ -32,6 +36,7 @@ def polished(fitted: Fitted) -> Fitted:
     names = _own(fitted)
     if not names:
         return fitted
+    fitted = _rested(fitted)
     best = fitted.fit
     step = FIRST_STEP * max(float(np.abs(_eta(fitted, best)[: len(names)]).max()), 1e-3)
     directions = [np.eye(len(names))[i] * sign for i in range(len(names)) for sign in (1.0, -1.0)]
@@ -45,7 +50,29 @@ def polished(fitted: Fitted) -> Fitted:
                 break
             best = winner
         step *= 0.5
-    return replace(fitted, fit=replace(best, converged=True))
+    return _rested(replace(fitted, fit=replace(best, converged=True)), FINE_RESTS)
+
+
+def _rested(fitted: Fitted, reaches: tuple[float, ...] = COARSE_RESTS) -> Fitted:
+    """The rest of the valve at the beginning of each segment, by the likelihood; the actuator itself is held."""
+    family = fitted.problem.family
+    if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
+        return fitted
+    held = _without(fitted, list(range(len(_own(fitted)))))
+    rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]
+    for index in range(len(rests)):
+        for reach in reaches:
+            for moved in (rests[index] + reach, rests[index] - reach):
+                if abs(moved) > 1.0:
+                    continue
+                other = replace(family, rests=(*rests[:index], moved, *rests[index + 1 :]))
+                problem = replace(fitted.problem, family=other)
+                trial = refine(problem, fitted.fit.theta, held, most_steps=STEPS, tied=True)
+                if trial.cost < fitted.fit.cost:
+                    fitted = replace(fitted, problem=problem, fit=replace(trial, converged=fitted.fit.converged))
+                    rests[index] = moved
+                    break
+    return fitted
 
 
 def profile_intervals(fitted: Fitted) -> dict[str, tuple[float, float]]:

@@ -75,7 +75,8 @@ def _heading(diagnosis: Diagnosis) -> str:
     if np.isfinite(diagnosis.size_percent):
         ends = np.array(diagnosis.interval) * diagnosis.size_percent / diagnosis.size
         between = f" ({ends[0]:.3g} .. {ends[1]:.3g})" if np.isfinite(ends).all() else " (apparent)"
-        said += f", {diagnosis.size_percent:.3g} % {of_what(diagnosis.record)}{between}, {diagnosis.severity}"
+        said += f", {diagnosis.size_percent:.3g} % {of_what(diagnosis.record)}{between}"
+        said += "" if diagnosis.severity == "unknown" else f", {diagnosis.severity}"
     if diagnosis.verdict == "cannot tell":
         first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)
         said += f"; likeliest: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"

@@ -9,7 +9,8 @@ import numpy as np
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.misfit import autocorrelation
-from lostmotion.models import DeadZone
+from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
+from lostmotion.models._arguments import FloatArray
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
 
 if TYPE_CHECKING:
@@ -42,30 +43,68 @@ def fit_figure(fit: HammersteinFit, title: str | None = None) -> Figure:
 
 
 def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
+    unseen = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
     u = fit.data.u
     low, high = float(u.min()), float(u.max())
     margin = 0.04 * (high - low)
     grid = np.linspace(low - margin, high + margin, 600)
-    zone = fit.nonlinearity
-    unseen = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
-    if isinstance(zone, DeadZone) and not unseen:
-        for name, colour in (("left", BAND), ("right", BAND)):
-            ends = np.clip(fit.interval(name), low - margin, high + margin)
-            axes.axvspan(*ends, color=colour, alpha=0.6, lw=0)
-            axes.axvline(fit.parameters[name], color=MODEL, lw=0.8, ls=":")
-            axes.annotate(
-                f"{name} {fit.parameters[name]:.4g}", (fit.parameters[name], 1.0),
-                xycoords=("data", "axes fraction"),
-                fontsize=8, ha="right" if name == "left" else "left", va="top", color=MODEL,
-            )  # fmt: skip
-    axes.plot(grid, np.asarray(zone(grid)), color=MODEL, lw=1.8)
+    valve = fit.nonlinearity
+    title = f"Characteristic: no {valve.kind} seen" if valve.kind != "none" else "Characteristic: no fault"
+    if isinstance(valve, DeadZone | Saturation):
+        names = ("left", "right") if isinstance(valve, DeadZone) else ("low", "high")
+        if not unseen:
+            title = f"{valve.kind.capitalize()}, 95 % intervals"
+            _mark(axes, fit, names, (low - margin, high + margin))
+        axes.plot(grid, np.asarray(valve(grid)), color=MODEL, lw=1.8)
+    elif isinstance(valve, Backlash | Stiction) and not unseen:
+        title = _path(axes, fit, valve, grid)
+    else:
+        axes.plot(grid, grid, color=MODEL, lw=1.8)
+    _visited(axes, u)
+    calm(axes, title, "OP (grey: where it was)", "x")
+
+
+def _mark(axes: Axes, fit: HammersteinFit, names: tuple[str, str], ends: tuple[float, float]) -> None:
+    """Kinks of a static characteristic with their intervals; those beyond the record are left out."""
+    for index, name in enumerate(names):
+        value = fit.parameters[name]
+        if not ends[0] <= value <= ends[1]:
+            continue
+        low, high = fit.interval(name)
+        axes.axvspan(max(low, ends[0]), min(high, ends[1]), color=BAND, alpha=0.6, lw=0)
+        axes.axvline(value, color=MODEL, lw=0.8, ls=":")
+        axes.annotate(
+            f"{name} {value:.4g}", (value, 1.0), xycoords=("data", "axes fraction"),
+            fontsize=8, ha="left" if index else "right", va="top", color=MODEL,
+        )  # fmt: skip
+
+
+def _path(axes: Axes, fit: HammersteinFit, valve: Backlash | Stiction, grid: FloatArray) -> str:
+    """Path of a valve with memory over the record, between the lines on which it moves; return the title."""
+    size = valve.width if isinstance(valve, Backlash) else valve.band
+    glide = 0.5 * (size - (valve.jump if isinstance(valve, Stiction) else 0.0))
+    for start, stop in fit.data.segments:
+        u = fit.data.u[start:stop]
+        axes.plot(u, np.asarray(valve(u)), color=MEASURED, lw=0.4, alpha=0.7)
+    for sign, label in ((-1.0, "moves, OP rising"), (1.0, "moves, OP falling")):
+        axes.plot(grid, grid + sign * glide, color=MODEL, lw=1.3, ls="-" if sign < 0 else "--", label=label)
+    if isinstance(valve, Stiction):
+        edge = 0.5 * (valve.band + valve.jump)
+        axes.fill_between(grid, grid - edge, grid + edge, color=BAND, alpha=0.3, lw=0, label="stuck within")
+    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", loc="lower right")
+    name = "width" if isinstance(valve, Backlash) else "band"
+    low, high = fit.interval(name)
+    text = f"{valve.kind.capitalize()}: {name} {size:.3g}, 95 % {low:.3g} .. {high:.3g}"
+    return text + (f", jump {valve.jump:.3g}" if isinstance(valve, Stiction) else "")
+
+
+def _visited(axes: Axes, u: FloatArray) -> None:
+    """Histogram of OP along the lower edge."""
     counts, edges = np.histogram(u, bins=80)
     base, top = (float(end) for end in axes.get_ylim())
     height = 0.18 * (top - base) * counts / counts.max()
     axes.bar(edges[:-1], height, np.diff(edges), bottom=base, align="edge", color="0.85", lw=0)
     axes.set_ylim(bottom=base)
-    title = "Characteristic, 95 % intervals of the break points" if not unseen else "Characteristic: no dead zone seen"
-    calm(axes, title, "OP (grey: where it was)", "x")
 
 
 def _step(axes: Axes, fit: HammersteinFit) -> None:

@@ -61,20 +61,30 @@ def finding(fit: HammersteinFit) -> str:
     if fit.status is Status.CANNOT_TELL:
         return f"No number is given for the {kind}."
     if fit.status is Status.NOT_SEEN:
-        if fit.widest is None or not np.isfinite(fit.widest):
-            return f"The record does not bound the {SIZE[kind]}."
-        kink = ""
-        if fit.evidence.gain_over_linear > 0 and kind == "dead zone":
-            kink = " The gain differs between low and high OP, but without a dead zone between them."
-        bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
-        what = {"dead zone": "A dead zone wider than", "backlash": "Backlash wider than"}.get(kind, "Stiction above")
-        return f"{what} {bound} would have been seen (95 %).{kink}"
-    if fit.status is Status.ONE_SIDED:
+        return _unseen(fit, span_op)
+    if fit.status is Status.ONE_SIDED and kind == "dead zone":
         side = "right" if "left" in fit.unvisited else "left"
         shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
         return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
     gain = f"{fit.evidence.gain_over_linear:.0f}"
     return f"{_size(fit, span_op)}; preferred to the linear model by {gain} (BIC; 10 is strong)." + _choice(fit)
+
+
+def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
+    """What would have been seen."""
+    kind = fit.nonlinearity.kind
+    if kind == "saturation":
+        return "OP moved freely between the limits that the search found; no saturation is seen."
+    if fit.widest is None or not np.isfinite(fit.widest):
+        return f"The record does not bound the {SIZE[kind]}."
+    bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
+    what = {"dead zone": "A dead zone wider than", "backlash": "Backlash wider than"}.get(
+        kind, "Stiction of band above"
+    )
+    kink = ""
+    if fit.evidence.gain_over_linear > 0 and kind == "dead zone":
+        kink = " The gain differs between low and high OP, but without a dead zone between them."
+    return f"{what} {bound} would have been seen (95 %).{kink}"
 
 
 def _size(fit: HammersteinFit, span_op: float | None) -> str:
