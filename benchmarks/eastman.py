@@ -57,11 +57,10 @@ class Found:
 
     @property
     def gap(self) -> float:
-        """Largest distance between command and position of the actuator found, on the commands of the record."""
-        if self.kind not in ("stiction", "backlash"):
+        """Distance between command and position at which the valve found breaks away; NaN for other kinds."""
+        if not self.sticks:
             return np.nan
-        op = self.loop.record.op
-        return float(np.abs(op - np.asarray(self.diagnosis.fit.nonlinearity(op))).max())
+        return 0.5 * (self.size + self.diagnosis.fit.parameters.get("jump", 0.0))
 
     @property
     def sticks(self) -> bool:
@@ -166,12 +165,10 @@ def main() -> None:
     print(scores)
     if not quick:
         tables = {"every": first, "seeds": more, "sampling": sampling, "truth": truth}
-        OUTPUT.write_text(
-            page.PAGE.format(
-                minutes=(time.perf_counter() - begin) / 60.0, machine=platform.machine(), hours=HOURS, scores=scores,
-                rows=stuck[0].loop.record.op.size, **{name: "\n".join(lines) for name, lines in tables.items()},
-            ), encoding="utf-8",
-        )  # fmt: skip
+        facts = {"machine": platform.machine(), "hours": HOURS, "rows": stuck[0].loop.record.op.size}
+        facts |= {"minutes": (time.perf_counter() - begin) / 60.0, "scores": scores, "conclusion": page.CONCLUSION}
+        text = page.PAGE.format(**facts, **{name: "\n".join(lines) for name, lines in tables.items()})
+        OUTPUT.write_text(text, encoding="utf-8")
 
 
 def summary(every: list[Found], stuck: list[Found]) -> str:
