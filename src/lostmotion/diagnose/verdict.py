@@ -16,6 +16,7 @@ SURE = 0.55  # least probability of a verdict: false alarms on sound loops then 
 CLEAR = 3.0  # of log density, by which stiction must beat backlash where both are possible
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
+OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
 FAULTS = ("dead zone", "backlash", "stiction", "saturation")
 
 
@@ -70,13 +71,12 @@ def decide(
 def _no_fault(
     fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool
 ) -> tuple[str, str]:
-    if not measured.swings:
+    own = stability is not None and stability.unexplained < OUTSIDE  # else OP is moved from outside, not by this loop
+    if not measured.swings or stability is None or not own:
         silent = fit.status is Status.CANNOT_TELL
         return ("cannot tell", "unknown") if silent else ("none", "none")
     if quantised:
         return "other oscillation", "sensor"
-    if stability is None:
-        return "other oscillation", "unknown"
     return "other oscillation", "tuning" if stability.explains(measured.period) else "disturbance"
 
 

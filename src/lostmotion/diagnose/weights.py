@@ -11,5 +11,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.02
-WEIGHTS = (1.47, 1.06, 0.91, -5.73, 11.68, 8.1)
+CONSTANT = -1.18
+WEIGHTS = (1.22, 1.07, 0.80, -5.02, 7.27, 10.04)

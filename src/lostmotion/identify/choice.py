@@ -25,8 +25,10 @@ STEPS = 6  # of each refit: it starts at the fit to everything
 BLOCKS = 32
 FEWEST = 20  # rows of a fold beside what its start needs
 SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that predict alike, neither is sure
-SEARCHED = 5.5  # of log density, for parameters held at the best of a few hundred places: the logarithm of their number
+# of log density, for parameters that are held at the best place found: about the logarithm of the number of places
+SEARCHED = {"backlash": 2.5, "stiction": 7.5}
 NEEDED_JUMP = 5.0  # by which stiction must beat backlash: its jump was sought as well
+NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
 NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
 
 
@@ -74,11 +76,18 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     gains = {kind: float((values - densities["none"]).sum()) for kind, values in densities.items()}
     order = sorted(gains, key=lambda kind: gains[kind], reverse=True)
     best = order[0] if gains[order[0]] > NEEDED else "none"
-    if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < NEEDED_JUMP:
+    needed = NEEDED_NO_JUMP if best == "stiction" and _without_jump(candidates[best]) else NEEDED_JUMP
+    if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < needed:
         best = "backlash"  # stiction without a jump: the simpler one of two that do as well
         order.remove("stiction")
     runner_up = next((kind for kind in order if kind != best), best)
     return KindChoice(best, gains, _confidence(densities[best] - densities[runner_up], rows), runner_up)
+
+
+def _without_jump(fitted: Fitted) -> bool:
+    """Whether stiction was fitted that is backlash to all purposes."""
+    band, jump = fitted.fit.theta[fitted.problem.eta_at :][:2]
+    return bool(jump < SMALLEST_JUMP * band)
 
 
 def _confidence(differences: FloatArray, rows: int) -> float:
@@ -102,7 +111,8 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
         errors = _predicted(fitted, structure, pieces[mine], theta)
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
     densities = np.concatenate(found)
-    paid = SEARCHED + len(fitted.problem.family.names) if fitted.problem.family.kinks else 0.0
+    family = fitted.problem.family
+    paid = SEARCHED.get(family.kind, 0.0) + (len(family.names) if family.kinks else 0)
     return np.asarray(densities - paid / densities.size)
 
 

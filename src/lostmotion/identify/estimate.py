@@ -178,8 +178,8 @@ def _fits_of_all(
     """Fits of the likely kinds; each but the dead zone, which has most local maxima, begins at the best before it."""
     found: dict[str, Fitted] = {}
     for kind, sought in likely_kinds(scaled, orders).items():
-        nearest = max(found.values(), key=lambda other: gain_over_linear(other, linear), default=None)
-        found[kind] = fit(kind, sought, None if kind == "dead zone" else nearest)
+        nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
+        found[kind] = fit(kind, sought, None if kind == "dead zone" or not found else nearest)
     return found
 
 

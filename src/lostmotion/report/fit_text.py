@@ -25,6 +25,7 @@ MEANING = {
     "slope_ratio": "left_slope / right_slope",
     "gain": "static gain of the linear part",
     "offset": "PV at rest inside the dead zone",
+    "load": "constant load, in units of OP",
 }
 
 
@@ -49,7 +50,27 @@ def head(fit: HammersteinFit) -> str:
 
 
 def _finding(fit: HammersteinFit) -> str:
-    return fill(f"{fit.status.name}: {fit.status.value}") + "\n" + fill(finding(fit))
+    return fill(f"{fit.status.name}: {_sentence(fit)}") + "\n" + fill(finding(fit))
+
+
+def _sentence(fit: HammersteinFit) -> str:
+    """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
+    kind, compared = fit.nonlinearity.kind, fit.kinds is not None
+    if fit.status is Status.MISFIT and (kind != "dead zone" or compared):
+        rest = "no other kind did better" if compared else 'compare the other kinds (nonlinearity="auto")'
+        what = "the process is not quite linear" if kind == "none" else "the real actuator is not quite of this shape"
+        return f"Converged, but the residuals still depend on OP: {what}. Read the numbers as the nearest; {rest}."
+    if fit.status is Status.NOT_SEEN and kind != "dead zone":
+        return (
+            f"No {kind} can be seen: a linear model explains the record as well. "
+            "If you suspect one, record moves of OP that cross it many times, there and back."
+        )
+    if fit.status is Status.COLOURED and fit.settings["noise"] == "auto":
+        return (
+            "Converged, but the residuals are not white, so the intervals are too narrow: no noise order that was "
+            "tried makes them so. Look for made-up samples, disturbances that come and go, or a second fault."
+        )
+    return fit.status.value
 
 
 def finding(fit: HammersteinFit) -> str:
@@ -101,6 +122,8 @@ def _size(fit: HammersteinFit, span_op: float | None) -> str:
     )
     if kind == "stiction":
         text += f", slip jump {digits(fit.parameters['jump'], fit.standard_errors['jump'])[0]}"
+        if fit.interval("jump")[0] <= 0.0:
+            text += " (not told from none: backlash would do as well)"
     return text
 
 
@@ -109,6 +132,12 @@ def _choice(fit: HammersteinFit) -> str:
     kinds = fit.kinds
     if kinds is None or kinds.best == kinds.runner_up:
         return ""
+    ahead = kinds.gains.get("stiction", -np.inf) - kinds.gains[kinds.best]
+    if kinds.best == "backlash" and ahead > 0:
+        return (
+            f" Stiction would predict better what it was not fitted to, by {ahead:.1f} in log-likelihood, but that "
+            "does not pay for its jump; backlash is the simpler of the two."
+        )
     return (
         f" Of the kinds, {kinds.best} predicts best what it was not fitted to; next is {kinds.runner_up}, "
         f"{kinds.gains[kinds.best] - kinds.gains[kinds.runner_up]:.1f} behind in log-likelihood "
@@ -130,7 +159,9 @@ def _table(fit: HammersteinFit) -> str:
         if (hidden and name in ("width", "band")) or name in fit.unvisited:
             value, deviation = "not seen", ""
         between = "" if deviation == "given" else span(low, high, error)
-        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")
+        elsewhere = name == "offset" and fit.nonlinearity.kind != "dead zone"
+        said = "PV at rest where x = 0 (extrapolated)" if elsewhere else meaning
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
     return "\n".join(lines)
 
 

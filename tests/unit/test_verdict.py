@@ -1,0 +1,113 @@
+"""From features to a verdict: what each rule does, one at a time."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.diagnose.controller import LoopStability
+from lostmotion.diagnose.features import SILENT, Features, Measured
+from lostmotion.diagnose.verdict import LIMITED, SURE, decide, fault_probability
+from lostmotion.diagnose.weights import NAMES, WEIGHTS
+from lostmotion.identify.choice import KindChoice
+from tests.diagnoses import example
+
+SWING = Features(oscillating=1.0)
+OWN = LoopStability(0.4, 0.1, 0.001, 0.02, 50.0)
+
+
+def measured(features, integrating=False):
+    return Measured(features, SILENT, SILENT, 50.0 if features.oscillating else np.nan, integrating, {})
+
+
+def fit_of(actuator, gains, status=lm.Status.OK):
+    fit = example().fit
+    kinds = KindChoice(max(gains, key=gains.get), gains, 0.9, "none")
+    return replace(fit, model=replace(fit.model, nonlinearity=actuator), kinds=kinds, status=status)
+
+
+LINEAR = fit_of(lm.Identity(), {"none": 0.0})
+
+
+def verdict(features, fit=LINEAR, *, stability=OWN, quantised=False, limited=0.0, integrating=False):
+    return decide(fit, measured(features, integrating), stability, quantised, limited)
+
+
+def test_weights_belong_to_the_features():
+    assert len(WEIGHTS) == len(NAMES) == len(fields(Features))
+
+
+@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape", "relay"])
+def test_more_evidence_never_speaks_for_a_sound_actuator(name):
+    weak, strong = (fault_probability(Features(**{name: value})) for value in (0.0, 2.0))
+    assert 0.0 < weak <= strong < 1.0
+
+
+def test_nothing_at_all_is_no_fault():
+    found = verdict(Features())
+    assert (found.verdict, found.kind) == ("none", "none")
+    assert found.confidence == found.probabilities["none"] > SURE
+
+
+def test_nothing_where_op_does_not_move_pv_cannot_be_told():
+    silent = replace(LINEAR, status=lm.Status.CANNOT_TELL)
+    assert verdict(Features(), silent).verdict == "cannot tell"
+
+
+@pytest.mark.parametrize(
+    ("stability", "quantised", "kind"),
+    [(OWN, False, "tuning"), (replace(OWN, damping=0.5), False, "disturbance"), (OWN, True, "sensor")],
+)
+def test_an_oscillation_without_a_fault(stability, quantised, kind):
+    found = verdict(SWING, stability=stability, quantised=quantised)
+    assert (found.verdict, found.kind) == ("other oscillation", kind)
+
+
+@pytest.mark.parametrize("stability", [None, replace(OWN, unexplained=0.9)])
+def test_a_command_moved_from_outside_does_not_swing_by_itself(stability):
+    assert verdict(SWING, stability=stability).verdict == "none"
+
+
+STRONG = 9.0
+BAND, ZONE = lm.Backlash(1.0), lm.DeadZone(-1, 1)
+
+
+@pytest.mark.parametrize(
+    ("features", "actuator", "gains", "integrating", "said"),
+    [
+        (Features(dead_zone=STRONG), ZONE, {"dead zone": 50.0}, False, "dead zone"),
+        (Features(saturation=STRONG), lm.Saturation(-1, 1), {"saturation": 50.0}, False, "saturation"),
+        (Features(memory=STRONG), BAND, {"backlash": 50.0, "stiction": 49.0}, False, "backlash"),
+        (Features(memory=STRONG), lm.Stiction(1, 0.5), {"backlash": 50.0, "stiction": 60.0}, False, "stiction"),
+        # a dead band alone does not make a self-regulating loop swing for ever, behind a level it does
+        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, False, "stiction"),
+        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, True, "backlash"),
+        # a dead zone makes sines, no triangles
+        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.0), ZONE, {"dead zone": 50.0}, False, "dead zone"),
+        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.4), ZONE, {"dead zone": 50.0}, False, "stiction"),
+    ],
+)  # fmt: skip
+def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
+    found = verdict(features, fit_of(actuator, {"none": 0.0, **gains}), integrating=integrating)
+    assert (found.verdict, found.kind) == (said, "actuator")
+    assert found.confidence == found.probabilities["actuator"]
+
+
+def test_between_fault_and_none_nothing_is_said():
+    memory = float(-np.log(1.0 / 0.5 - 1.0))
+    level = next(value for value in np.linspace(0, 9, 9001) if fault_probability(Features(memory=value)) > 0.5)
+    assert verdict(Features(memory=float(level) + memory)).verdict == "cannot tell"
+
+
+def test_a_controller_at_its_limit_is_a_saturation():
+    assert verdict(SWING, limited=2 * LIMITED).verdict == "saturation"
+    assert verdict(SWING, limited=0.5 * LIMITED).verdict == "other oscillation"
+
+
+def test_contributions_are_weight_times_value():
+    found = verdict(Features(memory=2.0))
+    assert found.contributions["memory"] == (2.0, 2.0 * WEIGHTS[NAMES.index("memory")])
+    odds = np.log(found.probabilities["actuator"] / found.probabilities["none"])
+    total = sum(part for _, part in found.contributions.values())
+    assert odds - total == pytest.approx(np.log(fault_probability(Features()) / (1 - fault_probability(Features()))))
