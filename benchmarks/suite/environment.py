@@ -1,4 +1,4 @@
-"""The rivals live in an environment of their own, ``.venv-rivals``; data go to and fro as .npz files."""
+"""Rivals and plants live in environments of their own (``.venv-rivals``, ..); data go to and fro as .npz files."""
 
 from __future__ import annotations
 
@@ -31,17 +31,22 @@ def settings() -> dict[str, str]:
 
 
 def python() -> Path:
-    """Interpreter of the rivals; installs them where they are not there yet or the pins have changed."""
-    interpreter, stamp = PLACE / "bin" / "python", PLACE / ".installed"
-    pins = CONSTRAINTS.read_text(encoding="utf-8")
+    """Interpreter of the rivals."""
+    return interpreter(PLACE, CONSTRAINTS, PACKAGES, "the rivals")
+
+
+def interpreter(place: Path, constraints: Path, packages: tuple[str, ...], what: str) -> Path:
+    """Interpreter of the environment `place`; installs it where it is not there yet or its pins have changed."""
+    found, stamp = place / "bin" / "python", place / ".installed"
+    pins = constraints.read_text(encoding="utf-8")
     if stamp.exists() and stamp.read_text(encoding="utf-8") == pins:
-        return interpreter
-    print(f"installing the rivals into {PLACE.name} (once, about a minute)", flush=True)
-    subprocess.run([sys.executable, "-m", "venv", "--clear", str(PLACE)], check=True)
-    install = [str(interpreter), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*install, "-c", str(CONSTRAINTS), *PACKAGES], check=True, env=settings())
+        return found
+    print(f"installing {what} into {place.name} (once, about a minute)", flush=True)
+    subprocess.run([sys.executable, "-m", "venv", "--clear", str(place)], check=True)
+    install = [str(found), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*install, "-c", str(constraints), *packages], check=True, env=settings())
     stamp.write_text(pins, encoding="utf-8")
-    return interpreter
+    return found
 
 
 def work(name: str, records: list[tuple[Array, Array]]) -> dict[str, Array]:
