@@ -2,7 +2,7 @@
 
 Run as a script with NUMBA_DISABLE_JIT=1: ``operations.py NAME IN.npz OUT.npz``; IN holds the saved state of an
 estimator and the next samples. Additions, multiplications, divisions, roots and exponentials count 1 each;
-comparisons, moves and index arithmetic nothing.
+comparisons, moves and index arithmetic nothing. Places that only pad a vector register count too.
 """
 
 from __future__ import annotations
@@ -83,6 +83,10 @@ class CountingNumpy:
     empty = zeros
 
     @staticmethod
+    def full(shape: Any, value: Any) -> np.ndarray:
+        return counted(np.full(shape, float(value)))
+
+    @staticmethod
     def sqrt(value: float) -> Counted:
         return Counted.once(np.sqrt(float(value)))
 
@@ -97,12 +101,9 @@ def count(name: str, saved: bytes, u: np.ndarray, y: np.ndarray) -> float:
     for module in vars(kernels).values():
         if hasattr(module, "np"):
             module.np = CountingNumpy()
-    if name == "RecursiveIV":
-        exact = ("orders",)
-        estimator._state = {key: v if key in exact else counted(v) for key, v in estimator._state.items()}
-        estimator._arguments = tuple(estimator._state.values())
-    else:
-        estimator._state, estimator._psi = counted(estimator._state), counted(estimator._psi)
+    estimator._state = counted(estimator._state)
+    if name == "RecursiveML":
+        estimator._psi = counted(estimator._psi)
     Counted.total = 0
     for pair in zip(u.tolist(), y.tolist(), strict=True):
         estimator.update(*map(Counted, pair))
