@@ -18,7 +18,7 @@ from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.evaluate.workers import run_all
 from verdicts import page
 from verdicts.calibrate import SOUND, as_code, calibrated
-from verdicts.cases import Row, simulated
+from verdicts.cases import Row, rough, simulated
 from verdicts.sets import isdb, sacac
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -42,20 +42,25 @@ def main() -> None:
         print(as_code(*calibrated(rows)))
         return
     rows = run_all(simulated, range(EVALUATION, EVALUATION + given.cases), "simulated loops", given.workers)
+    wild = run_all(rough, range(EVALUATION, EVALUATION + given.cases // 2), "rough loops", given.workers)
     real = isdb(given.data)
     loops = sacac(given.data)
-    OUTPUT.write_text(written(rows, real, loops), encoding="utf-8")
+    OUTPUT.write_text(written(rows, wild, real, loops), encoding="utf-8")
     print(page.score_table(rows), f"{sum(right for _, right in real)} of {len(real)}", sep="\n\n")
     print(f"SACAC: {sum(right for *_, right in loops)} of {len(loops)} loops")
 
 
-def written(rows: list[Row], real: list[tuple[Row, bool]], loops: list[tuple[str, str, list[Row], bool]]) -> str:
+def written(
+    rows: list[Row], wild: list[Row], real: list[tuple[Row, bool]], loops: list[tuple[str, str, list[Row], bool]]
+) -> str:
     """The whole page."""
     template = (Path(__file__).parent / "verdicts" / "page.md").read_text(encoding="utf-8")
     parts = {
         "SCORES": page.score_table(rows),
         "CONFUSION": page.confusion(rows),
         "CASES": f"{len(rows)}",
+        "ROUGH": page.score_table(wild),
+        "ROUGH_CASES": f"{len(wild)}",
         "ISDB_SCORE": f"{sum(right for _, right in real)} of {len(real)}",
         "ISDB": page.real_table(real),
         "SACAC_SCORE": f"{sum(right for *_, right in loops)} of {len(loops)}",

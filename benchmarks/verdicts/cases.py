@@ -49,9 +49,14 @@ class Row:
     reason: str = ""
 
 
-def simulated(seed: int) -> Row:
+def rough(seed: int) -> Row:
+    """The same with steps of load and noise with long tails."""
+    return simulated(seed, rough=True)
+
+
+def simulated(seed: int, *, rough: bool = False) -> Row:
     """A random loop of known fault."""
-    loop = random_faulty_loop(seed, SAMPLES)
+    loop = random_faulty_loop(seed, SAMPLES, rough=rough)
     record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
     return _row(str(seed), loop.cause, loop.process, record, {}, loop.visible, loop.width, loop.noise_in_op)
 

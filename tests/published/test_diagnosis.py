@@ -12,7 +12,7 @@ pytestmark = pytest.mark.statistics
 STICKING = ("stiction", "backlash")
 TYPES = ("flow", "pressure", "temperature", "level")
 SCAN = {"CHEM10": 30.0, "CHEM11": 30.0, "CHEM12": 30.0}  # their time column says so
-FEWEST_RIGHT = 20
+FEWEST_RIGHT = 18
 
 
 @cache

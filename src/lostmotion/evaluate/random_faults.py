@@ -1,7 +1,7 @@
 """Random closed loops of which the fault is known: on them the diagnosis is calibrated, and can be checked by anyone.
 
 OP and PV are in percent of span. A loop is a process (fast and slow self-regulating, second order, level), a PI
-controller tuned for it, an actuator, drift, steps of load and noise; a badly tuned loop has a controller near its
+controller tuned for it, an actuator, drift and noise; a badly tuned loop has a controller near its
 limit of stability, a disturbed one swings because something upstream does.
 """
 
@@ -80,7 +80,7 @@ class FaultyLoop:
 
 
 def random_faulty_loop(
-    seed: int, samples: int = 2000, cause: str | None = None, process: str | None = None
+    seed: int, samples: int = 2000, cause: str | None = None, process: str | None = None, *, rough: bool = False
 ) -> FaultyLoop:
     """Draw a loop.
 
@@ -90,6 +90,8 @@ def random_faulty_loop(
     samples : int
     cause, process : str, optional
         Of CAUSES and PROCESSES; None: drawn.
+    rough : bool
+        Also steps of load in half of the loops, and noise with long tails in a third.
 
     Examples
     --------
