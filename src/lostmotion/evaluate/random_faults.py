@@ -107,12 +107,12 @@ def random_faulty_loop(
     actuator = _actuator(rng, cause, width)
     n = round(samples / (1.0 - SETTLED))
     deviation = width * np.exp(rng.uniform(np.log(0.01), np.log(0.5))) / max(abs(controller.kp), 0.3)
-    noise = deviation * _grains(rng, n)
-    load = (
-        _drift(rng, n, pace, width)
-        + _steps(rng, n, pace, width)
-        + (_upstream(rng, n, pace, width) if cause == "disturbance" else 0.0)
-    )
+    noise = deviation * (_grains(rng, n) if rough else rng.normal(size=n))
+    load = _drift(rng, n, pace, width)
+    if rough:
+        load = load + _steps(rng, n, pace, width)
+    if cause == "disturbance":
+        load = load + _upstream(rng, n, pace, width)
     response = _run(linear, controller, actuator, _set_point(rng, n, width), load, noise)
     kept = slice(n - samples, n)
     step = SCAN * float(rng.choice([0.0, 0.1, 1.0]))
