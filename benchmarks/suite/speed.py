@@ -19,6 +19,7 @@ REPEATS = 5
 SINGLE = 50_000
 COUNTED = 640
 LOOPS, LOOP_SAMPLES = 1000, 10_000
+FEWER_LOOPS = 100  # where each begins with a batch fit
 
 
 @dataclass(frozen=True)
@@ -78,16 +79,16 @@ def one_update(estimator: Any, u: Array, y: Array) -> float:
     return 1e-9 * float(np.median(taken) - np.median(nothing))
 
 
-def many(make: Callable[[], Any], run_many: Callable[..., Any]) -> dict[int, float]:
-    """Seconds of 1,000 loops of 10,000 samples on one and on two workers."""
-    records = [record(LOOP_SAMPLES, seed) for seed in range(LOOPS)]
+def many(make: Callable[[], Any], run_many: Callable[..., Any], loops: int) -> dict[int, float]:
+    """Seconds of `loops` loops of 10,000 samples on one and on two workers."""
+    records = [record(LOOP_SAMPLES, seed) for seed in range(loops)]
     u, y = (np.array(column) for column in zip(*records, strict=True))
     run_many([make(), make()], u[:2], y[:2], LOOP_SAMPLES, 2)
     seconds = {}
     for workers in (1, 2):
         taken = []
         for _ in range(2):
-            estimators = [make() for _ in range(LOOPS)]
+            estimators = [make() for _ in range(loops)]
             begin = time.perf_counter()
             run_many(estimators, u, y, LOOP_SAMPLES, workers)
             taken.append(time.perf_counter() - begin)
