@@ -140,7 +140,7 @@ def operator_profile(
     The family comes back with the rests of the best point of the grid.
     """
     low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
-    first, finer = GRIDS[family.kind](u, high - low)
+    first, finer = GRIDS[family.kind](u, high - low if high > low else float(np.ptp(u)))  # OP may rest nearly always
     x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
