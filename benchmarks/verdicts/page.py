@@ -8,6 +8,7 @@ import numpy as np
 
 from lostmotion.diagnose.result import ACTUATOR, VERDICTS
 from lostmotion.evaluate.random_faults import CAUSES
+from verdicts.calibrate import SOUND
 from verdicts.cases import Row
 
 LOST = ("dead zone", "backlash", "stiction")
@@ -29,7 +30,7 @@ def scores(rows: list[Row]) -> dict[str, tuple[int, int]]:
     seen = [row for row in lost if row.visible]
     named = [row for row in wide if row.verdict == row.truth]
     sized = [row for row in named if abs(row.found / row.width - 1.0) < 0.15]
-    sound = [row for row in rows if row.truth in ("none", "tuning", "disturbance")]
+    sound = [row for row in rows if row.truth in SOUND]
     alarms = [row for row in sound if row.verdict in ACTUATOR]
     claimed = [row for row in wide if row.verdict in ACTUATOR]
     return {

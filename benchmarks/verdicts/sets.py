@@ -6,11 +6,11 @@ import csv
 from collections import Counter, defaultdict
 from pathlib import Path
 
+from lostmotion.diagnose.result import ACTUATOR
 from shared_data import entries
 from verdicts.cases import Row, real
 
 STICKING = ("stiction", "backlash")
-ACTUATOR = ("dead zone", *STICKING, "saturation")
 COUNTED_IN_ISDB = ("stiction-P-chemical", "sensor-F-oilgas")  # value-identical to CHEM10 and CHEM14
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from functools import singledispatch
 from typing import Any
 
+from lostmotion.errors import ParameterError
+
 
 @singledispatch
 def plot(result: Any, **options: Any) -> Any:
@@ -17,9 +19,10 @@ def plot(result: Any, **options: Any) -> Any:
 
 
 @singledispatch
-def compensator(model: Any, **options: Any) -> Any:
+def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones take options
     """Block that undoes an actuator fault (registered by ``lostmotion.compensate``)."""
-    raise NotImplementedError(f"no compensator for {type(model).__name__}")
+    remedy = "other faults have no block yet: mend the actuator, or build on its inverse()"
+    raise ParameterError.expected("a dead zone to compensate", type(model).__name__, remedy)
 
 
 @singledispatch

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
+import lostmotion as lm
+from lostmotion import _verbs
 from lostmotion.identify.families import LinearFamily
-from lostmotion.identify.memory_families import MODELS, BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.identify.memory_families import BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.models.stiction import CODES
 from tests.naive import backlash as slow_backlash
 from tests.naive import stiction as slow_stiction
+from tests.refusals import refusal
 
 WHOLE = np.array([[0, 300]])
 HALVES = np.array([[0, 120], [120, 300]])
@@ -21,7 +25,7 @@ def commands(seed):
 def families(segments=WHOLE, load=False):
     return [
         (BacklashFamily(9.0, segments, load=load), [1.3]),
-        *[(StictionFamily(9.0, segments, model=model, load=load), [1.3, 0.6]) for model in MODELS],
+        *[(StictionFamily(9.0, segments, model=model, load=load), [1.3, 0.6]) for model in CODES],
         (SaturationFamily((-9.0, 9.0), load=load), [-0.7, 0.9]),
     ]
 
@@ -112,3 +116,7 @@ def test_load_is_added_behind_the_actuator():
         loaded, dx = evaluated(family.with_load(True), [*eta, -0.3], u)
         np.testing.assert_allclose(loaded, x - 0.3)
         assert (dx[-1] == 1.0).all()
+
+
+def test_only_a_dead_zone_has_a_compensator():
+    assert "Backlash" in refusal(lm.ParameterError, _verbs.compensator, lm.Backlash(1.0))

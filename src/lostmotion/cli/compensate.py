@@ -77,6 +77,8 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
     data = read_fit(fit)
     if data["preferred"] != "dead zone":
         raise ParameterError.expected(
-            "a fit that shows a dead zone", f"status {data['status']}", "there is nothing to compensate"
+            "a fit that shows a dead zone",
+            f"{data['preferred']} (status {data['status']})",
+            "only a dead zone has a compensating block yet",
         )
     return DeadZone.from_dict(data["model"]["nonlinearity"])

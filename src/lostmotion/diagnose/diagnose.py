@@ -8,10 +8,11 @@ from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.controller import LoopStability, loop_stability
 from lostmotion.diagnose.features import Measured, measure
+from lostmotion.diagnose.movement import PERCENT
 from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.result import ACTUATOR, Diagnosis, Item
 from lostmotion.diagnose.verdict import Verdict, decide
-from lostmotion.diagnose.words import LABEL
+from lostmotion.diagnose.words import LABEL, looks_percent
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.evidence import SIZE
@@ -21,7 +22,6 @@ from lostmotion.records import LoopRecord, check, prepare
 from lostmotion.records.modes import rows_of
 
 INTEGRATES = {"flow": False, "pressure": False, "temperature": False, "level": True}  # unless said otherwise
-PERCENT = (0.0, 100.0)
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
 
 
@@ -35,7 +35,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     Parameters
     ----------
     record : LoopRecord
-        OP and PV, with SP where known. It is prepared first (:func:`lostmotion.prepare`).
+        OP and PV, with SP where known. It is prepared first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
         Whether the process integrates (a level). None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
@@ -134,10 +134,9 @@ def _limited(record: LoopRecord) -> float:
 def _span(record: LoopRecord) -> tuple[tuple[float, float], tuple[str, ...]]:
     if record.op_span is not None:
         return record.op_span, ()
-    op = record.op[np.isfinite(record.op)]
-    if op.min() >= PERCENT[0] and op.max() <= PERCENT[1]:
+    if looks_percent(record):
         return PERCENT, ("The OP span was taken as 0 .. 100; give op_span where it is not.",)
-    low, high = float(op.min()), float(op.max())
+    low, high = float(np.nanmin(record.op)), float(np.nanmax(record.op))
     return (low, high), (
         f"The OP span is unknown and not 0 .. 100: % are of the range seen, {low:.4g} .. {high:.4g}; give op_span.",
     )

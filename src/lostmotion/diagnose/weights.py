@@ -1,7 +1,8 @@
-"""Weights of evidence for a fault of the actuator, calibrated by ``benchmarks/diagnosis.py`` on simulated loops only.
+"""Weights of evidence for a fault of the actuator, calibrated on simulated loops only.
 
-Logistic regression with a ridge: log-odds = constant + sum of weight times feature. Horch's correlation was tried and
-left out: on simulated loops it says nothing that shape does not (a slow disturbance is as odd as stiction).
+Made by ``benchmarks/diagnosis.py --calibrate --cases 320``. Logistic regression with a ridge: log-odds = constant + sum
+of weight times feature. Horch's correlation was tried and left out: on simulated loops it says nothing that shape does
+not (a slow disturbance is as odd as stiction).
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from lostmotion.diagnose.movement import PERCENT
 from lostmotion.records import LoopRecord
 
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
@@ -70,7 +71,10 @@ def balance(probabilities: Mapping[str, float], weights: Iterable[float]) -> Bal
 
 def of_what(record: LoopRecord) -> str:
     """What the percentages of OP refer to: its span, or the range seen where that is unknown and not 0 .. 100."""
-    if record.op_span is not None:
-        return "of span"
-    inside = np.nanmin(record.op) >= 0.0 and np.nanmax(record.op) <= 100.0
-    return "of span" if inside else "of the OP range seen"
+    return "of span" if record.op_span is not None or looks_percent(record) else "of the OP range seen"
+
+
+def looks_percent(record: LoopRecord) -> bool:
+    """Whether all of OP lies in 0 .. 100, so that this is taken as its span where none is given."""
+    low, high = PERCENT
+    return bool(np.nanmin(record.op) >= low and np.nanmax(record.op) <= high)

@@ -18,8 +18,8 @@ import numpy.typing as npt
 from lostmotion.identify.families import Family
 from lostmotion.kernels import backlash, saturation, stiction
 from lostmotion.models._arguments import FloatArray
+from lostmotion.models.stiction import CODES
 
-MODELS = {"choudhury": stiction.CHOUDHURY, "kano": stiction.KANO, "he": stiction.HE}
 LARGEST_JUMP = 3.0  # bands: a slip beyond this is not a valve
 
 
@@ -95,7 +95,7 @@ class StictionFamily:
         for start, stop, rest in _begun(self.segments, self.rests):
             part, slopes = np.empty(stop - start), np.empty((2, stop - start))
             position = u[start] + 0.5 * rest * (eta[0] + eta[1])
-            stiction.sensitivities(MODELS[self.model], u[start:stop], eta[0], eta[1], position, part, slopes)
+            stiction.sensitivities(CODES[self.model], u[start:stop], eta[0], eta[1], position, part, slopes)
             x[start:stop], dx[:2, start:stop] = part, slopes
         if self.load:
             _with_constant(eta, x, dx)
