@@ -129,7 +129,10 @@ def many_rows() -> str:
         from lostmotion.identify.many import run_many  # noqa: PLC0415
     except ImportError:
         return ""
-    lines = []
+    bare = speeds.two_threads()
+    cells = ["plain sums, no shared memory", f"{bare[1]:.2f} s", "", f"{bare[2]:.2f} s", f"{bare[1] / bare[2]:.2f}"]
+    lines = ["| " + " | ".join(cells) + " |"]
+    print(lines[0], flush=True)
     for name, make in ours.ONLINE.items():
         loops = speeds.LOOPS if name == "RecursiveIV" else speeds.FEWER_LOOPS
         seconds = speeds.many(make, run_many, loops)
