@@ -87,7 +87,7 @@ def many(make: Callable[[], Any], run_many: Callable[..., Any], loops: int) -> d
     run_many([make(), make()], u[:2], y[:2], LOOP_SAMPLES, 2)
     seconds = {1: np.inf, 2: np.inf}
     for _ in range(REPEATS if loops == LOOPS else 2):
-        for workers in seconds:
+        for workers in (1, 2):
             estimators = [make() for _ in range(loops)]
             begin = time.perf_counter()
             run_many(estimators, u, y, LOOP_SAMPLES, workers)
@@ -102,7 +102,7 @@ def two_threads() -> dict[int, float]:
     multiply_add(*work[0][:2], 10)
     seconds = {1: np.inf, 2: np.inf}
     for _ in range(REPEATS):
-        for workers in seconds:
+        for workers in (1, 2):
             with ThreadPoolExecutor(workers) as pool:
                 begin = time.perf_counter()
                 list(pool.map(lambda arguments: multiply_add(*arguments), work))
