@@ -38,6 +38,8 @@ running the kernels on numbers that count. A plain compiled y += a x reaches {pe
 | estimator | `run`, per sample | RLS / this | `update` | operations per sample | Gflop/s | of the plain loop |
 |---|---|---|---|---|---|---|
 {speed}
+
+`lostmotion online` takes {command:.1f} s for a CSV of 10^6 rows, state file and start of the interpreter included.
 {many}{bar}"""
 
 MANY = """
