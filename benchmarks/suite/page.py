@@ -31,7 +31,7 @@ dead zone of half the true width.
 
 ## Speed
 
-`run` over 10^6 samples, start included, every 1,000th estimate kept, one thread, processor time, fastest of 5; "RLS /
+`run` over 10^6 samples, start included, every 1,000th estimate kept, one thread, processor time, fastest of 7; "RLS /
 this" is the ratio to padasip's RLS. `update(u, y)`: called from Python, median of 50,000. Operations are counted by
 running the kernels on numbers that count. A plain compiled y += a x reaches {peak:.1f} Gflop/s on the same core.
 

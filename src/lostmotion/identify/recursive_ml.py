@@ -19,7 +19,7 @@ from lostmotion.identify.change import NEVER, ChangeEvent, Memory, forget, react
 from lostmotion.identify.offset import without_column
 from lostmotion.identify.parameters import Scaling, information_inverse, named_values
 from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
-from lostmotion.identify.recursive_start import GOOD, Tuning, Window, allocate, fit_window, start
+from lostmotion.identify.recursive_start import GOOD, Tuning, Window, allocate, fit_window, is_clear, start
 from lostmotion.kernels import recursive_ml as kernel
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
@@ -27,6 +27,7 @@ from lostmotion.models._arguments import FloatArray, finite, positive, signal, w
 
 MOST_EVENTS = 100
 LARGEST_WINDOW = 8  # times the first window: how long a start may wait for information
+UNSEEN_WINDOW = 4  # times the first window: that there is no dead zone is believed later than a dead zone
 FORMAT = "lostmotion recursive ml 1"
 NAMES = ("left", "right", "left_slope", "right_slope")
 _RUN: Any = kernel.run
@@ -58,7 +59,7 @@ class RecursiveML:
         Output at rest inside the dead zone, as in ``identify``. It is always estimated; "auto" reports the estimate
         with offset zero while the information criterion prefers it.
     start_samples : int
-        Samples of the first window. Where it tells nothing, twice, four and eight times as many are tried.
+        Samples of the first window. Where it tells nothing or little, twice, four and eight times as many are tried.
     outliers : float or None
         Prediction errors beyond so many standard deviations have bounded influence (Huber); None: they count fully.
     false_alarms : float or None
@@ -280,11 +281,12 @@ class RecursiveML:
             settings["dt"],
         )  # fmt: skip
         longest = self._seen >= LARGEST_WINDOW * first
-        accepted = (*GOOD, Status.NOT_SEEN) if self._seen >= 2 * first else GOOD
+        accepted = (*GOOD, Status.NOT_SEEN) if self._seen >= UNSEEN_WINDOW * first else GOOD
         if longest:
             accepted = (*accepted, Status.ONE_SIDED)
         integrating = fit is not None and fit.settings["chosen"]["integrating"]
-        if fit is not None and fit.status in accepted and not integrating:
+        clear = fit is not None and (self._seen >= 2 * first or is_clear(fit))
+        if fit is not None and fit.status in accepted and clear and not integrating:
             good = np.isfinite(window.u) & np.isfinite(window.y)
             self._scales = (float(window.u[good].std()), float(window.y[good].std()))
             self._state, self._layout = start(fit, window, self._scales, self._tuning)

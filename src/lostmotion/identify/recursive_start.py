@@ -24,6 +24,7 @@ FEWEST_BLOCKS = 8
 OUTLIER = 6.0  # median deviations beyond which a residual of the start window is drawn in
 SMALLEST_VARIANCE = 1e-24  # of scaled data: rounding
 GOOD = (Status.OK, Status.MISFIT, Status.COLOURED)
+CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
 _ADVANCE: Any = kernel.advance
 
 
@@ -69,6 +70,13 @@ def _fit(
 ) -> HammersteinFit:
     records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=dt) for start, stop in segments]
     return identify(records, orders=orders, noise=noise, offset=offset, raw=True)
+
+
+def is_clear(fit: HammersteinFit) -> bool:
+    """Whether the dead zone is known so well that the fit is hardly a wrong maximum (docs/online.md, false events)."""
+    errors, values = fit.standard_errors, fit.parameters
+    wide = errors["width"] < CLEAR_WIDTH * values["width"]
+    return bool(wide and errors["slope_ratio"] < CLEAR_RATIO * values["slope_ratio"])
 
 
 def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
