@@ -8,11 +8,12 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is imported, also in workers
 
 import time  # noqa: E402
-from dataclasses import dataclass  # noqa: E402
+from dataclasses import dataclass, replace  # noqa: E402
 from typing import Any  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate import random_faulty_loop  # noqa: E402
+from verdicts.truth import told  # noqa: E402
 
 SAMPLES = 2000
 GLUED_AT = 846  # row at which the second recording of tuning-L-paper-horch begins
@@ -30,6 +31,8 @@ class Row:
         "refused" where the record was.
     width, found : float
         True and found size; NaN where there is none.
+    told : bool
+        Of a visible fault: a search that is told the answer finds it (see ``truth.told``).
     """
 
     name: str
@@ -47,6 +50,7 @@ class Row:
     severity: float
     seconds: float
     reason: str = ""
+    told: bool = False
 
 
 def rough(seed: int) -> Row:
@@ -58,7 +62,9 @@ def simulated(seed: int, *, rough: bool = False) -> Row:
     """A random loop of known fault."""
     loop = random_faulty_loop(seed, SAMPLES, rough=rough)
     record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
-    return _row(str(seed), loop.cause, loop.process, record, {}, loop.visible, loop.width, loop.noise_in_op)
+    row = _row(str(seed), loop.cause, loop.process, record, {}, loop.visible, loop.width, loop.noise_in_op)
+    asked = loop.visible and row.verdict != "refused" and loop.actuator.kind != "none"
+    return replace(row, told=asked and told(loop))
 
 
 def real(name: str, label: str, source: str, path: Any, options: dict[str, Any], known: dict[str, Any]) -> Row:

@@ -28,6 +28,7 @@ def scores(rows: list[Row]) -> dict[str, tuple[int, int]]:
     lost = [row for row in rows if row.truth in LOST]
     wide = [row for row in lost if row.width > 2.0 * row.noise_in_op]
     seen = [row for row in lost if row.visible]
+    told = [row for row in seen if row.told]
     named = [row for row in wide if row.verdict == row.truth]
     sized = [row for row in named if abs(row.found / row.width - 1.0) < 0.15]
     sound = [row for row in rows if row.truth in SOUND]
@@ -36,6 +37,7 @@ def scores(rows: list[Row]) -> dict[str, tuple[int, int]]:
     return {
         "kind right, width over twice the noise in OP": (len(named), len(wide)),
         "kind right, and OP turned by more than the width": (sum(row.verdict == row.truth for row in seen), len(seen)),
+        "kind right, and the record tells it": (sum(row.verdict == row.truth for row in told), len(told)),
         "kind right where an actuator fault was named": (
             sum(row.verdict == row.truth for row in claimed),
             len(claimed),

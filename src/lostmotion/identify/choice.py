@@ -29,6 +29,7 @@ SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that pre
 SEARCHED = {"backlash": 2.5, "stiction": 7.5}
 NEEDED_JUMP = 5.0  # by which stiction must beat backlash: its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
+NEEDED_LIMITS = 5.0  # by which a saturation must beat a dead zone: u minus one is the other, and feedback lets u go
 NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
 
 
@@ -80,6 +81,9 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < needed:
         best = "backlash"  # stiction without a jump: the simpler one of two that do as well
         order.remove("stiction")
+    if best == "saturation" and gains[best] - gains.get("dead zone", -np.inf) < NEEDED_LIMITS:
+        best = "dead zone"
+        order.remove("saturation")
     runner_up = next((kind for kind in order if kind != best), best)
     return KindChoice(best, gains, _confidence(densities[best] - densities[runner_up], rows), runner_up)
 

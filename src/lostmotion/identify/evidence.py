@@ -15,6 +15,7 @@ from lostmotion.models._arguments import FloatArray
 SIZE = {"dead zone": "width", "backlash": "width", "stiction": "band"}  # the parameter that says how bad it is
 FLOOR = 1e-26  # variance of scaled residuals that is rounding
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
+LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
 
 
 def _criterion(fitted: Fitted, floor: float) -> float:
@@ -70,6 +71,13 @@ def weigh(
     )
 
 
+def _one_sided(evidence: Evidence, ratio: float, names: list[str], covariance: FloatArray) -> bool:
+    """Whether one side of a dead zone was hardly visited, or what was seen of it may be nothing."""
+    at = names.index("slope_ratio")
+    unsure = bool(np.sqrt(covariance[at, at]) > LARGEST_RATIO_ERROR * ratio)
+    return unsure or min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND
+
+
 def decide(
     fitted: Fitted,
     evidence: Evidence,
@@ -94,7 +102,7 @@ def decide(
             return Status.CANNOT_TELL
         if not fitted.fit.converged:
             return Status.NOT_CONVERGED
-        if kind == "dead zone" and min(evidence.samples_left, evidence.samples_right) < FEWEST_BEYOND:
+        if kind == "dead zone" and _one_sided(evidence, values["slope_ratio"], names, covariance):
             return Status.ONE_SIDED
     if not fitted.fit.converged:
         return Status.NOT_CONVERGED

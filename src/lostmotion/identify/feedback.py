@@ -12,6 +12,7 @@ from lostmotion.models._arguments import FloatArray
 
 LAGS = 10
 LEVEL = 1e-4  # of the test whether OP answers PV
+RESTS, LEAST_MOVE = 0.5, 0.02  # share of moves of PV at which OP rests, and of the range of OP that a move takes then
 NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
@@ -22,7 +23,8 @@ class Feedback:
     Attributes
     ----------
     closed : bool
-        Past PV help to foretell OP beyond its own past (Granger's test), so a controller is at work.
+        Past PV help to foretell OP beyond its own past (Granger's test), so a controller is at work; OP is not set
+        by hand, that is at rest mostly while PV moves, and moved far where it moves.
     free : float
         Share of the variance of the moves of OP that past OP and PV up to now do not explain: set-point moves,
         operators, noise of the controller. At 0 a linear process cannot be told from the controller's inverse.
@@ -58,9 +60,21 @@ def feedback(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> F
     alone = _left_over(regressors[:, : LAGS + 1], target)
     both = _left_over(regressors, target)
     ratio = (alone - both) / (LAGS + 1) / max(both / free, 1e-300)
-    closed = bool(stats.f.sf(ratio, LAGS + 1, free) < LEVEL)
+    closed = bool(stats.f.sf(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(u, y, segments)
     variance = float(np.sum(np.concatenate(moves) ** 2))
     return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0)
+
+
+def _by_hand(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> bool:
+    """Whether OP goes by steps that no controller takes; where OP rests at its ends it may be at a limit."""
+    inner = (u > u.min()) & (u < u.max())
+    moves = [(np.diff(u[a:b])[inner[a : b - 1]], np.diff(y[a:b])[inner[a : b - 1]]) for a, b in segments]
+    of_op, of_pv = (np.concatenate(parts) for parts in zip(*moves, strict=True))
+    answered, moved = of_op[of_pv != 0.0], np.abs(of_op[of_op != 0.0])
+    if not answered.size or not moved.size:
+        return False
+    rests = float(np.mean(answered == 0.0)) > RESTS
+    return rests and float(np.median(moved)) > LEAST_MOVE * float(np.ptp(u))
 
 
 def _left_over(columns: FloatArray, target: FloatArray) -> float:

@@ -18,6 +18,7 @@ KINDS = ("none", "dead zone", "backlash", "stiction", "saturation")
 STICTION_MODELS = ("kano", "he")
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 MOST_STARTS = 2
+UNEQUAL = 0.7  # log of the slope ratio of a start, beyond which equal slopes are tried as well
 HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
 WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
 
@@ -89,6 +90,8 @@ def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[
     order = sorted(found, key=lambda kind: behind[kind])
     best = behind[order[0]]
     likely = [kind for kind in order if behind[kind] < best + HOPELESS]
+    if "saturation" in likely and "dead zone" not in likely:
+        likely.append("dead zone")  # seen from one side they are one shape, and the dead zone has more local maxima
     kept = {kind: found[kind] for kind in likely if kind == "dead zone" or behind[kind] < linear - WORTHWHILE}
     return kept or {order[0]: found[order[0]]}
 
@@ -118,4 +121,6 @@ def _dead_zone(data: ScaledData, orders: tuple[int, int, int] | None) -> Sought:
     low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
     candidates = profile(data.u, data.y, data.segments, _lags(data, orders), low, high)
     etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
+    # a dead zone of equal slopes is the likeliest, and the high-order profile tells slopes badly in noise-free feedback
+    etas += [np.array([c.left, c.right, 0.0]) for c in candidates if abs(c.log_ratio) > UNEQUAL]
     return Sought(DeadZoneFamily(low, high), etas, candidates[0].rss)

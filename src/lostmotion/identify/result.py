@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
+EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,7 @@ class HammersteinFit(NamedEstimate):
         (float, float)
             Lower and upper end, on a logarithmic scale for slopes. Where no dead zone is seen its break points
             and slope ratio can be anywhere, so their interval is the whole line; that of the width begins at 0.
+            Other dead zones that fit about as well (`evidence.rivals`, less than 6 of BIC behind) lie inside.
 
         Raises
         ------
@@ -132,6 +134,7 @@ class HammersteinFit(NamedEstimate):
             share = float(stats.norm.ppf(0.5 + level / 2) / stats.norm.ppf(0.975))
             value, ends = self.parameters[name], self.profiled[name]
             low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
+        low, high = self._with_rivals(name, low, high)
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:
@@ -144,6 +147,14 @@ class HammersteinFit(NamedEstimate):
                 return -np.inf, np.inf
         if self.status is Status.ONE_SIDED and name in self.unvisited:
             return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
+        return low, high
+
+    def _with_rivals(self, name: str, low: float, high: float) -> tuple[float, float]:
+        """Interval that holds the other dead zones which fit about as well."""
+        for left, right, behind in self.evidence.rivals:
+            other = {"left": left, "right": right, "width": right - left}
+            if behind < EVEN_ODDS and name in other:
+                low, high = min(low, other[name]), max(high, other[name])
         return low, high
 
     @property

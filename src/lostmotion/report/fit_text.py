@@ -177,8 +177,15 @@ def _dynamics(fit: HammersteinFit) -> str:
         f"({chosen['delay'] * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
         f"Noise: {'white' if chosen['noise_order'] == 0 else 'AR of order ' + str(chosen['noise_order'])}, "
         f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}. "
-        f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV."
+        f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV{_below_zero(fit)}."
     )
+
+
+def _below_zero(fit: HammersteinFit) -> str:
+    """Why a model can be good and its simulation far from PV."""
+    if fit.fit_percent > 0.0 or not fit.evidence.closed_loop:
+        return ""
+    return ": most of what OP does in this loop is to hold back a disturbance, which the simulation does not know"
 
 
 def _checks(fit: HammersteinFit) -> str:
