@@ -14,7 +14,7 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.evaluate import cramer_rao
 from tests.refusals import refusal
 
-pytestmark = pytest.mark.statistics  # hundreds of likelihoods each: two minutes with the JIT off, and no kernel of its own
+pytestmark = pytest.mark.statistics  # hundreds of likelihoods each, and no kernel of its own
 TANK = lm.platforms.level_tank()
 LAG = lm.LinearModel.from_continuous([1.5], [30.0, 1.0], 4.0, 1.0)
 SLOW = lm.Hammerstein(lm.DeadZone(48.0, 52.0), LAG, offset=30.0)
