@@ -97,7 +97,7 @@ def block_from_model(
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
     plan = _Plan(not_negative("factor", factor), noise, (low, high), centre)
     kind, size, derived = _rule(valve, method)(valve, plan)
-    if noise is None and kind != "stiction two moves":
+    if noise is None and kind != "stiction knocker":
         notes = (*notes, "noise of OP not given: a tenth of the width taken; give op_noise")
     per_scan = size / 100.0 if ramp is None else positive("ramp", ramp) * scan_time
     cap = settings.get("cap", derived["cap"])
@@ -263,11 +263,8 @@ def _backlash(valve: Backlash, plan: _Plan) -> tuple[str, float, dict[str, float
 def _knocker(valve: Stiction, plan: _Plan) -> tuple[str, float, dict[str, float]]:
     """Pulses of half the band S, one scan in five: what did best in docs/compensation.md."""
     amplitude = 0.5 * valve.band
-    deviations = BAND_IN_DEVIATIONS if plan.noise is not None else 0.0
-    derived = {
-        "amplitude": amplitude, "pulse_scans": 1.0, "period_scans": 5.0, "band": deviations * _noise(plan, valve.band),
-        "cap": MARGIN * amplitude * max(plan.factor, 1.0),
-    }  # fmt: skip
+    cap = MARGIN * amplitude * max(plan.factor, 1.0)
+    derived = {"amplitude": amplitude, "pulse_scans": 1.0, "period_scans": 5.0, "cap": cap}
     return "stiction knocker", amplitude or 1.0, derived
 
 
