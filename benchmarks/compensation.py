@@ -23,6 +23,8 @@ ZONE = TANK.nonlinearity
 SPAN = (-200.0, 200.0)
 NOISE = CONTROLLER.kp * NOISE_VARIANCE**0.5  # of OP
 BEYOND = 3.0 * NOISE
+PROCESS = 0.3 + 1.0 / 0.9  # dead time and slowest time constant in seconds
+KNOWN = {"span": SPAN, "op_noise": NOISE, "process_time": PROCESS}
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "jump, in the block": {"shape": 0.0},
@@ -46,7 +48,7 @@ def indices(loop: lm.LoopResponse) -> list[float]:
 def tank_table(seeds: int) -> tuple[str, dict[str, np.ndarray]]:
     """Every variant over the same noise."""
     linear = lm.Hammerstein(lm.Identity(), TANK.linear)
-    blocks = {name: block_from_model(ZONE, DT, span=SPAN, op_noise=NOISE, **own) for name, own in VARIANTS.items()}
+    blocks = {name: block_from_model(ZONE, DT, **KNOWN, **own) for name, own in VARIANTS.items()}
     rows: dict[str, list[list[float]]] = {}
     for seed in range(seeds):
         noise = np.random.default_rng(seed).normal(scale=NOISE_VARIANCE**0.5, size=reference().size)
@@ -68,7 +70,7 @@ def tank_table(seeds: int) -> tuple[str, dict[str, np.ndarray]]:
 
 
 def wrong_table() -> str:
-    """Largest swing of the level in the last quarter of a set-point track, without noise and with."""
+    """Half the swing of the level in the steady state without noise; its standard deviation with."""
     fit = tank_fit()
     width, error = fit.parameters["width"], fit.standard_errors["width"]
     lines = []
@@ -78,11 +80,28 @@ def wrong_table() -> str:
     for name, factor in {"no compensation": None, **dict(sorted(cases.items(), key=lambda pair: pair[1]))}.items():
         cells = [name]
         for variance in (0.0, NOISE_VARIANCE):
-            for shape in (0.0, 2.0):
-                block = None
-                if factor is not None:
-                    block = block_from_model(ZONE, DT, span=SPAN, op_noise=NOISE, factor=factor, shape=shape)
+            for own in ({"shape": 0.0, "hunt_scans": 0.0}, {"hunt_scans": 0.0}, {}):
+                block = None if factor is None else block_from_model(ZONE, DT, factor=factor, **KNOWN, **own)
                 cells.append(swing(block, variance))
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def errors_table(seeds: int) -> str:
+    """IAE of the control experiment with a wrong factor, without and with the guard."""
+    lines = []
+    linear, sums = lm.Hammerstein(lm.Identity(), TANK.linear), {}
+    factors = (0.5, 0.8, 0.9, 0.98, 1.0, 1.02, 1.1, 1.2, 1.5)
+    for seed in range(seeds):
+        noise = np.random.default_rng(seed).normal(scale=NOISE_VARIANCE**0.5, size=reference().size)
+        cases: dict[Any, Any] = {"ideal": (linear, None)}
+        for factor in factors:
+            for name, own in (("free", {"hunt_scans": 0.0}), ("guard", {})):
+                cases[factor, name] = TANK, block_from_model(ZONE, DT, factor=factor, **KNOWN, **own)
+        for key, (plant, block) in cases.items():
+            sums[key] = sums.get(key, 0.0) + indices(respond(plant, block, noise))[0]
+    for factor in factors:
+        cells = [f"{100 * (factor - 1):+.0f} %", *(f"{sums[factor, n] / sums['ideal']:.3f}" for n in ("free", "guard"))]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -95,9 +114,10 @@ def tank_fit() -> lm.HammersteinFit:
 
 def swing(block: Any, variance: float) -> str:
     r = np.repeat([0.0, 1.0, 0.2], [200, 800, 2000])
-    loop = lm.simulate_loop(TANK, CONTROLLER, r, DT, block, noise=variance, seed=3)
-    last = loop.output[-1500:] - loop.reference[-1500:]
-    return f"{0.5 * np.ptp(last):.3f}"
+    runs = [lm.simulate_loop(TANK, CONTROLLER, r, DT, block, noise=variance, seed=seed) for seed in range(8)]
+    if variance == 0.0:
+        return f"{0.5 * np.ptp(runs[0].output[-1500:]):.3f}"
+    return f"{np.mean([np.std(loop.output[-1500:]) for loop in runs]):.3f}"
 
 
 BACKLASH_LOOPS = {
@@ -161,7 +181,8 @@ def main() -> None:
     ideal, plain, chosen = (mean[name] for name in ("no dead zone", "plain inverse", "hold, 3 deviations"))
     template = (Path(__file__).parent / "compensation.md").read_text(encoding="utf-8")
     parts = {
-        "SEEDS": str(given.seeds), "TANK": table, "WRONG": wrong_table(), "BACKLASH": backlash_table(),
+        "SEEDS": str(given.seeds), "TANK": table, "WRONG": wrong_table(), "ERRORS": errors_table(given.seeds // 4),
+        "BACKLASH": backlash_table(),
         "STICTION": stiction_table(), "BEYOND": f"{BEYOND:.2f}", "NOISE": f"{NOISE:.3f}",
         "IAE": f"{100 * (chosen[0] / ideal[0] - 1):.1f} %", "PLAIN": f"{100 * (chosen[0] / plain[0] - 1):.1f} %",
         "TURNS": f"{chosen[2] / plain[2]:.2f}", "TRAVEL": f"{chosen[4] / plain[4]:.2f}",

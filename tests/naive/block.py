@@ -49,7 +49,7 @@ class DeadZone:
                 self.changes = [*self.changes, self.now] if self.now < p["hunt_scans"] else []
                 self.now = 0
                 if len(self.changes) >= p["hunt_limit"]:
-                    self.changes, self.part, b.changed = [], self.part * p["back_off"], True
+                    self.changes, self.part = [], self.part * p["back_off"]
             if self.place != 0:
                 self.side = math.copysign(1.0, self.place)
 

@@ -153,7 +153,7 @@ DEAD_ZONE = (
         ("SHAPE", "int", "", "way across the centre: 0 jump, 1 smooth, 2 hold", 2.0),
         ("ZONE", "real", OP, "half-width of the smooth line, or distance past the centre at which hold changes side"),
         ("HUNT_SCANS", "int", "scans", "changes of side within this of each other are hunting; 0: no guard"),
-        ("HUNT_LIMIT", "int", "", "so many of them in a row and the guard gives way", 6.0),
+        ("HUNT_LIMIT", "int", "", "so many of them in a row and the guard gives way", 4.0),
         ("BACK_OFF", "real", "1", "by which it multiplies the share of the dead zone that is compensated", 0.9),
     ),
     *_used("USED_LEFT", "USED_RIGHT", "USED_CENTRE", "USED_LEFT_SLOPE", "USED_RIGHT_SLOPE"),

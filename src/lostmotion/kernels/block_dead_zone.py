@@ -132,7 +132,6 @@ def guard(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             if s[CLOSE] >= s[USED_HUNT_LIMIT]:
                 s[CLOSE] = 0.0
                 s[PART_LEFT] = s[PART_LEFT] * s[USED_BACK_OFF]
-                s[CHANGED] = 1.0
         if s[PLACE] > 0.0:
             s[HALF] = 1.0
         elif s[PLACE] < 0.0:
