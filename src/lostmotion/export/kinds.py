@@ -43,7 +43,8 @@ def operation(operator: str, trees: Sequence[Expression]) -> Expression | None:
     kind = "literal"
     for tree in trees:
         kind = common(kind, tree.kind) or kind
-    kind = "real" if operator == "/" else kind
+    if operator == "/" or (kind == "int" and not numbers and operator in ("+", "-", "*", "abs", "neg")):
+        kind = "real"  # what an int could not hold; counting (a literal added) stays in whole numbers
     operands = [as_kind(tree, kind) for tree in trees]
     result = "bool" if operator in COMPARISONS else kind
     return Operation(operator, tuple(operand for operand in operands if operand is not None), result)

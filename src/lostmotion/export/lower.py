@@ -22,9 +22,9 @@ from lostmotion.export.tree import (
 def without_min_max(block: Block, two_operands: bool = False) -> Block:
     """The same block in IF, arithmetic and ABS; MIN and MAX become a temporary variable and an IF.
 
-    With `two_operands` arithmetic inside arithmetic goes through temporary variables as well. Conditions are worked
-    out before the IF they belong to, which changes nothing: no expression has an effect, and none divides beside a
-    condition that would have kept it from dividing.
+    Conversions stand alone, as assignments. With `two_operands` arithmetic inside arithmetic goes through temporary
+    variables as well. Conditions are worked out before the IF they belong to, which changes nothing: no expression
+    has an effect, and no condition divides.
     """
     lowering = _Lowering(two_operands)
     body = tuple(each_statement(block.body, lowering.statement))
@@ -67,13 +67,17 @@ class _Lowering:
     def operand(self, tree: Expression, parent: Operation) -> Expression:
         """Operand of `parent`, by way of a temporary variable where it must not be an operation itself."""
         result = self.expression(tree)
+        if isinstance(result, Convert):
+            return self.keep(result)
         nested = isinstance(result, Operation) and result.operator in (*ARITHMETIC, "neg", "abs")
         split = parent.operator in ("min", "max") or (self.two_operands and parent.kind != "bool")
         compared = self.two_operands and parent.operator in ("<", "<=", ">", ">=", "=", "<>")
-        if not nested or not (split or compared):
-            return result
-        place = self.temporary(result.kind)
-        self.before.append(Assign(place, result))
+        return self.keep(result) if nested and (split or compared) else result
+
+    def keep(self, tree: Expression) -> Name:
+        """A temporary variable that holds the value."""
+        place = self.temporary(tree.kind)
+        self.before.append(Assign(place, tree))
         return place
 
     def temporary(self, kind: str) -> Name:

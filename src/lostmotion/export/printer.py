@@ -81,7 +81,9 @@ class Printer:
             return self.dialect.calls[f"to {tree.kind}"].format(self.expression(tree.operand))
         operator, operands = tree.operator, tree.operands
         if operator in ("min", "max", "abs"):
-            return self.dialect.calls[operator].format(*(self.expression(operand, True) for operand in operands))
+            calls = self.dialect.calls
+            pattern = calls.get(f"{operator} {tree.kind}") or calls[operator]
+            return pattern.format(*(self.expression(operand, True) for operand in operands))
         if operator == "neg":
             return "-" + self.operand(operands[0], True)
         if operator == "not":

@@ -140,6 +140,8 @@ class _Function:
         result = self.expression(node)
         if result.kind != "bool":
             self.refuse(node, "a condition (compare a flag with 0.0)")
+        if any(isinstance(part, ast.BinOp) and isinstance(part.op, ast.Div) for part in ast.walk(node)):
+            self.refuse(node, "no division in a condition (a PLC works out all parts of it)")
         return result
 
     def assign(self, node: ast.stmt, target: ast.expr, value: ast.expr) -> Assign:
@@ -217,8 +219,6 @@ class _Function:
 
     def logic(self, node: ast.expr, operator: str, values: list[ast.expr]) -> Expression:
         conditions = [self.condition(value) for value in values]
-        if any(isinstance(part, ast.BinOp) and isinstance(part.op, ast.Div) for part in ast.walk(node)):
-            self.refuse(node, "no division beside and / or (a PLC evaluates both sides)")
         result = conditions[0]
         for condition in conditions[1:]:
             result = Operation(operator, (result, condition), "bool")

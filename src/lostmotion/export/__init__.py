@@ -1,0 +1,1 @@
+"""Code for PLCs from the same kernels that are simulated."""
