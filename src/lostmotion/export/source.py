@@ -114,7 +114,7 @@ class Source:
         values = self.values
         lines = [
             f"{self.name}: compensates {self.specification.title}. Made by lostmotion {_version()}, {self.date}.",
-            f"Method: {self.specification.source}.",
+            f"Source: {self.specification.source}.",
             f"Data: {self.data}",
             f"Fit: {self.fit}",
             f"Interval: {self.interval}",
