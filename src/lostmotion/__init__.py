@@ -10,7 +10,7 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
-from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.compensate import BacklashCompensator, CompensatorBlock, DeadZoneCompensator, block_from_model
 from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import (
@@ -47,8 +47,10 @@ __all__ = [
     "PI",
     "Achievable",
     "Backlash",
+    "BacklashCompensator",
     "ChangeEvent",
     "ColumnError",
+    "CompensatorBlock",
     "DataError",
     "DeadZone",
     "DeadZoneCompensator",
@@ -73,6 +75,7 @@ __all__ = [
     "TestDesign",
     "TimeError",
     "achievable",
+    "block_from_model",
     "check",
     "control_variance",
     "describing_function",

@@ -52,10 +52,10 @@ SIZE = STATES + 14
 
 @njit(cache=True)
 def check_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """FAULT 3 where move, stand, release >= 0, scans >= 1, 0 <= share <= 1 does not hold."""
+    """FAULT 3 where overshoot, release >= 0, scans >= 1, 0 <= share <= 1 does not hold."""
     s[TOTAL] = abs(p[OVERSHOOT]) + abs(p[STAND]) + abs(p[MOVE_SCANS]) + abs(p[SHARE]) + abs(p[RELEASE])
     if s[FAULT] == 0.0:
-        if s[TOTAL] - s[TOTAL] != 0.0 or p[OVERSHOOT] < 0.0 or p[STAND] < 0.0 or p[RELEASE] < 0.0:
+        if s[TOTAL] - s[TOTAL] != 0.0 or p[OVERSHOOT] < 0.0 or p[RELEASE] < 0.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[MOVE_SCANS] < 1.0 or p[SHARE] < 0.0 or p[SHARE] > 1.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
