@@ -21,6 +21,13 @@ struct Machine
     std::vector<std::uint64_t> storage;
     st::Instance instance;
 
+    bool load()
+    {
+        storage.assign(compiled.program.required_bytes() / 8 + 2, 0);
+        return instance.load(compiled.program, reinterpret_cast<unsigned char *>(storage.data()),
+                             storage.size() * sizeof(std::uint64_t), 1000000) == plcopen::core::rt::ErrorCode::ok;
+    }
+
     void write(const st::VarInfo &variable, double value)
     {
         unsigned char *place = reinterpret_cast<unsigned char *>(storage.data()) + variable.offset;
@@ -59,11 +66,7 @@ void *plc_load(const char *source, char *message, int room)
     }
     bool good = machine->compiled.ok;
     if(good) {
-        machine->storage.assign(machine->compiled.program.required_bytes() / 8 + 2, 0);
-        const auto loaded = machine->instance.load(
-            machine->compiled.program, reinterpret_cast<unsigned char *>(machine->storage.data()),
-            machine->storage.size() * sizeof(std::uint64_t), 1000000);
-        good = loaded == plcopen::core::rt::ErrorCode::ok;
+        good = machine->load();
         if(!good) text += "load failed";
     }
     std::snprintf(message, static_cast<std::size_t>(room), "%s", text.c_str());
@@ -76,13 +79,15 @@ void plc_free(void *handle) { delete static_cast<Machine *>(handle); }
 
 int plc_find(void *handle, const char *name) { return static_cast<Machine *>(handle)->instance.find(name); }
 
-// Writes a row of `in`, scans, reads a row of `out`, `rows` times; returns the row that failed, or `rows`.
-int plc_run(void *handle, int rows, int columns_in, const int *where_in, const double *in, int columns_out,
-            const int *where_out, double *out)
+// Starts anew where `cold` says so, writes a row of `in`, scans, reads a row of `out`, `rows` times; returns the row
+// that failed, or `rows`.
+int plc_run(void *handle, int rows, const double *cold, int columns_in, const int *where_in,
+            const double *in, int columns_out, const int *where_out, double *out)
 {
     Machine &machine = *static_cast<Machine *>(handle);
     const std::vector<st::VarInfo> &variables = machine.compiled.program.vars;
     for(int row = 0; row < rows; ++row) {
+        if(cold[row] != 0.0 && !machine.load()) return row;
         for(int column = 0; column < columns_in; ++column)
             machine.write(variables[where_in[column]], in[row * columns_in + column]);
         if(machine.instance.scan(1000000) != st::ScanError::ok) return row;

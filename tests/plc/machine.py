@@ -36,7 +36,7 @@ def _library():
     library.plc_find.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
     where, rows = np.ctypeslib.ndpointer(np.int32, flags="C"), np.ctypeslib.ndpointer(np.float64, flags="C")
     library.plc_run.argtypes = [
-        ctypes.c_void_p, ctypes.c_int, ctypes.c_int, where, rows, ctypes.c_int, where, rows,
+        ctypes.c_void_p, ctypes.c_int, rows, ctypes.c_int, where, rows, ctypes.c_int, where, rows,
     ]  # fmt: skip
     return library
 
@@ -65,13 +65,14 @@ class Machine:
         if getattr(self, "handle", None):
             _library().plc_free(self.handle)
 
-    def run(self, columns, rows, wanted):
-        """Outputs `wanted` (n, len(wanted)) for rows (n, len(columns)) of inputs and settings."""
+    def run(self, cold, columns, rows, wanted):
+        """Outputs `wanted` (n, len(wanted)) for rows (n, len(columns)) of inputs and settings; cold starts (n,)."""
+        cold = np.ascontiguousarray(cold, dtype=np.float64)
         rows = np.ascontiguousarray(rows, dtype=np.float64)
         result = np.empty((len(rows), len(wanted)))
         places = [self._places("in", columns), self._places("out", wanted)]
         done = _library().plc_run(
-            self.handle, len(rows), len(columns), places[0], rows, len(wanted), places[1], result
+            self.handle, len(rows), cold, len(columns), places[0], rows, len(wanted), places[1], result
         )
         assert done == len(rows), f"the machine stopped in scan {done}"
         return result
@@ -102,13 +103,16 @@ def program(name, inputs, outputs):
 
 
 def scan_rows(source, stretches):
-    """Columns and rows (n, inputs + settings) for all stretches."""
+    """Cold starts (n,), columns, and rows (n, inputs + settings) for all stretches."""
     specification = source.specification
     names = [variable.name.lower() for part in ("input", "parameter") for variable in specification.section(part)]
     rows = [
         np.hstack([stretch.inputs, np.tile(stretch.parameters, (len(stretch.inputs), 1))]) for stretch in stretches
     ]
-    return names, np.concatenate(rows).astype(np.float64)
+    cold = np.zeros(sum(len(part) for part in rows))
+    starts = np.cumsum([0] + [len(part) for part in rows[:-1]])
+    cold[starts] = [stretch.cold for stretch in stretches]
+    return cold, names, np.concatenate(rows).astype(np.float64)
 
 
 def run_in_machine(text, source, stretches):
@@ -129,8 +133,8 @@ int main(void)
     {name}_inputs i;
     {name}_outputs o;
     double in[{columns}];
-    {name}_reset(&s);
     while (fread(in, sizeof(double), {columns}, stdin) == {columns}) {{
+        if (in[0] != 0.0) {name}_reset(&s);
         {reads}
         {name}_step(&p, &s, &i, &o);
         double out[] = {{{writes}}};
@@ -143,15 +147,16 @@ int main(void)
 
 def run_in_c(files, source, stretches, folder, flags=()):
     """Outputs of the block compiled by gcc, in the order of the specification."""
-    names, rows = scan_rows(source, stretches)
+    cold, names, rows = scan_rows(source, stretches)
+    rows = np.column_stack([cold, rows])
     parts = {v.name.lower(): v for v in source.specification.variables if v.section in ("input", "parameter")}
     types = {"bool": "bool", "int": "int32_t", "real": "double" if source.real == "lreal" else "float"}
     reads = "\n        ".join(
         f"{'i' if parts[name].section == 'input' else 'p'}.{name} = ({types[parts[name].kind]})in[{k}];"
-        for k, name in enumerate(names)
+        for k, name in enumerate(names, 1)
     )
     writes = ", ".join(f"o.{variable.name.lower()}" for variable in source.specification.section("output"))
-    files = files | {"driver.c": DRIVER.format(name=source.name, columns=len(names), reads=reads, writes=writes)}
+    files = files | {"driver.c": DRIVER.format(name=source.name, columns=rows.shape[1], reads=reads, writes=writes)}
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     command = ["gcc", *FLAGS, *flags, "driver.c", f"{source.name}.c", "-o", "block", "-lm"]

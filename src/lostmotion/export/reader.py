@@ -57,6 +57,11 @@ class Program:
         space: dict[str, Any] = {"_real": self.real, "_min": _min, "_max": _max}
         exec(compile("\n".join(lines), "<exported block>", "exec"), space)  # noqa: S102  made of checked tokens only
         self._scan = space["scan"]
+        self.values: dict[str, Any] = {}
+        self.reset()
+
+    def reset(self) -> None:
+        """Start anew: every variable has its declared value."""
         self.values = {name: variable.value for name, variable in self.variables.items()}
 
     def run(

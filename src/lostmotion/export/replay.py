@@ -70,7 +70,7 @@ class Replay:
         }
 
 
-def replay(files: dict[str, str], source: Source, rows: int = 5000, seed: int = 0) -> Replay:
+def replay(files: dict[str, str], source: Source, rows: int = 10_000, seed: int = 0) -> Replay:
     """Execute exported text in plain Python over random and adversarial scans and compare it with the kernel.
 
     Parameters
@@ -86,19 +86,23 @@ def replay(files: dict[str, str], source: Source, rows: int = 5000, seed: int = 
     wanted = [variable.name.lower() for variable in source.specification.section("output")]
     columns = [variable.name.lower() for variable in source.specification.section("input")]
     settings = [variable.name.lower() for variable in source.specification.section("parameter")]
-    parts = [
-        program.run(dict(zip(settings, stretch.parameters.tolist(), strict=True)), columns, stretch.inputs, wanted)
-        for stretch in stretches
-    ]
+    parts = []
+    for stretch in stretches:
+        if stretch.cold:
+            program.reset()
+        values = dict(zip(settings, stretch.parameters.tolist(), strict=True))
+        parts.append(program.run(values, columns, stretch.inputs, wanted))
     return compare(source, expected(source, stretches), np.concatenate(parts))
 
 
 def expected(source: Source, stretches: Sequence[Stretch]) -> FloatArray:
-    """Outputs of the kernel over the stretches, (n, n_outputs), one cold start."""
+    """Outputs of the kernel over the stretches, (n, n_outputs)."""
     specification = source.specification
     state = specification.state(source.dtype)
     parts = []
     for stretch in stretches:
+        if stretch.cold:
+            state = specification.state(source.dtype)
         outputs = specification.outputs(len(stretch.inputs), source.dtype)
         specification.module.run(stretch.parameters, state, stretch.inputs, outputs)
         parts.append(outputs.astype(np.float64))

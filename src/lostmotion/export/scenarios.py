@@ -1,7 +1,7 @@
 """Scans that try everything: the inputs a block meets in a plant, and those it should never meet.
 
 Made from the specification alone, the same for the same seed. A scenario is a list of stretches, each with its own
-settings; the state goes on from one to the next.
+settings; the state goes on from one to the next, but for some cold starts.
 """
 
 from __future__ import annotations
@@ -12,21 +12,53 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.compensate.specification import Specification
+from lostmotion.compensate import Specification
 
 FloatArray = npt.NDArray[np.float64]
 ODD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e308, -1e308, 1e-310, -0.0)
 ODD_SHARE = 0.02
-WHOLE = (-3.0, -1.0, 0.0, 1.0, 2.0, 3.0, 7.0, 1000.0, 16777216.0)
-FACTORS = (0.0, 0.3, 0.9, 1.0, 1.1, 2.0, -1.0)
+COLD_SHARE = 0.05
+COUNTS = (0.0, 0.0, 1.0, 1.0, 2.0, 3.0, 7.0)
+BAD_COUNTS = (-3.0, -1.0, 0.0, 16777216.0)
+FACTORS = (0.0, 0.3, 0.5, 0.9, 1.0, 1.1, 2.0)
+LENGTHS = (4, 16, 64)  # scans of a stretch at most: many changes of settings and modes in few scans
+IN_SERVICE = {"ENABLE": 1.0, "GOOD": 1.0, "TRACK": 0.0}
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Scans with one set of settings: parameters (n_parameters,), inputs (n, n_inputs), both of the block's type."""
+    """Scans with one set of settings: parameters (n_parameters,), inputs (n, n_inputs), both of the block's type.
+
+    `cold`: the block starts anew before them.
+    """
 
     parameters: npt.NDArray[np.floating[Any]]
     inputs: npt.NDArray[np.floating[Any]]
+    cold: bool = False
+
+
+@dataclass(frozen=True)
+class _About:
+    """Numbers about which signals move: clamps, places between them, and sizes of settings."""
+
+    low: float
+    high: float
+    places: tuple[float, ...]
+    sizes: tuple[float, ...]
+    grid: float
+
+    @classmethod
+    def of(cls, specification: Specification, settings: FloatArray) -> _About:
+        """Settings of a block, sorted into places and sizes."""
+        listed = specification.section("parameter")
+        named = {variable.name: float(value) for variable, value in zip(listed, settings, strict=True)}
+        low, high = sorted((named["LOW"], named["HIGH"]))
+        span = high - low if high > low else 1.0
+        reals = [abs(named[variable.name]) for variable in listed if variable.kind == "real"]
+        sizes = tuple(value for value in reals if 0.0 < value <= 0.25 * span)
+        places = tuple(value for value in reals if low <= value <= high)
+        grid = 2.0 ** np.round(np.log2(span / 800.0))
+        return cls(low, high, places or (low,), sizes or (0.01 * span,), float(grid))
 
 
 def scenario(
@@ -37,7 +69,7 @@ def scenario(
     *,
     tame: bool = False,
 ) -> list[Stretch]:
-    """Stretches of about 200 scans, `rows` in all.
+    """Stretches of up to 64 scans, `rows` in all.
 
     Parameters
     ----------
@@ -51,73 +83,95 @@ def scenario(
     """
     random = np.random.default_rng(seed)
     base = np.asarray(parameters, dtype=np.float64)
-    names = [variable.name for variable in specification.section("parameter")]
-    low, high = base[names.index("LOW")], base[names.index("HIGH")]
-    sizes = [abs(value) for name, value in zip(names, base, strict=True) if name not in ("LOW", "HIGH") and value]
-    result, done = [], 0
+    about = _About.of(specification, base)
+    result: list[Stretch] = []
+    settings, done = base, 0
     while done < rows:
-        count = int(min(rows - done, random.integers(1, 400)))
-        settings = base if tame or random.random() < 0.4 else _settings(random, specification, base)
+        count = int(min(rows - done, random.integers(1, random.choice(LENGTHS) + 1)))
+        usable, used = (base, base) if tame else _settings(random, specification, base, settings, about.grid)
+        settings = usable
+        grid = about.grid if random.random() < 0.5 else 0.0
         columns = [
-            _flag(random, count, variable.default)
+            _flag(random, count, IN_SERVICE.get(variable.name, variable.default))
             if variable.kind == "bool"
-            else _signal(random, count, low, high, sizes, odd=not tame)
+            else _signal(random, count, _About.of(specification, usable), grid, odd=not tame)
             for variable in specification.section("input")
         ]
         inputs = np.column_stack(columns)
+        cold = not result or (not tame and random.random() < COLD_SHARE)
+        if cold and not tame and random.random() < 0.5:
+            inputs[: random.integers(1, 4), 0] = random.choice(ODD)  # nothing good yet
         with np.errstate(over="ignore"):
-            result.append(Stretch(settings.astype(parameters.dtype), inputs.astype(parameters.dtype)))
+            result.append(Stretch(used.astype(parameters.dtype), inputs.astype(parameters.dtype), cold))
         done += count
     return result
 
 
-def _settings(random: np.random.Generator, specification: Specification, base: FloatArray) -> FloatArray:
-    """Some settings changed, now and then to what no setting may be."""
-    result = base.copy()
-    for k, variable in enumerate(specification.section("parameter")):
-        if random.random() > 0.15:
-            continue
-        if variable.kind == "bool":
-            result[k] = random.integers(2)
-        elif variable.kind == "int":
-            result[k] = random.choice(WHOLE)
-        elif random.random() < 0.05:
-            result[k] = random.choice(ODD)
-        else:
-            result[k] *= random.choice(FACTORS)
-    return result
+def _settings(
+    random: np.random.Generator, specification: Specification, base: FloatArray, last: FloatArray, grid: float
+) -> tuple[FloatArray, FloatArray]:
+    """Settings to go on from, and those of this stretch: often the last, or one changed; now and then unusable."""
+    reals = np.array([variable.kind == "real" for variable in specification.section("parameter")])
+    chance = random.random()
+    if chance < 0.15:
+        return last, last
+    if chance < 0.25:
+        coarse = np.round(base / grid) * grid
+        usable = np.where(reals, np.where(coarse == 0.0, np.sign(base) * grid, coarse), base)
+        return usable, usable
+    if chance < 0.3:
+        return base, base
+    used = last.copy()
+    chosen = np.flatnonzero(reals if random.random() < 0.6 or reals.all() else ~reals)
+    k = int(random.choice(chosen))
+    kind = specification.section("parameter")[k].kind
+    bad = chance > 0.85
+    if kind == "bool":
+        used[k] = 1.0 - used[k]
+    elif kind == "int":
+        used[k] = random.choice(BAD_COUNTS if bad else COUNTS)
+    elif bad:
+        used[k] = random.choice((*ODD, -used[k], -grid))
+    elif random.random() < 0.3:
+        used[k] = random.choice(used[reals])
+    else:
+        used[k] = base[k] * random.choice(FACTORS)
+    return (last if bad else used), used
 
 
-def _flag(random: np.random.Generator, count: int, default: float) -> FloatArray:
-    """Switched seldom, often, or not at all."""
-    if random.random() < 0.5:
-        return np.full(count, default if random.random() < 0.3 else float(random.random() < 0.7))
-    toggles = random.random(count) < random.choice((0.01, 0.1, 0.5))
-    return (np.cumsum(toggles) + random.integers(2)) % 2.0
+def _flag(random: np.random.Generator, count: int, usual: float) -> FloatArray:
+    """Mostly as usual; else the other way, or switched seldom or often."""
+    chance = random.random()
+    if chance < 0.8:
+        return np.full(count, usual if chance < 0.7 else 1.0 - usual)
+    toggles = random.random(count) < random.choice((0.1, 0.5))
+    return (np.cumsum(toggles) + usual) % 2.0
 
 
-def _signal(
-    random: np.random.Generator, count: int, low: float, high: float, sizes: list[float], *, odd: bool
-) -> FloatArray:
-    """A signal of one of several kinds, about the range low .. high and the sizes of the settings."""
-    span = high - low
+def _signal(random: np.random.Generator, count: int, about: _About, grid: float, *, odd: bool) -> FloatArray:
+    """A signal of one of several kinds, about the range, the places and the sizes of the settings, on a grid or not."""
+    low, high, span = about.low, about.high, about.high - about.low
+    size = random.choice(about.sizes)
     start = random.uniform(low - 0.1 * span, high + 0.1 * span)
-    size = random.choice(sizes) if sizes else 0.01 * span
+    if random.random() < 0.5:
+        start = random.choice(about.places) + random.choice((-1.0, -0.5, 0.0, 0.5, 1.0)) * size
     match random.integers(6):
         case 0:
             signal = start + np.cumsum(random.normal(scale=0.3 * size, size=count))
         case 1:  # there and back by a setting, and by the next number beyond it
             steps = random.choice((size, -size, np.nextafter(size, np.inf), -np.nextafter(size, np.inf)), count)
-            signal = np.round(start) + np.cumsum(steps * random.choice((0.0, 0.5, 1.0), count))
+            signal = np.round(start, 2) + np.cumsum(steps * random.choice((0.0, 0.5, 1.0), count))
         case 2:
             signal = random.uniform(low - 0.2 * span, high + 0.2 * span, size=count)
         case 3:
             wave = np.sin(np.arange(count) * random.uniform(0.01, 1.0))
             signal = start + random.choice((0.7, 1.5, 5.0)) * size * wave + random.normal(scale=0.1 * size, size=count)
         case 4:
-            signal = np.round(start + np.cumsum(random.integers(-1, 2, size=count)) * 0.5, 1)
+            signal = start + np.cumsum(random.integers(-3, 4, size=count)) * about.grid
         case _:
             signal = np.full(count, start)
+    if grid:
+        signal = np.round(signal / grid) * grid  # so that it meets thresholds exactly
     if odd and random.random() < 0.5:
         places = random.random(count) < ODD_SHARE
         signal[places] = random.choice(ODD, int(places.sum()))

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.compensate.specification import Specification
+from lostmotion.compensate import CompensatorBlock, Specification
 from lostmotion.errors import ParameterError
 from lostmotion.export.names import block_name
 from lostmotion.export.translate import translate
 from lostmotion.export.tree import Block, Name
 
 TYPES: dict[str, npt.DTypeLike] = {"lreal": np.float64, "real": np.float32}
+LARGEST_INT = 2.0**31
 UNKNOWN = "not given"
 
 
@@ -29,16 +30,12 @@ class Source:
 
     Parameters
     ----------
-    specification : Specification
-        Kind of the block.
-    settings : dict of float
-        Parameters by lower-case name; the others keep their defaults.
+    block : CompensatorBlock
+        Kind, settings and scan time.
     name : str
         Name of the block in the PLC.
     date : str
         Day of the export, YYYY-MM-DD, as the user gives it: the same input gives the same files.
-    scan_time : float
-        Seconds between two scans; ramp and rate count in scans.
     real : {"lreal", "real"}
         Arithmetic of the block.
     data, fit, interval : str
@@ -47,14 +44,12 @@ class Source:
     Raises
     ------
     ParameterError
-        A name, date, scan time or setting that cannot be used.
+        A name, a date or a setting that cannot be used.
     """
 
-    specification: Specification
-    settings: dict[str, float]
+    block: CompensatorBlock
     name: str
     date: str
-    scan_time: float
     real: str = "lreal"
     data: str = UNKNOWN
     fit: str = UNKNOWN
@@ -69,17 +64,21 @@ class Source:
             datetime.date.fromisoformat(self.date)
         except ValueError as error:
             raise ParameterError.expected("a date as YYYY-MM-DD", self.date, "give the day of the export") from error
-        if not (np.isfinite(self.scan_time) and self.scan_time > 0):
-            raise ParameterError.expected("scan_time > 0", self.scan_time, "give the seconds between two scans")
-        if not np.isfinite(self.parameters).all():
-            bad = [key for key, value in self.values.items() if not np.isfinite(value)]
-            raise ParameterError.expected("finite settings", bad, "a PLC has no constant for infinity or NaN")
-        for variable in self.specification.section("parameter"):
-            value = self.values[variable.name.lower()]
-            whole = value == int(value) and (variable.kind == "int" or value in (0.0, 1.0))
-            if variable.kind != "real" and not whole:
-                raise ParameterError.expected(f"a whole {variable.name.lower()}", value, "it is a flag or a count")
-        object.__setattr__(self, "tree", translate(self.specification.module.step, self.specification.variables))
+        for variable, value in zip(self.specification.section("parameter"), self.parameters, strict=True):
+            name = variable.name.lower()
+            if not np.isfinite(value):
+                raise ParameterError.expected(f"a {name} within {self.real.upper()}", value, "take LREAL")
+            if variable.kind == "bool" and value not in (0.0, 1.0):
+                raise ParameterError.expected(f"{name} 0 or 1", value, "it is a flag")
+            if variable.kind == "int" and (value != int(value) or abs(value) >= LARGEST_INT):
+                raise ParameterError.expected(f"a whole {name} below 2^31", value, "it is a count")
+        tree = translate(self.specification.module.step, self.specification.variables)
+        object.__setattr__(self, "tree", tree)
+
+    @property
+    def specification(self) -> Specification:
+        """Kernel and variables."""
+        return self.block.specification
 
     @property
     def dtype(self) -> npt.DTypeLike:
@@ -89,7 +88,8 @@ class Source:
     @cached_property
     def parameters(self) -> npt.NDArray[np.floating[Any]]:
         """Parameter array of the kernel, in the arithmetic of the block."""
-        return self.specification.parameters(self.settings, self.dtype)
+        with np.errstate(over="ignore"):
+            return self.block.parameters(self.dtype)
 
     @property
     def values(self) -> dict[str, float]:
@@ -118,9 +118,10 @@ class Source:
             f"Data: {self.data}",
             f"Fit: {self.fit}",
             f"Interval: {self.interval}",
+            f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, offset within +-{values['cap']:.6g}, "
             f"{values['ramp']:.6g} a scan while switching, units of OP.",
-            f"Scan time: {self.scan_time:g} s. Call it once in each scan of this length: ramp and rate count in scans.",
+            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp and rate count in scans.",
             f"Arithmetic: {self.real.upper()}. No retained data: the first scan after a start is without a bump.",
             f"Verified: {verified}",
             "Read the commissioning page before the download, and try the block in manual first.",
