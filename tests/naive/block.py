@@ -44,7 +44,7 @@ class DeadZone:
 
     def wanted(self, b, p):
         v = b.quieted - p["centre"]
-        if not b.frozen and not b.tracking:
+        if b.alive and not b.frozen:
             self.place = self.choose_place(p, v)
         if self.place == 0:
             gained, level = 0.0, 0.0
@@ -116,7 +116,7 @@ class Knocker:
         return finite and p["amplitude"] >= 0 and 1 <= p["pulse_scans"] <= p["period_scans"]
 
     def wanted(self, b, p):
-        if not b.active or b.frozen:
+        if not (b.active and b.was_active) or b.frozen:
             self.clock, self.reference, self.way = 0.0, b.quieted, 0.0
             return 0.0
         self.clock += 1
@@ -192,14 +192,10 @@ class NaiveBlock:
         error = self.accept(p)
         mode = self.choose_mode(op_in, enable, good, track, track_value)
         self.follow_direction(mode)
-        if self.settings is not None:
-            play = 0.0 if self.quieted is None else self.quieted - (self.base or 0.0)
-            if self.quieted is None:
-                self.quieted, kept = 0.0, None
-                self.kind.wanted(self, self.settings)
-                self.quieted = kept
-            else:
-                self.target = self.kind.wanted(self, self.settings) + play
+        if self.settings is not None and self.quieted is not None:
+            self.target = self.kind.wanted(self, self.settings) + self.quieted - (self.base or 0.0)
+        elif isinstance(self.kind, Backlash):
+            self.kind.pushed = self.side
         cut, capped, low, high = self.move(p, mode, op_in, enable, good, track_value)
         back = self.back(mode, enable, cut, capped)
         state = self.state(mode, good)
@@ -236,7 +232,7 @@ class NaiveBlock:
             elif self.base is not None:
                 self.base = clamp(self.base, *self.limits[:2])
         if track:
-            mode = "track" if math.isfinite(track_value) else "hold"
+            mode = "track" if math.isfinite(track_value) and self.limits is not None else "hold"
         elif not usable:
             mode = "hold"
         else:
@@ -261,6 +257,9 @@ class NaiveBlock:
             self.sensed = 0.0 if self.command is None else self.command
         if self.tracking != self.was_tracking:
             self.extreme = self.sensed
+        self.see_turn(settings)
+
+    def see_turn(self, settings):
         self.turned = False
         up = self.sensed > self.extreme + settings["band"]
         down = self.sensed < self.extreme - settings["band"]

@@ -64,7 +64,8 @@ def block_from_model(
     op_noise : float, optional
         Standard deviation of the noise in OP_IN, in its units: for a PI about ``abs(kp)`` times that of PV. Dead
         zone: the side holds until OP_IN is 3 of them past the centre; backlash: a play of +-2.5 of them in front of
-        the inverse, so that noise does not turn its direction. None: a tenth of the width is taken instead, and `notes` say so.
+        the inverse, so that noise does not turn its direction. None: a tenth of the width is taken instead, and `notes`
+        say so.
     ramp : float, optional
         Largest change of the offset in units of OP a second while anything is switched. None: the lost motion in
         100 scans.
@@ -96,7 +97,7 @@ def block_from_model(
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
     plan = _Plan(not_negative("factor", factor), noise, (low, high), centre)
     kind, size, derived = _rule(valve, method)(valve, plan)
-    if noise is None and kind != "stiction two moves":
+    if noise is None and kind != "stiction knocker":
         notes = (*notes, "noise of OP not given: a tenth of the width taken; give op_noise")
     per_scan = size / 100.0 if ramp is None else positive("ramp", ramp) * scan_time
     cap = settings.get("cap", derived["cap"])
@@ -239,9 +240,10 @@ def _dead_zone(valve: DeadZone, plan: _Plan) -> tuple[str, float, dict[str, floa
         for slope, edge in ((valve.left_slope, valve.left), (valve.right_slope, valve.right))
     ]
     deviations = ZONE_IN_DEVIATIONS if plan.noise is not None else 1.0
+    zone = max(deviations * _noise(plan, valve.width), LEAST * valve.width)
     derived = {
         "left_break": valve.left, "right_break": valve.right, "centre": centre, "left_slope": valve.left_slope,
-        "right_slope": valve.right_slope, "shape": HOLD, "zone": max(deviations * _noise(plan, valve.width), LEAST * valve.width),
+        "right_slope": valve.right_slope, "shape": HOLD, "zone": zone,
         "cap": MARGIN * max(ends),
     }  # fmt: skip
     return "dead zone", valve.width or 1.0, derived
@@ -261,11 +263,8 @@ def _backlash(valve: Backlash, plan: _Plan) -> tuple[str, float, dict[str, float
 def _knocker(valve: Stiction, plan: _Plan) -> tuple[str, float, dict[str, float]]:
     """Pulses of half the band S, one scan in five: what did best in docs/compensation.md."""
     amplitude = 0.5 * valve.band
-    deviations = BAND_IN_DEVIATIONS if plan.noise is not None else 0.0
-    derived = {
-        "amplitude": amplitude, "pulse_scans": 1.0, "period_scans": 5.0, "band": deviations * _noise(plan, valve.band),
-        "cap": MARGIN * amplitude * max(plan.factor, 1.0),
-    }  # fmt: skip
+    cap = MARGIN * amplitude * max(plan.factor, 1.0)
+    derived = {"amplitude": amplitude, "pulse_scans": 1.0, "period_scans": 5.0, "cap": cap}
     return "stiction knocker", amplitude or 1.0, derived
 
 

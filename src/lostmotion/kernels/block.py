@@ -107,7 +107,7 @@ def prepare(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     elif s[HAS_BASE] != 0.0:
         s[BASE] = min(max(s[BASE], s[USED_LOW]), s[USED_HIGH])
     if i[TRACK] != 0.0:
-        if i[TRACK_VALUE] - i[TRACK_VALUE] == 0.0:
+        if i[TRACK_VALUE] - i[TRACK_VALUE] == 0.0 and s[HAS_LIMITS] != 0.0:
             s[TRACKING] = 1.0
         else:
             s[HOLDING] = 1.0

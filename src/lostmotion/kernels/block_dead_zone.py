@@ -17,6 +17,7 @@ from __future__ import annotations
 from numba import njit
 
 from lostmotion.kernels.block import (
+    ALIVE,
     BASE,
     CHANGED,
     COMMAND,
@@ -100,7 +101,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = what the inverse adds to OP_IN."""
     s[SHIFT] = s[QUIETED] - s[USED_CENTRE]
     if s[HAS_LIMITS] != 0.0 and s[USED_RIGHT_SLOPE] > 0.0:
-        if s[FROZEN] == 0.0 and s[TRACKING] == 0.0:
+        if s[FROZEN] == 0.0 and s[ALIVE] != 0.0:
             place(p, s, i, o)
         if s[PLACE] > 0.0:
             s[LEVEL] = s[USED_RIGHT] - s[USED_CENTRE]

@@ -27,6 +27,7 @@ from lostmotion.kernels.block import (
     USED_BAND,
     USED_FACTOR,
     WANTED,
+    WAS_ACTIVE,
     Reals,
     check,
     drive,
@@ -79,7 +80,7 @@ def onset(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = the pulse, or nothing between pulses."""
     s[WANTED] = s[QUIETED] - s[BASE]
-    if s[ACTIVE] == 0.0 or s[FROZEN] != 0.0:
+    if s[ACTIVE] == 0.0 or s[WAS_ACTIVE] == 0.0 or s[FROZEN] != 0.0:
         s[CLOCK] = 0.0
         s[PULSE_SIDE] = 0.0
         s[ONSET] = s[QUIETED]
