@@ -106,9 +106,7 @@ def scan_rows(source, stretches):
     """Cold starts (n,), columns, and rows (n, inputs + settings) for all stretches."""
     specification = source.specification
     names = [variable.name.lower() for part in ("input", "parameter") for variable in specification.section(part)]
-    rows = [
-        np.hstack([stretch.inputs, np.tile(stretch.parameters, (len(stretch.inputs), 1))]) for stretch in stretches
-    ]
+    rows = [np.hstack([stretch.inputs, np.tile(stretch.parameters, (len(stretch.inputs), 1))]) for stretch in stretches]
     cold = np.zeros(sum(len(part) for part in rows))
     starts = np.cumsum([0] + [len(part) for part in rows[:-1]])
     cold[starts] = [stretch.cold for stretch in stretches]

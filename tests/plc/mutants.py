@@ -13,11 +13,12 @@ def mutants(text):
     """(what was changed, text) for every token of the body that can be swapped; a sign is dropped, not swapped."""
     start = text.rindex("END_VAR")
     for found in TOKEN.finditer(text, start):
-        token = found[0]
-        if token not in SWAPS:
+        word = found[0]
+        if word not in SWAPS:
             continue
-        sign = token == "-" and text[found.start() - 1 : found.start()] in "(" or text[found.start() - 2 : found.start()] in (", ", "= ")
-        new = "" if sign and token == "-" else SWAPS[token]
+        before = text[max(0, found.start() - 3) : found.start()]
+        sign = word == "-" and (before.endswith(("(", ", ", ":= ")))
+        new = "" if sign else SWAPS[word]
         line = text.count("\n", 0, found.start()) + 1
         whole = text.splitlines()[line - 1].strip()
-        yield f"line {line}: {token!r} to {new!r} in {whole}", text[: found.start()] + new + text[found.end() :]
+        yield f"line {line}: {word!r} to {new!r} in {whole}", text[: found.start()] + new + text[found.end() :]

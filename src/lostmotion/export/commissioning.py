@@ -14,7 +14,8 @@ IMPORTS = {
     "plcopen": "CODESYS: Project, Import PLCopenXML. Other tools that read TC6 v2.01: their import.",
     "tcpou": "TwinCAT: right-click POUs, Add, Existing Item.",
     "scl": "TIA Portal: External source files, Add new external file, then Generate blocks from source.",
-    "l5x": "Studio 5000: right-click Add-On Instructions, Import Add-On Instruction. LREAL needs a controller that has it.",
+    "l5x": "Studio 5000: right-click Add-On Instructions, Import Add-On Instruction. LREAL needs a controller that "
+    "has it.",
     "c": "Add both files to the project; keep IEEE arithmetic (no -ffast-math). Set the inputs, call the step function "
     "once in each scan, read the outputs.",
 }

@@ -6,7 +6,7 @@ most two operands. Conversions between DINT and REAL are implicit in assignments
 
 from __future__ import annotations
 
-import datetime
+import datetime as dt
 
 from lostmotion.export.frame import declare, render
 from lostmotion.export.lower import without_bool_values, without_min_max
@@ -29,7 +29,7 @@ def files(source: Source) -> dict[str, str]:
     dialect = Dialect(calls={"abs": "ABS({0})", "to real": "{0}", "to int": "{0}"}, true="1", false="0")
     printer = Printer(dialect, declared.names)
     reset = [f"{row.name} := {row.default};" for row in declared.rows["state"]]
-    day = datetime.date.fromisoformat(source.date)
+    day = dt.date.fromisoformat(source.date)
     text = render(
         "l5x.xml.j2",
         name=source.name,

@@ -20,7 +20,7 @@ RESERVED = frozenset(
     sel shl shr short signed sin sint sizeof sqrt static step string struct sub super switch tan task then this time to
     tod transition true trunc type typedef udint uint ulint union unsigned until usint var void volatile while with
     word xor
-    """.split()
+    """.split()  # noqa: SIM905  a list of words reads better than a list of strings
 )
 PREFIX = {"parameter": "set", "input": "given", "output": "shown", "state": "kept", "local": "temp"}
 

@@ -160,19 +160,19 @@ class Program:
         return text
 
     def _operand(self) -> str:
-        token = self._take()
-        if token in ("-", "NOT"):
-            return f"({'-' if token == '-' else 'not '}{self._operand()})"
-        if token == "(":
+        word = self._take()
+        if word in ("-", "NOT"):
+            return f"({'-' if word == '-' else 'not '}{self._operand()})"
+        if word == "(":
             text = self._expression(0)
             self._take(")")
             return f"({text})"
-        if token[0].isdigit() or token.startswith(("REAL#", "LREAL#")):
-            number = token.partition("#")[2] or token
+        if word[0].isdigit() or word.startswith(("REAL#", "LREAL#")):
+            number = word.partition("#")[2] or word
             return f"_real({number})" if "." in number else number
-        if token in ("TRUE", "FALSE"):
-            return token.capitalize()
-        return self._call(token) if self._peek() == "(" else f"v[{self._variable(token)!r}]"
+        if word in ("TRUE", "FALSE"):
+            return word.capitalize()
+        return self._call(word) if self._peek() == "(" else f"v[{self._variable(word)!r}]"
 
     def _call(self, name: str) -> str:
         to_real = re.fullmatch(r"DINT_TO_L?REAL", name)

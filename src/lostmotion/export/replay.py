@@ -124,4 +124,6 @@ def compare(source: Source, kernel: FloatArray, block: FloatArray) -> Replay:
     if wrong.any():
         k, j = (int(index) for index in np.argwhere(wrong)[0])
         first = f"scan {k}, {outputs[j].name}: {block[k, j]:.9g} instead of {kernel[k, j]:.9g}"
-    return Replay(len(kernel), float(difference[:, real].max(initial=0.0)), int(wrong[:, ~real].sum()), first, tolerance)
+    return Replay(
+        len(kernel), float(difference[:, real].max(initial=0.0)), int(wrong[:, ~real].sum()), first, tolerance
+    )

@@ -117,9 +117,13 @@ def _from_c(name: str, header: str, text: str) -> str:
     defaults = re.findall(r"([^\s,{]+), /\* (\w+) \*/", text)
     known = {variable: value for value, variable in defaults}
     declarations: list[Declaration] = []
-    for block, struct in re.findall(r"typedef struct \{\n(.*?)\} \w+?_(parameters|inputs|outputs|state);", header, re.S):
+    for block, struct in re.findall(
+        r"typedef struct \{\n(.*?)\} \w+?_(parameters|inputs|outputs|state);", header, re.S
+    ):
         for kind, variable in re.findall(r"^ +(\w+) (\w+);", block, re.M):
-            default = re.sub(r"(?<=\d)f$", "", known.get(variable, "")).replace("true", "TRUE").replace("false", "FALSE")
+            default = (
+                re.sub(r"(?<=\d)f$", "", known.get(variable, "")).replace("true", "TRUE").replace("false", "FALSE")
+            )
             declarations.append((words[struct], variable, C_TYPES[kind], default))
     body = text[text.index("_step(") :].split("{\n", 1)[1].rsplit("}", 1)[0]
     real = "LREAL" if "double" in header else "REAL"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import datetime
+import datetime as dt
 import re
 import unicodedata
 from dataclasses import dataclass, field
@@ -61,7 +61,7 @@ class Source:
         if self.real not in TYPES:
             raise ParameterError.expected(f"real out of {list(TYPES)}", self.real, "LREAL where the PLC has it")
         try:
-            datetime.date.fromisoformat(self.date)
+            dt.date.fromisoformat(self.date)
         except ValueError as error:
             raise ParameterError.expected("a date as YYYY-MM-DD", self.date, "give the day of the export") from error
         for variable, value in zip(self.specification.section("parameter"), self.parameters, strict=True):
@@ -119,9 +119,11 @@ class Source:
             f"Fit: {self.fit}",
             f"Interval: {self.interval}",
             f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
-            f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, offset within +-{values['cap']:.6g}, "
+            f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
+            f"offset within +-{values['cap']:.6g}, "
             f"{values['ramp']:.6g} a scan while switching, units of OP.",
-            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp and rate count in scans.",
+            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp and rate "
+            "count in scans.",
             f"Arithmetic: {self.real.upper()}. No retained data: the first scan after a start is without a bump.",
             f"Verified: {verified}",
             "Read the commissioning page before the download, and try the block in manual first.",

@@ -190,16 +190,21 @@ class _Function:
                 if value != int(value) or abs(value) > LARGEST_LITERAL:
                     self.refuse(node, "a whole number (everything else is a parameter)")
                 return Number(float(value))
-            case ast.Name(id=name):
-                return self.local(node, name)
+            case ast.Name():
+                return self.local(node)
             case ast.Subscript():
                 return self.variable(node)
+            case _:
+                return self.operator(node)
+
+    def operator(self, node: ast.expr) -> Expression:
+        match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return self.operation(node, "neg", [operand])
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 return Operation("not", (self.condition(operand),), "bool")
             case ast.BoolOp(op=operator, values=values):
-                return self.logic(node, "and" if isinstance(operator, ast.And) else "or", values)
+                return self.logic("and" if isinstance(operator, ast.And) else "or", values)
             case ast.BinOp(left=left, op=operator, right=right) if type(operator) in ARITHMETIC:
                 return self.operation(node, ARITHMETIC[type(operator)], [left, right])
             case ast.Compare(left=left, ops=[operator], comparators=[right]) if type(operator) in COMPARISON:
@@ -211,13 +216,13 @@ class _Function:
         self.refuse(node, "+ - * /, a comparison of two, and / or / not, min, max, abs")
         raise AssertionError
 
-    def local(self, node: ast.expr, name: str) -> Expression:
-        key = self.table.local(name, self.name)
+    def local(self, node: ast.Name) -> Expression:
+        key = self.table.local(node.id, self.name)
         if key not in self.table.local_kinds:
             self.refuse(node, "a local variable that has been assigned before")
         return Name("local", key, self.table.local_kinds[key])
 
-    def logic(self, node: ast.expr, operator: str, values: list[ast.expr]) -> Expression:
+    def logic(self, operator: str, values: list[ast.expr]) -> Expression:
         conditions = [self.condition(value) for value in values]
         result = conditions[0]
         for condition in conditions[1:]:

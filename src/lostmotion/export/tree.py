@@ -108,7 +108,9 @@ def parts(expression: Expression) -> Iterator[Expression]:
         yield from parts(expression.operand)
 
 
-def each_statement(statements: tuple[Statement, ...], change: Callable[[Statement], list[Statement]]) -> list[Statement]:
+def each_statement(
+    statements: tuple[Statement, ...], change: Callable[[Statement], list[Statement]]
+) -> list[Statement]:
     """Statements with `change` applied to each, innermost first."""
     result: list[Statement] = []
     for statement in statements:

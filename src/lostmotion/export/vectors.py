@@ -32,5 +32,7 @@ def vectors(source: Source) -> str:
 def _in_order(source: Source, stretch: Stretch) -> np.ndarray:
     """Inputs rounded to what a person can type, in the arithmetic of the block."""
     kinds = [variable.kind for variable in source.specification.section("input")]
-    rounded = np.where([kind == "real" for kind in kinds], np.round(stretch.inputs.astype(np.float64), 4), stretch.inputs)
+    rounded = np.where(
+        [kind == "real" for kind in kinds], np.round(stretch.inputs.astype(np.float64), 4), stretch.inputs
+    )
     return np.asarray(rounded, dtype=source.dtype)
