@@ -21,19 +21,37 @@ def usable_common(p):
 
 
 class DeadZone:
-    own = ("left_break", "right_break", "centre", "left_slope", "right_slope", "shape", "zone")
-    moving = own
+    moving = ("left_break", "right_break", "centre", "left_slope", "right_slope", "shape", "zone")
+    own = (*moving, "hunt_scans", "hunt_limit", "back_off")
 
     def __init__(self):
-        self.place = 0.0
+        self.place, self.part, self.side, self.changes = 0.0, 1.0, 0.0, []
+        self.now = 0
 
     def usable(self, p):
         return (
             math.isfinite(sum(abs(p[name]) for name in self.own))
             and p["left_break"] <= p["centre"] <= p["right_break"]
             and min(p["left_slope"], p["right_slope"]) > 0
-            and p["zone"] >= 0
+            and min(p["zone"], p["hunt_scans"], p["back_off"]) >= 0
+            and p["hunt_limit"] >= 1
+            and p["back_off"] <= 1
         )
+
+    def watch_for_hunting(self, b, p):
+        """`changes`: since when the scans count, then the changes that followed each other fast."""
+        if not b.enabled or b.first:
+            self.part, self.side, self.changes = 1.0, 0.0, []
+            self.now = p["hunt_scans"]
+        elif b.active:
+            self.now += float(self.now < p["hunt_scans"])
+            if self.place * self.side < 0:
+                self.changes = [*self.changes, self.now] if self.now < p["hunt_scans"] else []
+                self.now = 0
+                if len(self.changes) >= p["hunt_limit"]:
+                    self.changes, self.part = [], self.part * p["back_off"]
+            if self.place != 0:
+                self.side = math.copysign(1.0, self.place)
 
     def choose_place(self, p, v):
         if p["shape"] > 1:
@@ -46,12 +64,14 @@ class DeadZone:
         v = b.quieted - p["centre"]
         if b.alive and not b.frozen:
             self.place = self.choose_place(p, v)
+        self.watch_for_hunting(b, p)
+        factor = p["factor"] * self.part
         if self.place == 0:
             gained, level = 0.0, 0.0
         elif self.place > 0:
-            gained, level = v / p["right_slope"] - v, (p["right_break"] - p["centre"]) * p["factor"] * self.place
+            gained, level = v / p["right_slope"] - v, (p["right_break"] - p["centre"]) * factor * self.place
         else:
-            gained, level = v / p["left_slope"] - v, (p["centre"] - p["left_break"]) * p["factor"] * self.place
+            gained, level = v / p["left_slope"] - v, (p["centre"] - p["left_break"]) * factor * self.place
         return gained + level
 
     def inverse(self, b, p, command):
@@ -60,7 +80,7 @@ class DeadZone:
         if shift != 0:
             way = 1.0 if shift > 0 else -1.0
             side, slope = ("right_break", "right_slope") if way > 0 else ("left_break", "left_slope")
-            level = abs(p[side] - p["centre"]) * p["factor"]
+            level = abs(p[side] - p["centre"]) * p["factor"] * self.part
             smooth = p["shape"] == 1
             knee = level + p["zone"] / p[slope] if smooth else level
             if abs(shift) > knee:
@@ -188,7 +208,7 @@ class NaiveBlock:
         self.first, self.chasing, self.active, self.tracking = True, False, False, False
 
     def scan(self, p, op_in, enable, good, track, track_value):
-        self.changed = False
+        self.changed, self.enabled = False, bool(enable)
         error = self.accept(p)
         mode = self.choose_mode(op_in, enable, good, track, track_value)
         self.follow_direction(mode)
@@ -196,6 +216,8 @@ class NaiveBlock:
             self.target = self.kind.wanted(self, self.settings) + self.quieted - (self.base or 0.0)
         elif isinstance(self.kind, Backlash):
             self.kind.pushed = self.side
+        elif isinstance(self.kind, DeadZone):
+            self.kind.watch_for_hunting(self, self.settings or {"hunt_scans": 0.0})
         cut, capped, low, high = self.move(p, mode, op_in, enable, good, track_value)
         back = self.back(mode, enable, cut, capped)
         state = self.state(mode, good)

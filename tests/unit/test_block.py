@@ -177,9 +177,12 @@ def test_default_factor_is_the_lower_end_of_the_interval(fit):
 
 
 def test_ramp_is_the_width_in_a_time_constant_of_the_process(fit):
-    radius = abs(fit.linear.poles).max()
-    scans = max(-1.0 / np.log(radius), 10.0)
+    scans = max(1.0 - 1.0 / np.log(abs(fit.linear.poles).max()), 10.0)
     assert fit.block(span=(-50, 50)).settings["ramp"] == pytest.approx(fit.nonlinearity.width / scans)
+    assert fit.block(span=(-50, 50)).settings["hunt_scans"] == round(
+        3 * (1.0 - 1.0 / np.log(abs(fit.linear.poles).max()))
+    )
+    assert block_from_model(ZONE, 0.1).settings["hunt_scans"] == 0.0
 
 
 def test_noise_of_a_closed_loop_record_is_used(fit):

@@ -33,6 +33,8 @@ def random_settings(rng, kind):
             "left_break": centre - grid(0, 4), "right_break": centre + grid(0, 4), "centre": centre,
             "left_slope": rng.choice([0.5, 1.0, 2.0]), "right_slope": rng.choice([0.5, 1.0, 2.0]),
             "shape": float(rng.integers(0, 3)), "zone": rng.choice([0.0, 0.5, 2.0]),
+            "hunt_scans": float(rng.choice([0, 0, 5, 20])), "hunt_limit": float(rng.integers(1, 4)),
+            "back_off": rng.choice([0.5, 1.0]),
         },
         "backlash": {
             "lead_up": grid(0, 3), "lead_down": grid(0, 3), "pulse": grid(0, 1),

@@ -26,7 +26,8 @@ def respond(plant, block, seed, factor=1.0):
 
 
 def tank_block(**options):
-    return block_from_model(TANK.nonlinearity, DT, span=SPAN, op_noise=0.5 * NOISE_VARIANCE**0.5, **options)
+    options = {"span": SPAN, "op_noise": 0.5 * NOISE_VARIANCE**0.5, "process_time": 1.4, **options}
+    return block_from_model(TANK.nonlinearity, DT, **options)
 
 
 def test_off_the_noise_and_without_a_jump_the_block_is_the_plain_inverse():
@@ -118,6 +119,22 @@ def test_backlash_oscillation_falls_to_a_fifth(name, noise):
         amplitude.append(np.ptp(loop.output[3000:]))
     assert amplitude[0] > 0.4
     assert amplitude[1] < amplitude[0] / 5
+
+
+@pytest.mark.parametrize("factor", [0.8, 0.996, 1.004, 1.2])
+@pytest.mark.parametrize("variance", [0.0, NOISE_VARIANCE])
+def test_a_wrong_dead_zone_leaves_no_larger_cycle(factor, variance):
+    r = np.repeat([0.0, 1.0, 0.2], [200, 800, 2000])
+    with_block, without = (
+        np.std(lm.simulate_loop(TANK, CONTROLLER, r, DT, block, noise=variance, seed=3).output[-1500:])
+        for block in (tank_block(factor=factor), None)
+    )
+    assert with_block < without
+    if factor > 1.1:  # it is the guard that does it
+        bare = lm.simulate_loop(
+            TANK, CONTROLLER, r, DT, tank_block(factor=factor, hunt_scans=0.0), noise=variance, seed=3
+        )
+        assert np.std(bare.output[-1500:]) > without
 
 
 @pytest.mark.statistics

@@ -23,6 +23,8 @@ LEAST = 0.01  # of the width, for zone and quiet: rounding must not turn anythin
 ASSUMED_NOISE = 0.1  # of the width, where the noise of OP is not known
 MARGIN = 1.1  # of the cap over the largest offset that the settings ask for
 RAMP_SCANS = (10.0, 600.0)  # for the whole lost motion
+HUNT_TIMES = 3.0  # process times: changes of side closer than that are hunting
+HUNT_LIMIT = 4.0
 SIZE = {"dead zone": "width", "backlash": "width", "stiction": "band"}
 
 
@@ -34,6 +36,7 @@ class _Plan:
     noise: float | None
     span: tuple[float, float]
     centre: float | None
+    process_scans: float | None
 
 
 def block_from_model(
@@ -44,6 +47,7 @@ def block_from_model(
     factor: float = 1.0,
     op_noise: float | None = None,
     ramp: float | None = None,
+    process_time: float | None = None,
     centre: float | None = None,
     method: str = "knocker",
     notes: tuple[str, ...] = (),
@@ -68,7 +72,10 @@ def block_from_model(
         say so.
     ramp : float, optional
         Largest change of the offset in units of OP a second while anything is switched. None: the lost motion in
-        100 scans.
+        `process_time`, but in 10 to 600 scans; in 100 scans where that is not given.
+    process_time : float, optional
+        Dead time and slowest time constant of the process together, in seconds. Dead zone: changes of side that
+        follow each other within three times this are hunting, and the guard gives way. None: no guard.
     centre : float, optional
         Dead zone: OP at which the valve shall rest. None: 0 where the dead zone holds it, else its middle.
     method : {"knocker", "two moves"}
@@ -95,11 +102,15 @@ def block_from_model(
     """
     low, high = finite("span", span[0]), finite("span", span[1])
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
-    plan = _Plan(not_negative("factor", factor), noise, (low, high), centre)
+    scans = None if process_time is None else positive("process_time", process_time) / positive("scan_time", scan_time)
+    plan = _Plan(not_negative("factor", factor), noise, (low, high), centre, scans)
     kind, size, derived = _rule(valve, method)(valve, plan)
     if noise is None and kind != "stiction knocker":
         notes = (*notes, "noise of OP not given: a tenth of the width taken; give op_noise")
-    per_scan = size / 100.0 if ramp is None else positive("ramp", ramp) * scan_time
+    if ramp is not None:
+        per_scan = positive("ramp", ramp) * scan_time
+    else:
+        per_scan = size / min(max(100.0 if scans is None else scans, RAMP_SCANS[0]), RAMP_SCANS[1])
     cap = settings.get("cap", derived["cap"])
     common = {"factor": plan.factor, "low": low, "high": high, "safe": low, "ramp": per_scan, "rate": 2.0 * cap}
     return CompensatorBlock.of(kind, scan_time, {**common, **derived, **settings}, notes)
@@ -132,8 +143,8 @@ def block_from_fit(
     level : float
         Confidence of that interval.
     op_noise, ramp
-        As in :func:`block_from_model`. None: the noise from the record where it is of a closed loop; the lost motion
-        within the slowest time constant of the process, 10 to 600 scans.
+        As in :func:`block_from_model`. None: the noise from the record where it is of a closed loop; the process time
+        is that of the fitted process.
     **options
         As in :func:`block_from_model`.
 
@@ -173,11 +184,8 @@ def block_from_fit(
         if op_noise is not None:
             notes.append(f"noise of OP {op_noise:.3g}, from the record")
     scan = fit.linear.dt if scan_time is None else positive("scan_time", scan_time)
-    if ramp is None:
-        ramp = _size(fit.nonlinearity) / (_ramp_scans(fit.linear, scan) * scan)
-    return block_from_model(
-        fit.nonlinearity, scan, span=span, factor=factor, op_noise=op_noise, ramp=ramp, notes=tuple(notes), **options
-    )
+    found = {"factor": factor, "op_noise": op_noise, "ramp": ramp, "process_time": _process_time(fit.linear)}
+    return block_from_model(fit.nonlinearity, scan, span=span, notes=tuple(notes), **{**found, **options})
 
 
 def noise_of(op: FloatArray) -> float:
@@ -192,18 +200,12 @@ def noise_of(op: FloatArray) -> float:
     return float(1.4826 * np.median(second) / math.sqrt(6.0)) if second.size else 0.0
 
 
-def _ramp_scans(linear: LinearModel, scan_time: float) -> float:
-    """Slowest time constant of the process in scans, within reason."""
-    radius = float(np.max(np.abs(linear.poles), initial=0.0))
-    time = linear.dt / -math.log(radius) if 0.0 < radius < 1.0 else math.inf
-    return min(max(time / scan_time, RAMP_SCANS[0]), RAMP_SCANS[1])
-
-
-def _size(valve: Nonlinearity) -> float:
-    """Largest offset that the lost motion itself asks for."""
-    if isinstance(valve, Stiction):
-        return max(valve.band, valve.jump)
-    return float(getattr(valve, "width", 1.0)) or 1.0
+def _process_time(linear: LinearModel) -> float:
+    """Dead time and slowest time constant in seconds; an integrator counts as none."""
+    sizes = np.abs(linear.poles)
+    stable = sizes[(sizes > 0.0) & (sizes < 1.0 - 1e-9)]
+    slowest = -1.0 / math.log(float(stable.max())) if stable.size else 0.0
+    return float(linear.dt * (max(linear.delay, 1) + slowest))
 
 
 _Rule = Callable[[Any, _Plan], tuple[str, float, dict[str, float]]]
@@ -244,7 +246,8 @@ def _dead_zone(valve: DeadZone, plan: _Plan) -> tuple[str, float, dict[str, floa
     derived = {
         "left_break": valve.left, "right_break": valve.right, "centre": centre, "left_slope": valve.left_slope,
         "right_slope": valve.right_slope, "shape": HOLD, "zone": zone,
-        "cap": MARGIN * max(ends),
+        "cap": MARGIN * max(ends), "hunt_limit": HUNT_LIMIT,
+        "hunt_scans": 0.0 if plan.process_scans is None else float(round(HUNT_TIMES * plan.process_scans)),
     }  # fmt: skip
     return "dead zone", valve.width or 1.0, derived
 

@@ -152,10 +152,15 @@ DEAD_ZONE = (
         ("RIGHT_SLOPE", "real", "x per OP", "slope of the valve right of the dead zone", 1.0),
         ("SHAPE", "int", "", "way across the centre: 0 jump, 1 smooth, 2 hold", 2.0),
         ("ZONE", "real", OP, "half-width of the smooth line, or distance past the centre at which hold changes side"),
+        ("HUNT_SCANS", "int", "scans", "changes of side within this of each other are hunting; 0: no guard"),
+        ("HUNT_LIMIT", "int", "", "so many of them in a row and the guard gives way", 4.0),
+        ("BACK_OFF", "real", "1", "by which it multiplies the share of the dead zone that is compensated", 0.9),
     ),
     *_used("USED_LEFT", "USED_RIGHT", "USED_CENTRE", "USED_LEFT_SLOPE", "USED_RIGHT_SLOPE"),
     *_used("USED_SHAPE", kind="int"),
     *_used("USED_ZONE"),
+    *_used("USED_HUNT_SCANS", "USED_HUNT_LIMIT", kind="int"),
+    *_used("USED_BACK_OFF"),
     *_rows(
         "state",
         ("PLACE", "real", "", "between the sides, -1 left .. 1 right"),
@@ -163,6 +168,10 @@ DEAD_ZONE = (
         ("GAINED", "real", OP, "share of the slope in the offset"),
         ("LEVEL", "real", OP, "share of the dead zone in the offset"),
         ("KNEE", "real", OP, "command at which the smooth line ends"),
+        ("PART_LEFT", "real", "1", "share that the guard has left of the compensation"),
+        ("HALF", "real", "", "last side, -1, 0, 1"),
+        ("SINCE", "int", "scans", "since the last change of side, up to HUNT_SCANS"),
+        ("CLOSE", "int", "", "changes of side in a row that are hunting"),
     ),
 )
 

@@ -8,6 +8,11 @@ noise carries v through zero. SHAPE says how the side is chosen (PLACE, from -1 
 1  smooth: in proportion to v within +-ZONE, so the jump becomes a steep line.
 2  hold: the side changes only when v has passed the centre by ZONE to the other side (a relay with hysteresis).
 
+An inverse of more than the dead zone is a relay in the loop, which then hunts from side to side. The guard: where
+HUNT_LIMIT changes of side in a row come within HUNT_SCANS of each other, the share of the dead zone that is compensated
+is multiplied by BACK_OFF, again and again until it is calm; it is whole again after a disable. HUNT_SCANS = 0: no
+guard.
+
 FACTOR scales the way from the centre to the break points, not the slopes. QUIET (a play of +-QUIET in front of the
 inverse, :mod:`lostmotion.kernels.block`) takes the small turns out of the command as well.
 """
@@ -17,17 +22,20 @@ from __future__ import annotations
 from numba import njit
 
 from lostmotion.kernels.block import (
+    ACTIVE,
     ALIVE,
     BASE,
     CHANGED,
     COMMAND,
+    ENABLE,
     FAULT,
     FROZEN,
-    HAS_LIMITS,
+    HAS_SETTINGS,
     INVERTING,
     PARAMETERS,
     QUIETED,
     RETURNED,
+    STARTED,
     STATES,
     TOTAL,
     TRACKING,
@@ -43,9 +51,11 @@ from lostmotion.kernels.block import (
 )
 
 LEFT_BREAK, RIGHT_BREAK, CENTRE, LEFT_SLOPE, RIGHT_SLOPE, SHAPE, ZONE = range(PARAMETERS, PARAMETERS + 7)
+HUNT_SCANS, HUNT_LIMIT, BACK_OFF = range(PARAMETERS + 7, PARAMETERS + 10)
 USED_LEFT, USED_RIGHT, USED_CENTRE, USED_LEFT_SLOPE, USED_RIGHT_SLOPE, USED_SHAPE, USED_ZONE = range(STATES, STATES + 7)
-PLACE, SHIFT, GAINED, LEVEL, KNEE = range(STATES + 7, STATES + 12)
-SIZE = STATES + 12
+USED_HUNT_SCANS, USED_HUNT_LIMIT, USED_BACK_OFF = range(STATES + 7, STATES + 10)
+PLACE, SHIFT, GAINED, LEVEL, KNEE, PART_LEFT, HALF, SINCE, CLOSE = range(STATES + 10, STATES + 19)
+SIZE = STATES + 19
 
 
 @njit(cache=True)
@@ -53,10 +63,13 @@ def check_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT 3 where left <= centre <= right, slopes > 0, zone >= 0 does not hold."""
     s[TOTAL] = abs(p[LEFT_BREAK]) + abs(p[RIGHT_BREAK]) + abs(p[CENTRE])
     s[TOTAL] = s[TOTAL] + abs(p[LEFT_SLOPE]) + abs(p[RIGHT_SLOPE]) + abs(p[SHAPE]) + abs(p[ZONE])
+    s[TOTAL] = s[TOTAL] + abs(p[HUNT_SCANS]) + abs(p[HUNT_LIMIT]) + abs(p[BACK_OFF])
     if s[FAULT] == 0.0:
         if s[TOTAL] - s[TOTAL] != 0.0 or p[LEFT_BREAK] > p[CENTRE] or p[CENTRE] > p[RIGHT_BREAK]:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[LEFT_SLOPE] <= 0.0 or p[RIGHT_SLOPE] <= 0.0 or p[ZONE] < 0.0:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[HUNT_SCANS] < 0.0 or p[HUNT_LIMIT] < 1.0 or p[BACK_OFF] < 0.0 or p[BACK_OFF] > 1.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 
@@ -76,6 +89,9 @@ def take_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USED_RIGHT_SLOPE] = p[RIGHT_SLOPE]
     s[USED_SHAPE] = p[SHAPE]
     s[USED_ZONE] = p[ZONE]
+    s[USED_HUNT_SCANS] = p[HUNT_SCANS]
+    s[USED_HUNT_LIMIT] = p[HUNT_LIMIT]
+    s[USED_BACK_OFF] = p[BACK_OFF]
 
 
 @njit(cache=True)
@@ -97,12 +113,39 @@ def place(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
 
 
 @njit(cache=True)
+def guard(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
+    """Count changes of side that follow each other fast, and give way (PART_LEFT)."""
+    if i[ENABLE] == 0.0 or s[STARTED] == 0.0:
+        s[PART_LEFT] = 1.0
+        s[CLOSE] = 0.0
+        s[HALF] = 0.0
+        s[SINCE] = s[USED_HUNT_SCANS]
+    elif s[ACTIVE] != 0.0:
+        if s[SINCE] < s[USED_HUNT_SCANS]:
+            s[SINCE] = s[SINCE] + 1.0
+        if s[PLACE] * s[HALF] < 0.0:
+            if s[SINCE] < s[USED_HUNT_SCANS]:
+                s[CLOSE] = s[CLOSE] + 1.0
+            else:
+                s[CLOSE] = 0.0
+            s[SINCE] = 0.0
+            if s[CLOSE] >= s[USED_HUNT_LIMIT]:
+                s[CLOSE] = 0.0
+                s[PART_LEFT] = s[PART_LEFT] * s[USED_BACK_OFF]
+        if s[PLACE] > 0.0:
+            s[HALF] = 1.0
+        elif s[PLACE] < 0.0:
+            s[HALF] = -1.0
+
+
+@njit(cache=True)
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = what the inverse adds to OP_IN."""
     s[SHIFT] = s[QUIETED] - s[USED_CENTRE]
-    if s[HAS_LIMITS] != 0.0 and s[USED_RIGHT_SLOPE] > 0.0:
-        if s[FROZEN] == 0.0 and s[ALIVE] != 0.0:
-            place(p, s, i, o)
+    if s[HAS_SETTINGS] != 0.0 and s[FROZEN] == 0.0 and s[ALIVE] != 0.0:
+        place(p, s, i, o)
+    guard(p, s, i, o)
+    if s[HAS_SETTINGS] != 0.0:
         if s[PLACE] > 0.0:
             s[LEVEL] = s[USED_RIGHT] - s[USED_CENTRE]
             s[GAINED] = s[SHIFT] / s[USED_RIGHT_SLOPE]
@@ -113,6 +156,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[LEVEL] = 0.0
             s[GAINED] = s[SHIFT]
         s[LEVEL] = s[LEVEL] * s[USED_FACTOR]
+        s[LEVEL] = s[LEVEL] * s[PART_LEFT]
         s[LEVEL] = s[LEVEL] * s[PLACE]
         s[GAINED] = s[GAINED] - s[SHIFT]
         s[WANTED] = s[GAINED] + s[LEVEL]
@@ -123,6 +167,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
 def invert_right(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SHIFT > 0 that gives the command SHIFT from the centre."""
     s[LEVEL] = (s[USED_RIGHT] - s[USED_CENTRE]) * s[USED_FACTOR]
+    s[LEVEL] = s[LEVEL] * s[PART_LEFT]
     s[KNEE] = s[LEVEL]
     if s[USED_SHAPE] == 1.0:
         s[KNEE] = s[LEVEL] + s[USED_ZONE] / s[USED_RIGHT_SLOPE]
@@ -138,6 +183,7 @@ def invert_right(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
 def invert_left(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SHIFT < 0 that gives the command SHIFT from the centre."""
     s[LEVEL] = (s[USED_LEFT] - s[USED_CENTRE]) * s[USED_FACTOR]
+    s[LEVEL] = s[LEVEL] * s[PART_LEFT]
     s[KNEE] = s[LEVEL]
     if s[USED_SHAPE] == 1.0:
         s[KNEE] = s[LEVEL] - s[USED_ZONE] / s[USED_LEFT_SLOPE]
