@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lostmotion.compensate.block import CompensatorBlock
-from lostmotion.compensate.derive import SIZE, _ramp_scans, _size, block_from_model
+from lostmotion.compensate.derive import SIZE, _process_time, block_from_model
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.models import LinearModel
 from lostmotion.models._arguments import positive
@@ -19,7 +19,6 @@ def block_from_saved(
     span: tuple[float, float],
     scan_time: float | None = None,
     factor: float | None = None,
-    ramp: float | None = None,
     **options: Any,
 ) -> CompensatorBlock:
     """Block from ``HammersteinFit.to_dict()``, by the rules of :func:`block_from_fit`.
@@ -30,7 +29,7 @@ def block_from_saved(
         Dictionary of a fit, or of a block (``CompensatorBlock.to_dict()``), whose settings then stand.
     span : (float, float)
         Smallest and largest OP: the clamps.
-    scan_time, factor, ramp, **options
+    scan_time, factor, **options
         As in :func:`block_from_fit`. The noise of OP is not in the file: give `op_noise`, else a tenth of the width
         is taken and the notes say so.
 
@@ -67,9 +66,8 @@ def block_from_saved(
         got = f"{span}, OP {least:.4g} to {most:.4g}"
         raise ParameterError.expected("a span that holds the OP of the record", got, "give the true limits of OP")
     scan = fit["data"]["dt"] if scan_time is None else positive("scan_time", scan_time)
-    if ramp is None:
-        ramp = _size(valve) / (_ramp_scans(linear, scan) * scan)
-    return block_from_model(valve, scan, span=span, factor=factor, ramp=ramp, notes=tuple(notes), **options)
+    found = {"factor": factor, "process_time": _process_time(linear), **options}
+    return block_from_model(valve, scan, span=span, notes=tuple(notes), **found)
 
 
 def _again(saved: Mapping[str, Any], scan_time: float | None, changes: dict[str, float]) -> CompensatorBlock:
