@@ -10,7 +10,13 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
-from lostmotion.compensate import BacklashCompensator, CompensatorBlock, DeadZoneCompensator, block_from_model
+from lostmotion.compensate import (
+    AdaptiveCompensator,
+    BacklashCompensator,
+    CompensatorBlock,
+    DeadZoneCompensator,
+    block_from_model,
+)
 from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import (
@@ -46,6 +52,7 @@ __version__ = "0.1.0"
 __all__ = [
     "PI",
     "Achievable",
+    "AdaptiveCompensator",
     "Backlash",
     "BacklashCompensator",
     "ChangeEvent",

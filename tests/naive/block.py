@@ -243,6 +243,8 @@ class NaiveBlock:
             names = ("factor", "cap", "quiet", *self.kind.moving)
             self.changed = old is None or any(p[name] != old[name] for name in names)
             self.settings = dict(p)
+            if self.changed and isinstance(self.kind, DeadZone):
+                self.kind.part, self.kind.changes = 1.0, []
         return error
 
     def choose_mode(self, op_in, enable, good, track, track_value):

@@ -1,6 +1,7 @@
 """Inverses of actuator faults, as blocks that run sample by sample."""
 
 from lostmotion import _verbs
+from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
 from lostmotion.compensate.backlash import BacklashCompensator
 from lostmotion.compensate.block import BlockResponse, CompensatorBlock
 from lostmotion.compensate.dead_zone import DeadZoneCompensator
@@ -16,11 +17,13 @@ _verbs.block.register(HammersteinFit, block_from_fit)
 
 __all__ = [
     "SPECIFICATIONS",
+    "AdaptiveCompensator",
     "BacklashCompensator",
     "BlockResponse",
     "CompensatorBlock",
     "DeadZoneCompensator",
     "Specification",
+    "Supervisor",
     "Variable",
     "block_from_fit",
     "block_from_model",

@@ -10,8 +10,8 @@ noise carries v through zero. SHAPE says how the side is chosen (PLACE, from -1 
 
 An inverse of more than the dead zone is a relay in the loop, which then hunts from side to side. The guard: where
 HUNT_LIMIT changes of side in a row come within HUNT_SCANS of each other, the share of the dead zone that is compensated
-is multiplied by BACK_OFF, again and again until it is calm; it is whole again after a disable. HUNT_SCANS = 0: no
-guard.
+is multiplied by BACK_OFF, again and again until it is calm; it is whole again after a disable, and with
+new settings. HUNT_SCANS = 0: no guard.
 
 FACTOR scales the way from the centre to the break points, not the slopes. QUIET (a play of +-QUIET in front of the
 inverse, :mod:`lostmotion.kernels.block`) takes the small turns out of the command as well.
@@ -82,6 +82,9 @@ def take_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[TOTAL] = s[TOTAL] + abs(p[SHAPE] - s[USED_SHAPE])
     if s[TOTAL] != 0.0:
         s[CHANGED] = 1.0
+    if s[CHANGED] != 0.0:
+        s[PART_LEFT] = 1.0
+        s[CLOSE] = 0.0
     s[USED_LEFT] = p[LEFT_BREAK]
     s[USED_RIGHT] = p[RIGHT_BREAK]
     s[USED_CENTRE] = p[CENTRE]
