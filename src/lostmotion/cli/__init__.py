@@ -15,6 +15,7 @@ from lostmotion.cli.check import check
 from lostmotion.cli.compensate import compensate
 from lostmotion.cli.design import design
 from lostmotion.cli.diagnose import diagnose
+from lostmotion.cli.export import export
 from lostmotion.cli.identify import identify
 from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, diagnose, identify, compensate, design, online, paper):
+for command in (check, diagnose, identify, compensate, design, export, online, paper):
     app.command()(command)
 
 

@@ -204,6 +204,7 @@ class HammersteinFit(NamedEstimate):
                 "tag": data.tag,
                 "source": data.source,
                 "samples": int(data.u.size),
+                "op_range": [float(data.u.min()), float(data.u.max())],
                 "segments": data.segments.tolist(),
                 "dt": data.dt,
                 "fingerprint": data.fingerprint,
