@@ -29,7 +29,7 @@ from lostmotion.errors import (
     Status,
     TimeError,
 )
-from lostmotion.evaluate import control_variance, mean_absolute_error
+from lostmotion.evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
 from lostmotion.files import read_loop
 from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
 from lostmotion.models import (
@@ -57,6 +57,7 @@ __all__ = [
     "BacklashCompensator",
     "ChangeEvent",
     "ColumnError",
+    "CompensationStudy",
     "CompensatorBlock",
     "DataError",
     "DeadZone",
@@ -84,6 +85,7 @@ __all__ = [
     "achievable",
     "block_from_model",
     "check",
+    "compensation_study",
     "control_variance",
     "describing_function",
     "design",

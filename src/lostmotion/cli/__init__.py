@@ -19,6 +19,7 @@ from lostmotion.cli.export import export
 from lostmotion.cli.identify import identify
 from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
+from lostmotion.cli.simulate import simulate
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -29,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, diagnose, identify, compensate, design, export, online, paper):
+for command in (check, diagnose, identify, compensate, simulate, design, export, online, paper):
     app.command()(command)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lostmotion.compensate.block import CompensatorBlock
-from lostmotion.compensate.derive import SIZE, _ramp_scans, _size, block_from_model
+from lostmotion.compensate.derive import SIZE, _process_time, block_from_model
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.models import LinearModel
 from lostmotion.models._arguments import positive
@@ -67,9 +67,8 @@ def block_from_saved(
         got = f"{span}, OP {least:.4g} to {most:.4g}"
         raise ParameterError.expected("a span that holds the OP of the record", got, "give the true limits of OP")
     scan = fit["data"]["dt"] if scan_time is None else positive("scan_time", scan_time)
-    if ramp is None:
-        ramp = _size(valve) / (_ramp_scans(linear, scan) * scan)
-    return block_from_model(valve, scan, span=span, factor=factor, ramp=ramp, notes=tuple(notes), **options)
+    found = {"factor": factor, "ramp": ramp, "process_time": _process_time(linear)}
+    return block_from_model(valve, scan, span=span, notes=tuple(notes), **{**found, **options})
 
 
 def _again(saved: Mapping[str, Any], scan_time: float | None, changes: dict[str, float]) -> CompensatorBlock:

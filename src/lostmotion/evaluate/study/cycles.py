@@ -72,7 +72,7 @@ def predicted_cycle(plant: StudyPlant, controller: PI, block: CompensatorBlock |
         bias = block.settings["centre"]
     else:
         bias = 0.5 * (valve.left + valve.right) if isinstance(valve, DeadZone) else 0.0
-    left = valve if block is None else LeftOver(valve, _unhurried(block))
+    left: Nonlinearity = valve if block is None else LeftOver(valve, _unhurried(block))
     size = max(lost_motion(valve), 1e-9)
 
     def gain(amplitude: float) -> complex:
@@ -83,7 +83,7 @@ def predicted_cycle(plant: StudyPlant, controller: PI, block: CompensatorBlock |
     return cycles[-1] if cycles else LimitCycle()
 
 
-@dataclass(frozen=True)
+@dataclass
 class LeftOver:
     """What is left of an actuator behind a block, as an actuator."""
 

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
-from lostmotion.compensate.derive import noise_of
+from lostmotion.compensate.derive import _process_time, noise_of
 from lostmotion.compensate.saved import block_from_saved
-from lostmotion.errors import ParameterError
 from lostmotion.diagnose.movement import PERCENT
+from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.cycles import CycleTest, cycle_test, predicted_cycle, simulated_cycle
@@ -147,8 +147,9 @@ def compensation_study(
     decision = decide(cases, wrong, wrong_retuned, block)
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
-        decision.word, decision.reasons, decision.safe, cases, wrong, wrong_retuned, block, gains, source, found.plant.model, found.source, described, settle,
-        responses, {**chosen, "noise_deviation": deviation, "op_noise": op_noise},
+        decision.word, decision.reasons, decision.safe, cases, wrong, wrong_retuned, block, gains, source,
+        found.plant.model, found.source, described, settle, responses,
+        {**chosen, "noise_deviation": deviation, "op_noise": op_noise},
     )  # fmt: skip
 
 
@@ -216,8 +217,8 @@ def _level(found: Known, op_now: float | None, span: tuple[float, float]) -> tup
         return found.plant.set_point_at(op_now), f"OP {op_now:.4g}"
     if isinstance(valve, DeadZone):
         return found.plant.model.offset, "inside the dead zone"
-    middle = 0.5 * sum(found.op_range or span)
-    return found.plant.set_point_at(middle), f"OP {middle:.4g}, the middle of {'the record' if found.op_range else 'its span'}"
+    middle, where = 0.5 * sum(found.op_range or span), "the record's" if found.op_range else "its span"
+    return found.plant.set_point_at(middle), f"OP {middle:.4g}, the middle of {where}"
 
 
 def _deviation(noise: NoiseModel) -> float:
@@ -232,6 +233,7 @@ def _block(
     if isinstance(model, HammersteinFit):
         return block_from_fit(model, span=span, **given)
     if isinstance(model, Hammerstein):
+        given = {"process_time": _process_time(model.linear), **given}
         return block_from_model(found.plant.valve, model.linear.dt, span=span, **given)
     return block_from_saved(model, span=span, **given)
 
@@ -270,9 +272,7 @@ def _case(
     error = float(np.std(ratios, ddof=1) / np.sqrt(ratios.size)) if ratios.size > 1 else 0.0
     ratio = float(figures[:, iae].mean() / max(now[:, iae].mean(), 1e-300))
     means = dict(zip(NAMES, figures.mean(axis=0).tolist(), strict=True))
-    return LoopCase(
-        **means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller
-    )
+    return LoopCase(**means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller)
 
 
 def _retuned(

@@ -136,8 +136,8 @@ def _wrong(harm: Sequence[MistakeCase], mistakes: Sequence[MistakeCase]) -> str:
     between = f"{least:.2f} .. {worst.ratio:.2f} times the IAE without"
     if not harm:
         return (
-            f"Should the estimate be wrong (by two standard errors, by 20 %, {len(mistakes)} plants in all): {between}, "
-            "on none a larger limit cycle than without the block."
+            f"Should the estimate be wrong (by two standard errors, by 20 %, {len(mistakes)} plants in all): "
+            f"{between}, on none a larger limit cycle than without the block."
         )
     text = f"SHOULD THE ESTIMATE BE WRONG it does harm on {len(harm)} of {len(mistakes)} plants: {between}"
     cycles = [case for case in harm if case.larger_cycle]
@@ -169,7 +169,9 @@ def _gain(cases: Mapping[str, LoopCase], block: CompensatorBlock) -> str:
     text = ""
     slopes = [block.settings.get(f"{side}_slope", 1.0) for side in ("left", "right")]
     if max(slopes) > 1.05 or min(slopes) < 0.95:
-        text = f"The block divides by the slopes {slopes[0]:.3g} and {slopes[1]:.3g} of the valve; maintenance does not."
+        text = (
+            f"The block divides by the slopes {slopes[0]:.3g} and {slopes[1]:.3g} of the valve; maintenance does not."
+        )
     if cases["no fault"].cycle.amplitude > 0.0:
         text += (
             " BEWARE: without the fault the loop is unstable with the present controller; the lost motion has been "
