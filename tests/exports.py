@@ -9,7 +9,7 @@ COMMON = {
 }  # fmt: skip
 KINDS = {
     "dead zone": {"left_break": 45.0, "right_break": 55.0, "centre": 50.0, "left_slope": 1.3, "right_slope": 0.8,
-                  "zone": 0.6, "cap": 8.0},
+                  "zone": 0.6, "cap": 8.0, "hunt_scans": 20.0, "hunt_limit": 3.0},
     "backlash": {"lead_up": 0.7, "lead_down": 0.9, "pulse": 0.4, "pulse_scans": 3.0},
     "stiction knocker": {"amplitude": 1.2},
     "stiction two moves": {"overshoot": 2.0, "stand": 0.6, "move_scans": 3.0, "release": 0.8},

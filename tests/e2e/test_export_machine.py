@@ -24,7 +24,7 @@ from tests.plc.machine import (
 )
 
 pytestmark = pytest.mark.statistics
-ROWS = 50_000
+ROWS = 30_000
 BOTH = [(kind, real) for kind in KINDS for real in REALS]
 
 

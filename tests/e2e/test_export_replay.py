@@ -12,7 +12,7 @@ from lostmotion.export.replay import compare
 from tests.exports import KINDS, REALS, source
 from tests.plc.mutants import mutants
 
-ROWS = 500 if os.environ.get("NUMBA_DISABLE_JIT") else 10_000
+ROWS = 500 if os.environ.get("NUMBA_DISABLE_JIT") else 5_000
 
 
 @pytest.mark.parametrize("real", REALS)

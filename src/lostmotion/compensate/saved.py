@@ -19,7 +19,6 @@ def block_from_saved(
     span: tuple[float, float],
     scan_time: float | None = None,
     factor: float | None = None,
-    ramp: float | None = None,
     **options: Any,
 ) -> CompensatorBlock:
     """Block from ``HammersteinFit.to_dict()``, by the rules of :func:`block_from_fit`.
@@ -30,7 +29,7 @@ def block_from_saved(
         Dictionary of a fit, or of a block (``CompensatorBlock.to_dict()``), whose settings then stand.
     span : (float, float)
         Smallest and largest OP: the clamps.
-    scan_time, factor, ramp, **options
+    scan_time, factor, **options
         As in :func:`block_from_fit`. The noise of OP is not in the file: give `op_noise`, else a tenth of the width
         is taken and the notes say so.
 
@@ -67,8 +66,8 @@ def block_from_saved(
         got = f"{span}, OP {least:.4g} to {most:.4g}"
         raise ParameterError.expected("a span that holds the OP of the record", got, "give the true limits of OP")
     scan = fit["data"]["dt"] if scan_time is None else positive("scan_time", scan_time)
-    found = {"factor": factor, "ramp": ramp, "process_time": _process_time(linear)}
-    return block_from_model(valve, scan, span=span, notes=tuple(notes), **{**found, **options})
+    found = {"factor": factor, "process_time": _process_time(linear), **options}
+    return block_from_model(valve, scan, span=span, notes=tuple(notes), **found)
 
 
 def _again(saved: Mapping[str, Any], scan_time: float | None, changes: dict[str, float]) -> CompensatorBlock:
