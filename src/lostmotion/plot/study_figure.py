@@ -61,7 +61,8 @@ def _trend(above: Axes, below: Axes, loop: LoopResponse, settle: int, name: str)
         below.legend(
             fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
         )
-    above.margins(x=0.0)
+    for axes in (above, below):
+        axes.margins(x=0.0)
     above.tick_params(labelbottom=False)
     calm(above, name, "", "PV, SP")
     calm(below, "Command", "time, s", "OP")
@@ -88,7 +89,8 @@ def _errors(axes: Axes, study: CompensationStudy, after: str) -> None:
     names = ["2 standard\nerrors", "20 %", "drawn", *(said.replace(" ", "\n", 1) for said in lines)]
     axes.set_xticks(range(len(names)), names)
     axes.axvline(2.5, color="0.8", lw=0.8)
-    calm(axes, "IAE over that as it is; left: with the block where the estimate is wrong", "", "ratio")
+    axes.margins(y=0.12)
+    calm(axes, "IAE over that as it is; left: block, estimate wrong", "", "ratio")
 
 
 def _cycles(axes: Axes, study: CompensationStudy, after: str) -> None:
@@ -119,4 +121,4 @@ def _cycles(axes: Axes, study: CompensationStudy, after: str) -> None:
     axes.legend(fontsize=8, frameon=False, loc="upper left")
     axes.set_xlim(-0.03 * most, 1.15 * most)
     axes.set_ylim(-0.03 * most, 1.15 * most)
-    calm(axes, "Limit cycle of PV, amplitude (below the line: smaller with the block)", "as it is", "with the block")
+    calm(axes, "Amplitude of the limit cycle of PV", "as it is", "with the block (below the line: smaller)")

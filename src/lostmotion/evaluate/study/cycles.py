@@ -11,13 +11,14 @@ from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle, measure_limit_cycle, predict_limit_cycles
 from lostmotion.evaluate.study.plant import StudyPlant, lost_motion
 from lostmotion.evaluate.tuning import integrates
-from lostmotion.models import DeadZone, Nonlinearity, describing_function
+from lostmotion.models import DeadZone, Nonlinearity
 from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import PI
 
 AMPLITUDES = 40
 REACH = (0.02, 50.0)  # amplitudes of OP that are looked at, in widths
-SAMPLES_A_PERIOD = 200
+SAMPLES_A_PERIOD, PERIODS = 200, 2
+PERIODS_A_RUN, MOST_SAMPLES = 18.0, 60_000
 TIMED = ("stiction knocker", "stiction two moves")  # they go by the clock, so a sine says nothing about them
 NOTHING = 1e-3  # of the kick: what rounding may leave
 
@@ -44,13 +45,25 @@ class CycleTest:
     floor: float
 
 
-def simulated_cycle(plant: StudyPlant, controller: PI, block: CompensatorBlock | None, test: CycleTest) -> LimitCycle:
-    """The largest cycle over all levels, without noise, after a third of the run at another set point."""
-    zero = np.zeros(test.samples)
+def simulated_cycle(
+    plant: StudyPlant,
+    controller: PI,
+    block: CompensatorBlock | None,
+    test: CycleTest,
+    predicted: LimitCycle | None = None,
+) -> LimitCycle:
+    """The largest cycle over all levels, without noise, after a third of the run at another set point.
+
+    The run is made long enough for the predicted cycle.
+    """
+    samples = test.samples
+    if predicted is not None and predicted.amplitude:
+        samples = int(min(max(samples, PERIODS_A_RUN * predicted.period / plant.model.linear.dt), MOST_SAMPLES))
+    zero = np.zeros(samples)
     worst = LimitCycle()
     for level in test.levels:
-        reference = np.full(test.samples, level)
-        reference[1 : test.samples // 3] += test.kick
+        reference = np.full(samples, level)
+        reference[1 : samples // 3] += test.kick
         loop = plant.run(controller, block, reference, zero)
         floor = max(test.floor, NOTHING * abs(test.kick))
         found = measure_limit_cycle(loop.output, loop.control, loop.dt, floor)
@@ -76,11 +89,19 @@ def predicted_cycle(plant: StudyPlant, controller: PI, block: CompensatorBlock |
     size = max(lost_motion(valve), 1e-9)
 
     def gain(amplitude: float) -> complex:
-        return describing_function(left, amplitude, bias, periods=3, samples=SAMPLES_A_PERIOD)
+        return _gain_in_motion(left, amplitude, bias, size)
 
     amplitudes = np.geomspace(REACH[0] * size, REACH[1] * size, AMPLITUDES)
     cycles = predict_limit_cycles(gain, amplitudes, plant.model.linear, controller)
     return cycles[-1] if cycles else LimitCycle()
+
+
+def _gain_in_motion(actuator: Nonlinearity, amplitude: float, bias: float, size: float) -> complex:
+    """Describing function of an actuator that a larger sine has set in motion: from rest a sticking valve may stay."""
+    angle = 2.0 * np.pi / SAMPLES_A_PERIOD * np.arange(SAMPLES_A_PERIOD)
+    sines = np.concatenate([(amplitude + 2.0 * size) * np.sin(angle), *[amplitude * np.sin(angle)] * PERIODS])
+    last = np.asarray(actuator(bias + sines))[-SAMPLES_A_PERIOD:]
+    return complex(2.0 / SAMPLES_A_PERIOD * (last @ (np.sin(angle) + 1j * np.cos(angle))) / amplitude)
 
 
 @dataclass

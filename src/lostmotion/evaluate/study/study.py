@@ -33,7 +33,8 @@ from lostmotion.simulate import PI, LoopResponse
 
 SAMPLES = 4000
 MOST_SAMPLES = 20_000  # of a record's set point
-FEWEST_SETTLE, MOST_SETTLE = 300, 2000
+FEWEST_SETTLE, MOST_SETTLE = 600, 4000
+PERIODS = 4.0  # of a limit cycle until it has set in
 SLOWNESS = (1.0, 2.0, 4.0, 8.0)  # of the controllers tried, in dead times
 MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve harder
 BAND_IN_DEVIATIONS = 3.0
@@ -129,14 +130,16 @@ def compensation_study(
         block = _block(model, found, span, op_noise, options)
     elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
         raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
-    settle = _settle(block)
+    test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
+    swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
+    settle = _settle(block, swing.period / linear.dt)
     whole_reference = np.concatenate([np.full(settle, reference[0]), reference])
+    whole_reference[1 : settle // 3] += test.kick  # the loop is in its cycle when the counting begins
     noises = tuple(
         noise_samples(found.noise, whole_reference.size, seed + number) for number in range(whole("runs", runs, 1))
     )
     described += f", {reference.size * linear.dt:g} s a run, {len(noises)} runs"
     scenario = Scenario(whole_reference, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
-    test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     cases, responses = _cases(found.plant, gains, block, scenario, test)
     controllers = gains, cases["with, retuned"].controller
     pairs = [
@@ -238,10 +241,11 @@ def _block(
     return block_from_saved(model, span=span, **given)
 
 
-def _settle(block: CompensatorBlock) -> int:
-    """Rows until the offset is in force, twice over."""
+def _settle(block: CompensatorBlock, period: float) -> int:
+    """Rows until the offset is in force and a limit cycle has set in."""
     scans = block.settings["cap"] / max(block.settings["ramp"], 1e-12)
-    return int(min(max(2.0 * scans, FEWEST_SETTLE), MOST_SETTLE))
+    periods = PERIODS * period if np.isfinite(period) else 0.0
+    return int(min(max(2.0 * scans, periods, FEWEST_SETTLE), MOST_SETTLE))
 
 
 def _cases(
@@ -259,8 +263,9 @@ def _cases(
     for name, (one, pi, inverse) in loops.items():
         figures, responses[name] = scenario.run(one, pi, inverse)
         now = figures if now is None else now
-        cycle = simulated_cycle(one, pi, inverse, test)
-        cases[name] = _case(figures, now, cycle, predicted_cycle(one, pi, inverse), pi)
+        predicted = predicted_cycle(one, pi, inverse)
+        cycle = simulated_cycle(one, pi, inverse, test, predicted)
+        cases[name] = _case(figures, now, cycle, predicted, pi)
     return cases, responses
 
 
@@ -281,7 +286,7 @@ def _retuned(
     """The SIMC controller that does best, of those that neither cycle more than now nor wear the valve."""
     iae, travel = NAMES.index("iae"), NAMES.index("travel")
     now = scenario.run(plant, controller, None, FEW_RUNS)[0].mean(axis=0)
-    cycle = simulated_cycle(plant, controller, None, test).amplitude
+    cycle = simulated_cycle(plant, controller, None, test, predicted_cycle(plant, controller, None)).amplitude
     best, least = controller, np.inf
     linear, valve = plant.model.linear, plant.valve if block is None else without_fault(plant.valve, block)
     slope = max(valve.left_slope, valve.right_slope) if isinstance(valve, DeadZone) else 1.0
@@ -291,7 +296,8 @@ def _retuned(
         figures = scenario.run(plant, tried, block, FEW_RUNS)[0].mean(axis=0)
         if not figures[iae] < least or figures[travel] > MOST_TRAVEL * now[travel]:
             continue
-        if simulated_cycle(plant, tried, block, test).amplitude <= max(TOLERANCE * cycle, test.floor):
+        swing = simulated_cycle(plant, tried, block, test, predicted_cycle(plant, tried, block))
+        if swing.amplitude <= max(TOLERANCE * cycle, test.floor):
             best, least = tried, figures[iae]
     return best
 
@@ -303,10 +309,11 @@ def _mistakes(
     """The block on one plant with the present controller, and with the retuned one."""
     iae, travel = NAMES.index("iae"), NAMES.index("travel")
     before = np.maximum(scenario.run(plant, controllers[0], None, FEW_RUNS)[0].mean(axis=0), 1e-300)
-    cycle = simulated_cycle(plant, controllers[0], None, test)
+    predicted = predicted_cycle(plant, controllers[0], None)
+    cycle = simulated_cycle(plant, controllers[0], None, test, predicted)
     made = []
     for controller in controllers:
         after = scenario.run(plant, controller, block, FEW_RUNS)[0].mean(axis=0) / before
-        swing = simulated_cycle(plant, controller, block, test)
+        swing = simulated_cycle(plant, controller, block, test, predicted_cycle(plant, controller, block) or predicted)
         made.append(MistakeCase(group, what, float(after[iae]), float(after[travel]), cycle, swing, test.floor))
     return made[0], made[1]

@@ -56,7 +56,8 @@ def decide(
     helps = {name: _helps(cases[name], now) for name in cases}
     word = _word(cases, helps, safe)
     sentences = [HEADINGS[word], _with(cases, "with", helps), _wrong(harm["with"], mistakes)]
-    if _other(cases["with, retuned"], now):
+    both = cases["with, retuned"]
+    if _other(both, now) and (word != "compensate" or both.ratio < cases["with"].ratio - WORTH):
         sentences += [_with(cases, "with, retuned", helps), _wrong(harm["with, retuned"], retuned)]
     sentences += [_retuning(cases, helps), _maintenance(cases, helps), _gain(cases, block), _travel(cases, word)]
     return Decision(word, safe["with"], tuple(text for text in sentences if text))
@@ -170,7 +171,8 @@ def _gain(cases: Mapping[str, LoopCase], block: CompensatorBlock) -> str:
     slopes = [block.settings.get(f"{side}_slope", 1.0) for side in ("left", "right")]
     if max(slopes) > 1.05 or min(slopes) < 0.95:
         text = (
-            f"The block divides by the slopes {slopes[0]:.3g} and {slopes[1]:.3g} of the valve; maintenance does not."
+            f"The block divides by the slopes {slopes[0]:.3g} and {slopes[1]:.3g} of the valve, and so does what is "
+            "said of maintenance; a mended valve keeps them, so its controller needs gains smaller by as much."
         )
     if cases["no fault"].cycle.amplitude > 0.0:
         text += (
