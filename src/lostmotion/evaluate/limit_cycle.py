@@ -14,9 +14,10 @@ from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import PI
 
 ComplexArray = npt.NDArray[np.complex128]
-FREQUENCIES = 1500
+FREQUENCIES = 600
 DECADES = 4.5  # below the Nyquist frequency
 LEAST_GAIN = 1e-6  # of an actuator: below it there is no loop
+MARGIN = 0.5  # rad by which phases that may cross are taken wider
 FEWEST_CROSSINGS = 4
 SUSTAINED = 0.8  # of the size of the third before
 
@@ -77,8 +78,13 @@ def predict_limit_cycles(
     if np.count_nonzero(moving) < 2:
         return []
     amplitudes, critical, first = amplitudes[moving], _smooth_log(-1.0 / gains[moving]), _smooth_log(answer)
-    turns = 2.0j * np.pi * np.arange(-3, 3)
-    found = [cycle for turn in turns for cycle in _crossings(first, critical + turn, frequency, amplitudes, controller)]
+    found = []
+    for turn in 2.0j * np.pi * np.arange(-3, 3):
+        other = critical + turn
+        near = (first.imag > other.imag.min() - MARGIN) & (first.imag < other.imag.max() + MARGIN)
+        if near.any():
+            rows = slice(int(np.argmax(near)), near.size - int(np.argmax(near[::-1])))
+            found += _crossings(first[rows], other, frequency[rows], amplitudes, controller, linear.dt)
     return sorted(found, key=lambda cycle: cycle.amplitude)
 
 
@@ -100,7 +106,12 @@ def _controller_response(controller: PI, z: ComplexArray, dt: float) -> ComplexA
 
 
 def _crossings(
-    line: ComplexArray, other: ComplexArray, frequency: FloatArray, amplitudes: FloatArray, controller: PI
+    line: ComplexArray,
+    other: ComplexArray,
+    frequency: FloatArray,
+    amplitudes: FloatArray,
+    controller: PI,
+    dt: float,
 ) -> list[LimitCycle]:
     """Stable crossings of the frequency response with the critical line."""
     p, r = line[:-1, None], np.diff(line)[:, None]
@@ -113,7 +124,6 @@ def _crossings(
     for i, j in np.argwhere(inside):
         w = float(np.interp(along[i, j], [0.0, 1.0], frequency[i : i + 2]))
         size = float(np.interp(across[i, j], [0.0, 1.0], amplitudes[j : j + 2]))
-        dt = np.pi / frequency[-1] * 10.0**-1e-3
         answer = _controller_response(controller, np.exp(1j * np.array([w]) * dt), dt)
         cycles.append(LimitCycle(size / float(np.abs(answer[0])), 2.0 * np.pi / w, size))
     return cycles

@@ -34,8 +34,9 @@ def study_figure(study: CompensationStudy, title: str | None = None) -> Figure:
     """
     figure = new_figure(12.0, 9.0)
     figure.suptitle(title or study.reasons[0], fontsize=13, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(textwrap.fill(" ".join(study.reasons[1:3]), WRAP), fontsize=9, x=0.01, ha="left")
     after = "with, retuned" if study.recommendation == "compensate and retune" else "with"
+    first = 3 if after == "with, retuned" else 1
+    figure.supxlabel(textwrap.fill(" ".join(study.reasons[first : first + 2]), WRAP), fontsize=9, x=0.01, ha="left")
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.4))
     left, right = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     right.sharey(left)
@@ -84,7 +85,7 @@ def _errors(axes: Axes, study: CompensationStudy, after: str) -> None:
         axes.set_yscale("log")
     for place, value in enumerate(lines.values()):
         axes.plot(3.0 + place, value, "D", color=ALERT if value > 1.0 else "0.35", ms=6)
-        axes.annotate(f"{value:.2g}", (3.0 + place, value), xytext=(0, 7), textcoords="offset points",
+        axes.annotate(f"{float(f'{value:.2g}'):g}", (3.0 + place, value), xytext=(0, 7), textcoords="offset points",
                       ha="center", fontsize=8, color=MEASURED)  # fmt: skip
     names = ["2 standard\nerrors", "20 %", "drawn", *(said.replace(" ", "\n", 1) for said in lines)]
     axes.set_xticks(range(len(names)), names)

@@ -66,7 +66,7 @@ def _swing(cycle: LimitCycle) -> str:
 def _spread(study: CompensationStudy) -> str:
     """The block on other plants, group by group."""
     lines = [
-        f"{'If the estimate is wrong by':28}{'plants':>7}  {'IAE of as is':16}{'block and retuned':19}"
+        f"{'If the estimate is wrong by':28}{'plants':>7}  {'IAE of as is':19}{'block and retuned':19}"
         "larger limit cycle",
         "-" * WIDTH,
     ]
@@ -76,7 +76,7 @@ def _spread(study: CompensationStudy) -> str:
         if rows:
             more = [sum(case.larger_cycle for case in some) for some in (rows, again)]
             lines.append(
-                f"{_named(group):28}{len(rows):>7}  {_range(rows):16}{_range(again):19}{more[0]}, retuned {more[1]}"
+                f"{_named(group):28}{len(rows):>7}  {_range(rows):19}{_range(again):19}{more[0]}, retuned {more[1]}"
             )
     return "\n".join(lines)
 

@@ -16,7 +16,16 @@ from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.controller import controller_of, longest_set_point
-from lostmotion.evaluate.study.cycles import CycleTest, cycle_test, predicted_cycle, simulated_cycle
+from lostmotion.evaluate.study.cycles import (
+    MOST_SAMPLES as MOST_CYCLE_SAMPLES,
+)
+from lostmotion.evaluate.study.cycles import (
+    PERIODS_A_RUN,
+    CycleTest,
+    cycle_test,
+    predicted_cycle,
+    simulated_cycle,
+)
 from lostmotion.evaluate.study.known import Known, known
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.plant import StudyPlant, noise_samples, without_fault
@@ -142,8 +151,9 @@ def compensation_study(
     scenario = Scenario(whole_reference, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
     cases, responses = _cases(found.plant, gains, block, scenario, test)
     controllers = gains, cases["with, retuned"].controller
+    slow = _long_enough(test, cases, linear.dt)
     pairs = [
-        _mistakes(group, what, plant, controllers, block, scenario, test)
+        _mistakes(group, what, plant, controllers, block, scenario, slow)
         for group, what, plant in mistakes(found, whole("draws", draws, 0), seed)
     ]
     wrong, wrong_retuned = (tuple(pair[number] for pair in pairs) for number in (0, 1))
@@ -302,6 +312,13 @@ def _retuned(
     return best
 
 
+def _long_enough(test: CycleTest, cases: Mapping[str, LoopCase], dt: float) -> CycleTest:
+    """Runs that hold the slowest cycle of the estimated plant, with some room for others."""
+    swings = [cycle for case in cases.values() for cycle in (case.cycle, case.predicted) if cycle is not None]
+    slowest = max((cycle.period for cycle in swings if cycle.amplitude), default=0.0)
+    return replace(test, samples=int(min(max(test.samples, 1.5 * PERIODS_A_RUN * slowest / dt), MOST_CYCLE_SAMPLES)))
+
+
 def _mistakes(
     group: str, what: str, plant: StudyPlant, controllers: tuple[PI, PI], block: CompensatorBlock, scenario: Scenario,
     test: CycleTest,
@@ -309,11 +326,10 @@ def _mistakes(
     """The block on one plant with the present controller, and with the retuned one."""
     iae, travel = NAMES.index("iae"), NAMES.index("travel")
     before = np.maximum(scenario.run(plant, controllers[0], None, FEW_RUNS)[0].mean(axis=0), 1e-300)
-    predicted = predicted_cycle(plant, controllers[0], None)
-    cycle = simulated_cycle(plant, controllers[0], None, test, predicted)
+    cycle = simulated_cycle(plant, controllers[0], None, test)
     made = []
     for controller in controllers:
         after = scenario.run(plant, controller, block, FEW_RUNS)[0].mean(axis=0) / before
-        swing = simulated_cycle(plant, controller, block, test, predicted_cycle(plant, controller, block) or predicted)
+        swing = simulated_cycle(plant, controller, block, test)
         made.append(MistakeCase(group, what, float(after[iae]), float(after[travel]), cycle, swing, test.floor))
     return made[0], made[1]

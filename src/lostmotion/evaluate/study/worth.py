@@ -14,6 +14,7 @@ SURE = 2.0  # standard errors by which a gain must be above nothing
 WORSE = 1.05  # IAE with over without from which on a wrong estimate does harm
 MUCH_TRAVEL = 3.0  # times the travel without: the valve wears
 SHARE_GROUP = "20 %"
+CALM = 0.25  # of the limit cycle: below it ways are compared by the IAE
 HALF = 0.5  # of the limit cycle: what counts as gone
 HEADINGS = {
     "compensate": "COMPENSATION is worth it.",
@@ -55,7 +56,10 @@ def decide(
     safe = {name: not harm[name] and not _swings_more(cases[name], now, floor) for name in harm}
     helps = {name: _helps(cases[name], now) for name in cases}
     word = _word(cases, helps, safe)
-    sentences = [HEADINGS[word], _with(cases, "with", helps), _wrong(harm["with"], mistakes)]
+    heading = HEADINGS[word]
+    if word == "compensate and retune" and helps["with"] and safe["with"]:
+        heading = "COMPENSATION is worth it, and more so TOGETHER WITH RETUNING."
+    sentences = [heading, _with(cases, "with", helps), _wrong(harm["with"], mistakes)]
     both = cases["with, retuned"]
     if _other(both, now) and (word != "compensate" or both.ratio < cases["with"].ratio - WORTH):
         sentences += [_with(cases, "with, retuned", helps), _wrong(harm["with, retuned"], retuned)]
@@ -76,7 +80,7 @@ def _word(cases: Mapping[str, LoopCase], helps: Mapping[str, bool], safe: Mappin
         return "maintain" if helps["no fault"] else "leave"
     rests = {way: cases[names[way]].cycle.amplitude for way in open_ways}
     least = min(rests.values())
-    calm = [way for way in open_ways if rests[way] <= max(2.0 * least, 0.1 * cases["without"].cycle.amplitude)]
+    calm = [way for way in open_ways if rests[way] <= max(2.0 * least, CALM * cases["without"].cycle.amplitude)]
     best = min(cases[names[way]].ratio for way in calm)
     return next(way for way in calm if cases[names[way]].ratio <= best + WORTH)
 
@@ -162,6 +166,8 @@ def _retuning(cases: Mapping[str, LoopCase], helps: Mapping[str, bool]) -> str:
 def _maintenance(cases: Mapping[str, LoopCase], helps: Mapping[str, bool]) -> str:
     case = cases["no fault"]
     said = "" if helps["no fault"] else "would not be felt in this operation, "
+    if case.ratio > WORSE:
+        said = "not with these settings, "
     return f"Maintenance (no fault, present controller): {said}{_change(case)}{_cycle(cases['without'], case)}."
 
 
