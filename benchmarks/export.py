@@ -32,6 +32,7 @@ TEMPLATE = Path(__file__).parent / "export.md"
 SCANS = 1_000_000
 PART = 100_000
 MUTANT_SCANS = 20_000
+FIRST = 100  # stretches: most show at once
 
 
 def main() -> None:
@@ -100,16 +101,22 @@ def mutate(kind: str) -> str:
     made, missed = 0, []
     for what, text in mutants(TARGETS["st"](one)["FY_101.st"]):
         made += 1
-        try:
-            if compare(one, kernel, run_in_machine(text, one, stretches)).agrees:
-                missed.append(what)
-        except (DoesNotCompileError, AssertionError):  # does not compile, or stops in a fault
-            continue
+        if unseen(one, text, stretches[:FIRST], kernel) and unseen(one, text, stretches, kernel):
+            missed.append(what)
     print(kind, *missed, sep="\n  ", flush=True)
     sums = [what for what in missed if re.search(r"'(ABS|\+|-)' to .* in total := ", what)]
     edges = [what for what in missed if re.search(r"'[<>]=?' to '[<>]=?'", what)]
     rest = len(missed) - len(sums) - len(edges)
     return f"| {kind} | {made} | {made - len(missed)} | {len(sums)} | {len(edges)} | {rest} |"
+
+
+def unseen(one, text, stretches, kernel) -> bool:
+    """The machine's outputs are the kernel's; not where the text does not compile or stops in a fault."""
+    try:
+        found = run_in_machine(text, one, stretches)
+    except (DoesNotCompileError, AssertionError):
+        return False
+    return compare(one, kernel[: len(found)], found).agrees
 
 
 def table(rows: list[str]) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lostmotion.errors import DataError
-from lostmotion.export import TARGETS, replay
+from lostmotion.export import TARGETS, reader, replay
 from lostmotion.export.reader import Program
 from lostmotion.export.replay import compare
 from tests.exports import KINDS, REALS, source
@@ -124,3 +124,23 @@ def test_the_reader_ranks_operators_as_st_does():
     program = Program(text)
     found = program.run({}, ["a", "b", "f"], [[2.0, 3.0, 1.0], [3.0, 3.0, 0.0], [5.0, 2.0, 0.0]], ["r", "g", "h"])
     assert found.tolist() == [[4.0, 1.0, 1.0], [6.0, 0.0, 1.0], [13.0, 0.0, 0.0]]
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_plcs_do_differently_never_happens(kind, real, monkeypatch):
+    """MIN and MAX of NaN differ between PLCs, and a division by zero stops some of them."""
+
+    def no_nan(function):
+        def checked(a, b):
+            assert not np.isnan([a, b]).any()
+            return function(a, b)
+
+        return checked
+
+    monkeypatch.setattr(reader, "_min", no_nan(reader._min))
+    monkeypatch.setattr(reader, "_max", no_nan(reader._max))
+    with_division = np.errstate
+    monkeypatch.setattr(np, "errstate", lambda **_: with_division(all="ignore", divide="raise"))
+    one = source(kind, real)
+    assert replay(TARGETS["st"](one), one, rows=ROWS, seed=3).agrees

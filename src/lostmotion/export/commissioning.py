@@ -12,7 +12,8 @@ IMPORTS = {
     "st": "Paste the file into a new function block (CODESYS, TwinCAT, OpenPLC: declaration and body where the tool "
     "keeps them apart).",
     "plcopen": "CODESYS: Project, Import PLCopenXML. Other tools that read TC6 v2.01: their import.",
-    "tcpou": "TwinCAT: right-click POUs, Add, Existing Item.",
+    "tcpou": "TwinCAT: right-click POUs, Add, Existing Item. If floating point exceptions are on for the task, a NaN "
+    "at the input stops it: take them off.",
     "scl": "TIA Portal: External source files, Add new external file, then Generate blocks from source.",
     "l5x": "Studio 5000: right-click Add-On Instructions, Import Add-On Instruction. LREAL needs a controller that "
     "has it.",
