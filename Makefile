@@ -4,7 +4,7 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 export PYTHONPATH :=
 
-.PHONY: setup demo test lint types imports unit nojit bench clean
+.PHONY: setup demo test lint types imports unit nojit plc bench clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -16,7 +16,7 @@ $(STAMP): pyproject.toml constraints.txt
 demo: $(STAMP)
 	$(BIN)/python examples/demo.py
 
-test: lint types imports unit nojit
+test: lint types imports plc unit nojit
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -36,9 +36,19 @@ unit: $(STAMP)
 nojit: $(STAMP)
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -m "not statistics"
 
+# A PLC for the tests of exported blocks: ST machine, parsers, schema, in an environment of its own.
+plc: .venv-plc/.installed
+
+.venv-plc/.installed: tests/plc/constraints.txt tests/plc/build.py tests/plc/machine.cpp
+	$(PYTHON) -m venv .venv-plc
+	.venv-plc/bin/pip install --quiet --disable-pip-version-check -c tests/plc/constraints.txt \
+	    blark lxml pybind11 scikit-build-core setuptools tree-sitter tree-sitter-iec61131-3-st wheel
+	.venv-plc/bin/python tests/plc/build.py
+	touch $@
+
 bench: $(STAMP)
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
 clean:
-	rm -rf .venv .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -10,7 +10,13 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 
 from lostmotion import plot as _plot  # noqa: F401  registers figures
 from lostmotion import report as _report  # noqa: F401  registers summaries
-from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.compensate import (
+    AdaptiveCompensator,
+    BacklashCompensator,
+    CompensatorBlock,
+    DeadZoneCompensator,
+    block_from_model,
+)
 from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import (
@@ -23,7 +29,7 @@ from lostmotion.errors import (
     Status,
     TimeError,
 )
-from lostmotion.evaluate import control_variance, mean_absolute_error
+from lostmotion.evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
 from lostmotion.files import read_loop
 from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
 from lostmotion.models import (
@@ -46,9 +52,13 @@ __version__ = "0.1.0"
 __all__ = [
     "PI",
     "Achievable",
+    "AdaptiveCompensator",
     "Backlash",
+    "BacklashCompensator",
     "ChangeEvent",
     "ColumnError",
+    "CompensationStudy",
+    "CompensatorBlock",
     "DataError",
     "DeadZone",
     "DeadZoneCompensator",
@@ -73,7 +83,9 @@ __all__ = [
     "TestDesign",
     "TimeError",
     "achievable",
+    "block_from_model",
     "check",
+    "compensation_study",
     "control_variance",
     "describing_function",
     "design",

@@ -1,4 +1,4 @@
-"""Verbs that results offer and that higher layers carry out: plot, compensator, indices, summary.
+"""Verbs that results offer and that higher layers carry out: plot, compensator, block, indices, summary.
 
 A result lives low in the import order; what draws it or turns it into a block lives above. The higher layer
 registers its function here when the package is imported, so nothing below imports anything above.
@@ -20,9 +20,15 @@ def plot(result: Any, **options: Any) -> Any:
 
 @singledispatch
 def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones take options
-    """Block that undoes an actuator fault (registered by ``lostmotion.compensate``)."""
-    remedy = "other faults have no block yet: mend the actuator, or build on its inverse()"
-    raise ParameterError.expected("a dead zone to compensate", type(model).__name__, remedy)
+    """Ideal inverse of an actuator fault (registered by ``lostmotion.compensate``)."""
+    remedy = "for stiction fit.block() knocks or makes two moves; for other faults mend the actuator"
+    raise ParameterError.expected("a dead zone or a backlash, which have an inverse", type(model).__name__, remedy)
+
+
+@singledispatch
+def block(fit: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones take options
+    """Compensating block with safeguards, as it runs in a PLC (registered by ``lostmotion.compensate``)."""
+    raise ParameterError.expected("a fit to make a block from", type(fit).__name__, "use block_from_model()")
 
 
 @singledispatch

@@ -118,5 +118,6 @@ def test_load_is_added_behind_the_actuator():
         assert (dx[-1] == 1.0).all()
 
 
-def test_only_a_dead_zone_has_a_compensator():
-    assert "Backlash" in refusal(lm.ParameterError, _verbs.compensator, lm.Backlash(1.0))
+def test_only_a_dead_zone_and_a_backlash_have_an_inverse():
+    assert _verbs.compensator(lm.Backlash(1.0)).kind == "backlash"
+    assert "block" in refusal(lm.ParameterError, _verbs.compensator, lm.Stiction(1.0, 0.5))

@@ -15,9 +15,11 @@ from lostmotion.cli.check import check
 from lostmotion.cli.compensate import compensate
 from lostmotion.cli.design import design
 from lostmotion.cli.diagnose import diagnose
+from lostmotion.cli.export import export
 from lostmotion.cli.identify import identify
 from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
+from lostmotion.cli.simulate import simulate
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -28,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (check, diagnose, identify, compensate, design, online, paper):
+for command in (check, diagnose, identify, compensate, simulate, design, export, online, paper):
     app.command()(command)
 
 

@@ -2,62 +2,59 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 
 from lostmotion.cli.options import Force, Json, NoTime, Op, Pv, Time, refuse_existing, show
+from lostmotion.cli.rough_model import (
+    Constants,
+    DeadTime,
+    Deviation,
+    Gain,
+    Integrating,
+    Memory,
+    controller_of_numbers,
+    noise_of_numbers,
+    number,
+    process_of,
+)
 from lostmotion.design import achievable as achievable_of
 from lostmotion.design import design as design_test
 from lostmotion.design.asked import TARGETS
 from lostmotion.errors import ParameterError
 from lostmotion.files import read_fit, read_loop, write_columns
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
-from lostmotion.simulate import PI
 
 Pair = tuple[float, float]
 
 
-def _number(flag: str, help_: str) -> Any:
-    return typer.Option(flag, help=help_, show_default=False)
-
-
-Fit = Annotated[Path | None, _number("--fit", "Result of `identify --out`; or the numbers of a rough model below.")]
-Left = Annotated[float | None, _number("--left", "Guess of the left break point, in units of OP.")]
-Right = Annotated[float | None, _number("--right", "Guess of the right break point.")]
+Fit = Annotated[Path | None, number("--fit", "Result of `identify --out`; or the numbers of a rough model below.")]
+Left = Annotated[float | None, number("--left", "Guess of the left break point, in units of OP.")]
+Right = Annotated[float | None, number("--right", "Guess of the right break point.")]
 Ratio = Annotated[float, typer.Option("--slope-ratio", help="Slope on the left over slope on the right.")]
-Gain = Annotated[float | None, _number("--gain", "PV per unit of OP beyond the right break point, at rest.")]
-Constants = Annotated[list[float] | None, _number("--time-constant", "Seconds; may be repeated.")]
-Integrating = Annotated[
-    bool, typer.Option("--integrating", help="A level: --gain is the speed of PV per unit of OP, per second.")
-]
-DeadTime = Annotated[float, typer.Option("--dead-time", help="Seconds.")]
-Dt = Annotated[float | None, _number("--dt", "Sampling time in seconds, beside the numbers of a model.")]
-Deviation = Annotated[float | None, _number("--noise-deviation", "Standard deviation of PV at rest.")]
-Memory = Annotated[float, typer.Option("--noise-time", help="Seconds in which the noise forgets; 0: white.")]
+Dt = Annotated[float | None, number("--dt", "Sampling time in seconds, beside the numbers of a model.")]
 PvNow = Annotated[float, typer.Option("--pv-now", help="PV at rest before the test, beside the numbers of a model.")]
-OpNow = Annotated[float | None, _number("--op-now", "OP at rest before the test; default: said in the result.")]
-OpLimits = Annotated[Pair | None, _number("--op-limits", "What OP must not leave, e.g. 40 60.")]
-PvLimits = Annotated[Pair | None, _number("--pv-limits", "What PV must not leave.")]
-SpLimits = Annotated[Pair | None, _number("--sp-limits", "Range of SP, in closed loop.")]
-Rate = Annotated[float | None, _number("--rate-limit", "Fastest move, units per second.")]
-Hold = Annotated[float | None, _number("--hold", "Shortest time in seconds for which a level is kept.")]
-Duration = Annotated[float | None, _number("--duration", "Seconds; with a wanted interval the most.")]
-Interval = Annotated[float | None, _number("--interval", "Wanted half-width of the 95 % interval, in units of OP.")]
+OpNow = Annotated[float | None, number("--op-now", "OP at rest before the test; default: said in the result.")]
+OpLimits = Annotated[Pair | None, number("--op-limits", "What OP must not leave, e.g. 40 60.")]
+PvLimits = Annotated[Pair | None, number("--pv-limits", "What PV must not leave.")]
+SpLimits = Annotated[Pair | None, number("--sp-limits", "Range of SP, in closed loop.")]
+Rate = Annotated[float | None, number("--rate-limit", "Fastest move, units per second.")]
+Hold = Annotated[float | None, number("--hold", "Shortest time in seconds for which a level is kept.")]
+Duration = Annotated[float | None, number("--duration", "Seconds; with a wanted interval the most.")]
+Interval = Annotated[float | None, number("--interval", "Wanted half-width of the 95 % interval, in units of OP.")]
 Target = Annotated[str, typer.Option("--target", help='Of what: "width" or "break points".')]
 Loop = Annotated[str, typer.Option("--loop", help='"open" (steps of OP) or "closed" (steps of SP).')]
-Kp = Annotated[float | None, _number("--kp", "Gain of the PI controller, in closed loop.")]
-Ki = Annotated[float | None, _number("--ki", "Integral gain of it, units of OP per unit of PV and second.")]
+Kp = Annotated[float | None, number("--kp", "Gain of the PI controller, in closed loop.")]
+Ki = Annotated[float | None, number("--ki", "Integral gain of it, units of OP per unit of PV and second.")]
 Spread = Annotated[float, typer.Option("--spread", help="Roughness of the numbers of a model, 0.3 is 30 %.")]
 Seed = Annotated[int, typer.Option("--seed", help="Of the search; the same seed, the same test.")]
-At = Annotated[Path | None, _number("--achievable", "Say what this record can at best give, instead of a test.")]
-Out = Annotated[Path | None, _number("--out", "Write time and OP (or SP) here (csv, txt, parquet).")]
+At = Annotated[Path | None, number("--achievable", "Say what this record can at best give, instead of a test.")]
+Out = Annotated[Path | None, number("--out", "Write time and OP (or SP) here (csv, txt, parquet).")]
 Steps = Annotated[bool, typer.Option("--steps", help="With --out: one row a move, not one a sample.")]
-Figure = Annotated[Path | None, _number("--figure", "Write the figure here (png, pdf or svg).")]
+Figure = Annotated[Path | None, number("--figure", "Write the figure here (png, pdf or svg).")]
 
 
 def design(
@@ -112,9 +109,9 @@ def design(
     if fit is not None:
         model, noise = _from_fit(fit, left, right, slope_ratio)
     else:
-        process = _process(gain, time_constant or [], integrating, dead_time, dt)
+        process = process_of(gain, time_constant or [], integrating, dead_time, dt)
         model = _model(process, left, right, slope_ratio, op_now, pv_now)
-        noise = _noise(noise_deviation, noise_time, process.dt)
+        noise = noise_of_numbers(noise_deviation, noise_time, process.dt)
     if achievable is not None:
         record = read_loop(achievable, op=op, pv=pv, time=False if ignore_time else time, dt=dt)
         answer = achievable_of(record, model, noise, spread=spread, seed=seed)
@@ -124,7 +121,8 @@ def design(
         model, noise, op_limits=op_limits, op_now=op_now, pv_limits=pv_limits, sp_limits=sp_limits,
         rate_limit=rate_limit, shortest_hold=hold, duration=duration,
         wanted=None if interval is None else dict.fromkeys(TARGETS.get(target, ("width",)), interval),
-        target=target, loop=loop, controller=_controller(kp, ki), spread=spread, seed=seed, progress=_progress,
+        target=target, loop=loop, controller=controller_of_numbers(kp, ki), spread=spread, seed=seed,
+        progress=_progress,
     )  # fmt: skip
     if out is not None:
         write_columns(out, test.columns(every_sample=not steps), force)
@@ -157,26 +155,6 @@ def _zone(left: float | None, right: float | None, slope_ratio: float) -> DeadZo
     return DeadZone(left, right, left_slope=slope_ratio)
 
 
-def _process(
-    gain: float | None, constants: list[float], integrating: bool, dead_time: float, dt: float | None
-) -> LinearModel:
-    if gain is None or dt is None or not (constants or integrating):
-        raise ParameterError.expected(
-            "--fit, or --gain, --time-constant (or --integrating) and --dt", "less", "see --help for an example"
-        )
-    if any(not constant > 0 for constant in constants):
-        raise ParameterError.expected("--time-constant > 0", constants, "give seconds")
-    den = np.array([1.0])
-    for constant in constants:
-        den = np.polymul(den, [constant, 1.0])
-    process = LinearModel.from_continuous([gain], np.append(den, 0.0) if integrating else den, dead_time, dt)
-    if not integrating:
-        return process
-    poles = process.poles
-    poles[np.argmin(np.abs(poles - 1.0))] = 1.0  # exactly, not to rounding
-    return LinearModel(tuple(np.real(np.poly(poles))[1:]), process.b, process.delay, process.dt)
-
-
 def _model(
     process: LinearModel, left: float | None, right: float | None, slope_ratio: float, op_now: float | None, pv: float
 ) -> Hammerstein:
@@ -184,16 +162,3 @@ def _model(
     zone = _zone(left, right, slope_ratio)
     x = 0.0 if op_now is None else float(zone(op_now))
     return Hammerstein(zone, process, pv - (process.gain * x if x else 0.0))
-
-
-def _noise(deviation: float | None, memory: float, dt: float) -> NoiseModel:
-    if deviation is None:
-        raise ParameterError.expected("--noise-deviation", None, "give the standard deviation of PV at rest")
-    if not memory > 0:
-        return NoiseModel((), deviation**2)
-    pole = math.exp(-dt / memory)
-    return NoiseModel((-pole,), deviation**2 * (1.0 - pole**2))
-
-
-def _controller(kp: float | None, ki: float | None) -> PI | None:
-    return None if kp is None and ki is None else PI(kp or 0.0, ki or 0.0)

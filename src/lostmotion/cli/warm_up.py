@@ -13,6 +13,19 @@ if __name__ == "__main__":
     for valve in (lm.Backlash(0.5), lm.Stiction(0.5, 0.3), lm.Saturation(-1.0, 1.0)):
         lm.simulate_loop(lm.Hammerstein(valve, lm.LinearModel((-0.8,), (0.2,), 1, 0.1)), lm.PI(0.5, 0.5), np.ones(50))
         valve(loop.command)
+    faults: dict[str, lm.DeadZone | lm.Backlash | lm.Stiction] = {
+        "dead zone": lm.DeadZone(-1.0, 1.0),
+        "backlash": lm.Backlash(1.0),
+        "knocker": lm.Stiction(1.0, 0.5),
+        "two moves": lm.Stiction(1.0, 0.5),
+    }
+    for name, fault in faults.items():
+        method = name if name == "two moves" else "knocker"
+        block = lm.block_from_model(fault, 0.1, span=(-50.0, 50.0), method=method)
+        block.step(1.0)
+        block.run(np.ones(3), dtype=np.float32)
+        linear = lm.LinearModel((-0.8,), (0.2,), 1, 0.1)
+        lm.simulate_loop(lm.Hammerstein(fault, linear), lm.PI(0.5, 0.5), np.ones(50), compensator=block)
     recursive = lm.RecursiveML(1, 0, 1, forgetting=0.999, start_samples=200)
     recursive.run(loop.command, loop.measured)
     count_samples(np.arange(3.0), 1.0, 0.0, np.array([np.nan, 0.0, 0.0, 0.0]), np.empty(3))

@@ -1,9 +1,30 @@
 """Inverses of actuator faults, as blocks that run sample by sample."""
 
 from lostmotion import _verbs
+from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
+from lostmotion.compensate.backlash import BacklashCompensator
+from lostmotion.compensate.block import BlockResponse, CompensatorBlock
 from lostmotion.compensate.dead_zone import DeadZoneCompensator
-from lostmotion.models import DeadZone
+from lostmotion.compensate.derive import block_from_fit, block_from_model
+from lostmotion.compensate.specification import SPECIFICATIONS, Specification
+from lostmotion.compensate.variables import Variable
+from lostmotion.identify import HammersteinFit
+from lostmotion.models import Backlash, DeadZone
 
 _verbs.compensator.register(DeadZone, DeadZoneCompensator.from_dead_zone)
+_verbs.compensator.register(Backlash, BacklashCompensator)
+_verbs.block.register(HammersteinFit, block_from_fit)
 
-__all__ = ["DeadZoneCompensator"]
+__all__ = [
+    "SPECIFICATIONS",
+    "AdaptiveCompensator",
+    "BacklashCompensator",
+    "BlockResponse",
+    "CompensatorBlock",
+    "DeadZoneCompensator",
+    "Specification",
+    "Supervisor",
+    "Variable",
+    "block_from_fit",
+    "block_from_model",
+]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.data import IdentificationData
 from lostmotion.models import LinearModel
 from lostmotion.models._arguments import FloatArray
 
@@ -55,7 +56,37 @@ def loop_stability(fit: HammersteinFit, sp: FloatArray | None, period: float = n
     period : float
         In samples, of an oscillation whose root is sought; NaN: the least damped root.
     """
-    data = fit.data
+    found = estimate_pi(fit.data, sp)
+    damping, own = _root_near(fit.linear, found.kp, found.ki, period)
+    return LoopStability(found.kp, found.ki, found.unexplained, damping, own)
+
+
+@dataclass(frozen=True)
+class EstimatedPI:
+    """PI that explains the moves of OP best.
+
+    Attributes
+    ----------
+    kp, ki : float
+        Units of OP per unit of PV, and per sample.
+    unexplained : float
+        Share of the moves of OP that it does not explain.
+    """
+
+    kp: float
+    ki: float
+    unexplained: float
+
+
+def estimate_pi(data: IdentificationData, sp: FloatArray | None) -> EstimatedPI:
+    """PI by least squares on the moves of OP.
+
+    Parameters
+    ----------
+    data : IdentificationData
+    sp : ndarray or None
+        Set point on its rows; None: constant.
+    """
     moves, columns = [], []
     for start, stop in data.segments.tolist():
         error = -data.y[start:stop] if sp is None else sp[start:stop] - data.y[start:stop]
@@ -67,8 +98,7 @@ def loop_stability(fit: HammersteinFit, sp: FloatArray | None, period: float = n
     gains = np.linalg.lstsq(rows / scale, du, rcond=1e-10)[0] / scale
     left = du - rows @ gains
     unexplained = float(left @ left) / max(float(du @ du), 1e-300)
-    damping, own = _root_near(fit.linear, float(gains[0]), float(gains[1]), period)
-    return LoopStability(float(gains[0]), float(gains[1]), unexplained, damping, own)
+    return EstimatedPI(float(gains[0]), float(gains[1]), unexplained)
 
 
 def _root_near(linear: LinearModel, kp: float, ki: float, period: float) -> tuple[float, float]:

@@ -6,11 +6,15 @@ from lostmotion.evaluate.indices import control_variance, mean_absolute_error
 from lostmotion.evaluate.monte_carlo import MonteCarloResult, monte_carlo
 from lostmotion.evaluate.random_faults import FaultyLoop, random_faulty_loop
 from lostmotion.evaluate.random_loops import RandomLoop, random_loop
+from lostmotion.evaluate.study import CompensationStudy, compensation_study
+from lostmotion.evaluate.tuning import simc
 
 __all__ = [
+    "CompensationStudy",
     "FaultyLoop",
     "MonteCarloResult",
     "RandomLoop",
+    "compensation_study",
     "control_variance",
     "cramer_rao",
     "mean_absolute_error",
@@ -18,5 +22,6 @@ __all__ = [
     "random_faulty_loop",
     "random_loop",
     "reversals",
+    "simc",
     "travel",
 ]

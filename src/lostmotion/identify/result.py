@@ -182,8 +182,15 @@ class HammersteinFit(NamedEstimate):
         return _verbs.plot(self, **options)
 
     def compensator(self, **options: Any) -> Any:
-        """Block that undoes the actuator fault; see :class:`lostmotion.compensate.DeadZoneCompensator`."""
+        """Ideal inverse of the dead zone or backlash; see :class:`lostmotion.compensate.DeadZoneCompensator`.
+
+        What is fit for a PLC, with the uncertainty of this fit in its settings, is :meth:`block`.
+        """
         return _verbs.compensator(self.nonlinearity, **options)
+
+    def block(self, **options: Any) -> Any:
+        """Compensating block with safeguards; see :func:`lostmotion.compensate.block_from_fit`."""
+        return _verbs.block(self, **options)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: everything but the signals. Infinite numbers become None."""
@@ -208,6 +215,7 @@ class HammersteinFit(NamedEstimate):
                 "tag": data.tag,
                 "source": data.source,
                 "samples": int(data.u.size),
+                "op_range": [float(data.u.min()), float(data.u.max())],
                 "segments": data.segments.tolist(),
                 "dt": data.dt,
                 "fingerprint": data.fingerprint,

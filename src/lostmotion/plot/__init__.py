@@ -3,16 +3,19 @@
 from lostmotion import _verbs
 from lostmotion.design import TestDesign
 from lostmotion.diagnose import Diagnosis
+from lostmotion.evaluate import CompensationStudy
 from lostmotion.identify import HammersteinFit
 from lostmotion.plot.design_figure import design_figure
 from lostmotion.plot.diagnosis_figure import diagnosis_figure
 from lostmotion.plot.fit_figure import fit_figure
 from lostmotion.plot.loop_figure import loop_figure
+from lostmotion.plot.study_figure import study_figure
 from lostmotion.simulate import LoopResponse
 
+_verbs.plot.register(CompensationStudy, study_figure)
 _verbs.plot.register(Diagnosis, diagnosis_figure)
 _verbs.plot.register(HammersteinFit, fit_figure)
 _verbs.plot.register(LoopResponse, loop_figure)
 _verbs.plot.register(TestDesign, design_figure)
 
-__all__ = ["design_figure", "diagnosis_figure", "fit_figure", "loop_figure"]
+__all__ = ["design_figure", "diagnosis_figure", "fit_figure", "loop_figure", "study_figure"]

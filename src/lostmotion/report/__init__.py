@@ -3,7 +3,7 @@
 from lostmotion import _verbs
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis
-from lostmotion.evaluate import MonteCarloResult
+from lostmotion.evaluate import CompensationStudy, MonteCarloResult
 from lostmotion.identify import HammersteinFit, RecursiveEstimate
 from lostmotion.report.design_text import achievable_summary, design_summary
 from lostmotion.report.diagnosis_table import diagnosis_line, diagnosis_table
@@ -11,7 +11,9 @@ from lostmotion.report.diagnosis_text import diagnosis_summary
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
 from lostmotion.report.recursive_text import recursive_summary
+from lostmotion.report.study_text import study_summary
 
+_verbs.summary.register(CompensationStudy, study_summary)
 _verbs.summary.register(Achievable, achievable_summary)
 _verbs.summary.register(TestDesign, design_summary)
 _verbs.summary.register(HammersteinFit, fit_summary)
@@ -28,4 +30,5 @@ __all__ = [
     "fit_summary",
     "monte_carlo_summary",
     "recursive_summary",
+    "study_summary",
 ]

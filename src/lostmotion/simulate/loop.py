@@ -2,70 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion import _verbs
-from lostmotion.compensate import DeadZoneCompensator
+from lostmotion.compensate import BacklashCompensator, CompensatorBlock, DeadZoneCompensator
 from lostmotion.errors import ParameterError
-from lostmotion.kernels import actuator as kernel
 from lostmotion.kernels.loop import closed_loop
-from lostmotion.models import (
-    Backlash,
-    DeadZone,
-    DeadZoneInverse,
-    Hammerstein,
-    Identity,
-    LinearModel,
-    Saturation,
-    Stiction,
-)
+from lostmotion.models import BacklashInverse, DeadZoneInverse, Hammerstein, Identity, LinearModel
 from lostmotion.models._arguments import FloatArray, finite_signal
+from lostmotion.simulate.block_loop import BlockLoop, actuator_code
 from lostmotion.simulate.controllers import PI
+from lostmotion.simulate.response import LoopResponse
 
 _OPEN = np.zeros(5)
+_WIDE = {"low": -1e300, "high": 1e300, "cap": 1e300, "rate": 1e300}  # no safeguards: the ideal inverse
 
-
-@dataclass(frozen=True, eq=False)
-class LoopResponse:
-    """Signals of a simulated loop, each of shape (n,).
-
-    Attributes
-    ----------
-    time : seconds
-    reference, output, measured : set point, true output, output with noise
-    control, command, internal : controller output, command behind the compensator, internal variable x
-    """
-
-    time: FloatArray
-    reference: FloatArray
-    output: FloatArray
-    measured: FloatArray
-    control: FloatArray
-    command: FloatArray
-    internal: FloatArray
-    dt: float
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    def indices(self, start: float = 0.0, stop: float | None = None) -> dict[str, float]:
-        """Control variance eps1, mean absolute error eps2 (paper, eqs 32-33), travel and reversals of a track.
-
-        Parameters
-        ----------
-        start, stop : float
-            Track in seconds; default all.
-        """
-        result: dict[str, float] = _verbs.indices(self, start=start, stop=stop)
-        return result
-
-    def plot(self, **options: Any) -> Any:
-        """Figure of level and control (needs the extra ``lostmotion[plot]``)."""
-        return _verbs.plot(self, **options)
+Compensator = DeadZoneCompensator | DeadZoneInverse | BacklashCompensator | BacklashInverse | CompensatorBlock
 
 
 def simulate_loop(
@@ -73,7 +25,7 @@ def simulate_loop(
     controller: PI,
     reference: npt.ArrayLike,
     dt: float | None = None,
-    compensator: DeadZoneCompensator | DeadZoneInverse | None = None,
+    compensator: Compensator | None = None,
     disturbance: npt.ArrayLike | None = None,
     noise: float | npt.ArrayLike | None = None,
     seed: int | np.random.Generator | None = None,
@@ -93,8 +45,9 @@ def simulate_loop(
         Set point in units of y.
     dt : float, optional
         Sampling time in seconds; None: the plant's.
-    compensator : DeadZoneCompensator or DeadZoneInverse, optional
-        Between controller and actuator.
+    compensator : CompensatorBlock, DeadZoneCompensator, BacklashCompensator or an inverse, optional
+        Between controller and actuator. A block starts with its first scan, enabled; where it cuts the command, the
+        integral of the controller stops, as with its output BACK wired to the controller's anti-windup.
     disturbance : array_like, shape (n,), optional
         Added to the output, behind `disturbance_path` where one is given.
     noise : float or array_like, optional
@@ -109,7 +62,8 @@ def simulate_loop(
     Raises
     ------
     ParameterError
-        Unstable plant, delay 0, dt that contradicts the plant's, an actuator without a loop kernel.
+        Unstable plant, delay 0, dt that contradicts the plant's, an actuator without a loop kernel, a block with
+        another scan time.
     DataError
         Signals of different length.
 
@@ -134,7 +88,11 @@ def simulate_loop(
     added = np.zeros(r.size) if disturbance is None else finite_signal("disturbance", disturbance, r.size)
     if disturbance_path is not None:
         added = disturbance_path.simulate(added)
-    kind, parameters = _actuator(model)
+    if isinstance(compensator, BacklashCompensator | BacklashInverse | CompensatorBlock):
+        loop = BlockLoop(model, controller, r, added, _noise(noise, r.size, seed), _block(compensator, dt))
+        loop.advance(r.size)
+        return loop.response
+    kind, parameters = actuator_code(model.nonlinearity)
     inverse, has_inverse = _inverse(compensator)
     control, command, x, clean, measured = closed_loop(
         np.array(linear.a), np.array(linear.b), linear.delay, model.offset, parameters, inverse, kind, has_inverse,
@@ -155,32 +113,19 @@ def _noise(noise: float | npt.ArrayLike | None, n: int, seed: int | np.random.Ge
     return np.random.default_rng(seed).normal(scale=np.sqrt(variance), size=n)
 
 
-def _actuator(model: Hammerstein) -> tuple[int, FloatArray]:
-    """Number and parameters of the actuator, as ``kernels.actuator`` knows it."""
-    valve = model.nonlinearity
-    parameters = np.zeros(5)
-    if isinstance(valve, Identity):
-        return kernel.NONE, parameters
-    if isinstance(valve, DeadZone):
-        parameters[:4] = valve.left, valve.right, valve.left_slope, valve.right_slope
-        return kernel.DEAD_ZONE, parameters
-    if isinstance(valve, Backlash):
-        parameters[0] = valve.width
-        return kernel.BACKLASH, parameters
-    if isinstance(valve, Saturation):
-        parameters[:2] = valve.low, valve.high
-        return kernel.SATURATION, parameters
-    if isinstance(valve, Stiction):
-        parameters[:2] = valve.band, valve.jump
-        return kernel.STICTION + valve.code, parameters
-    raise ParameterError.expected(
-        "a DeadZone, Backlash, Stiction, Saturation or Identity", type(valve).__name__, "see lostmotion.models"
-    )
-
-
 def _inverse(compensator: DeadZoneCompensator | DeadZoneInverse | None) -> tuple[FloatArray, bool]:
     if compensator is None:
         return _OPEN, False
     if isinstance(compensator, DeadZoneInverse):
         compensator = DeadZoneCompensator(compensator.dead_zone)
     return compensator.kernel_parameters(), True
+
+
+def _block(compensator: BacklashCompensator | BacklashInverse | CompensatorBlock, dt: float) -> CompensatorBlock:
+    """The block, or the ideal inverse as a block without safeguards."""
+    if not isinstance(compensator, CompensatorBlock):
+        lead = 0.5 * compensator.backlash.width
+        return CompensatorBlock.of("backlash", dt, {**_WIDE, "lead_up": lead, "lead_down": lead})
+    if not abs(compensator.scan_time - dt) <= 1e-9 * dt:
+        raise ParameterError.expected(f"a block with scan_time={dt}", compensator.scan_time, "make it for this dt")
+    return compensator

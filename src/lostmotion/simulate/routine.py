@@ -8,8 +8,9 @@ from scipy.signal import lfilter
 from lostmotion.errors import ParameterError
 from lostmotion.models import Hammerstein, Nonlinearity
 from lostmotion.simulate.controllers import PI
-from lostmotion.simulate.loop import LoopResponse, simulate_loop
+from lostmotion.simulate.loop import simulate_loop
 from lostmotion.simulate.platforms.level_tank import NOISE_VARIANCE, level_tank
+from lostmotion.simulate.response import LoopResponse
 
 PAPER_PI = PI(kp=0.5, ki=0.7, low=-50.0, high=50.0)  # 0 to 100 % of a valve at rest at 50 %
 HOLD = 300  # samples between set-point moves: 30 s

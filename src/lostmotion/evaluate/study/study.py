@@ -1,0 +1,335 @@
+"""compensation_study(): one call from a fit to what its compensation would do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
+from lostmotion.compensate.derive import _process_time, noise_of
+from lostmotion.compensate.saved import block_from_saved
+from lostmotion.diagnose.movement import PERCENT
+from lostmotion.errors import ParameterError
+from lostmotion.evaluate.limit_cycle import LimitCycle
+from lostmotion.evaluate.study.controller import controller_of, longest_set_point
+from lostmotion.evaluate.study.cycles import (
+    MOST_SAMPLES as MOST_CYCLE_SAMPLES,
+)
+from lostmotion.evaluate.study.cycles import (
+    PERIODS_A_RUN,
+    CycleTest,
+    cycle_test,
+    predicted_cycle,
+    simulated_cycle,
+)
+from lostmotion.evaluate.study.known import Known, known
+from lostmotion.evaluate.study.mistakes import mistakes
+from lostmotion.evaluate.study.plant import StudyPlant, noise_samples, without_fault
+from lostmotion.evaluate.study.result import CompensationStudy, LoopCase, MistakeCase
+from lostmotion.evaluate.study.scenario import NAMES, Scenario, steps
+from lostmotion.evaluate.study.worth import decide
+from lostmotion.evaluate.tuning import integrates, simc
+from lostmotion.identify import HammersteinFit
+from lostmotion.kernels.threads import one_thread
+from lostmotion.models import DeadZone, Hammerstein, NoiseModel
+from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive, whole
+from lostmotion.records import LoopRecord
+from lostmotion.simulate import PI, LoopResponse
+
+SAMPLES = 4000
+MOST_SAMPLES = 20_000  # of a record's set point
+FEWEST_SETTLE, MOST_SETTLE = 600, 4000
+PERIODS = 4.0  # of a limit cycle until it has set in
+SLOWNESS = (1.0, 2.0, 4.0, 8.0)  # of the controllers tried, in dead times
+MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve harder
+BAND_IN_DEVIATIONS = 3.0
+FEW_RUNS = 2  # on each plant that the estimate may be wrong about
+TOLERANCE = 1.02
+Model = Hammerstein | HammersteinFit | Mapping[str, Any]
+
+
+@one_thread
+def compensation_study(
+    model: Model,
+    controller: PI | None = None,
+    *,
+    record: LoopRecord | None = None,
+    noise: NoiseModel | float | None = None,
+    block: CompensatorBlock | None = None,
+    reference: npt.ArrayLike | None = None,
+    sp_step: float | None = None,
+    hold: float | None = None,
+    op_now: float | None = None,
+    span: tuple[float, float] | None = None,
+    samples: int = SAMPLES,
+    runs: int = 10,
+    draws: int = 20,
+    cycle_samples: int = 6000,
+    seed: int = 0,
+    **options: Any,
+) -> CompensationStudy:
+    """Simulate the identified loop without, with, and with mis-estimated compensation, and say what is worth it.
+
+    Parameters
+    ----------
+    model : HammersteinFit, mapping or Hammerstein
+        A fit, its ``to_dict()`` as ``identify --out`` writes it, or a model beside its noise.
+    controller : PI, optional
+        Gains of the plant's controller; its limits are replaced by the span. None: estimated from `record`, where a
+        PI explains the moves of OP.
+    record : LoopRecord, optional
+        Gives set point and controller where they are not given.
+    noise : NoiseModel or float, optional
+        Of PV, beside a bare model: model or variance of white noise.
+    block : CompensatorBlock, optional
+        What is to be downloaded. None: what ``fit.block()`` makes; `options` are passed on to it.
+    reference : array_like, shape (n,), optional
+        Set point in units of PV. None: that of the record; without one constant, at the level that needs `op_now`.
+    sp_step : float, optional
+        Instead of a constant set point: steps of this size up and down, each held for `hold` seconds (a tenth of the
+        run).
+    op_now : float, optional
+        OP at rest where the set point is constant. None: the middle of the record's OP; else of the dead zone; else
+        of the span.
+    span : (float, float), optional
+        Smallest and largest OP. None: that of the record, else 0 .. 100.
+    samples, runs, seed : int
+        Length where the set point does not give it, number of noise sequences, and their seed.
+    draws : int
+        Plants drawn from the covariance of the fit.
+    cycle_samples : int
+        Length of the noise-free runs in which limit cycles are sought.
+
+    Returns
+    -------
+    CompensationStudy
+
+    Raises
+    ------
+    ParameterError
+        An actuator without a block, no controller, a span that does not hold OP, a block with another scan time.
+    DataError
+        A fit that shows no lost motion, a record whose OP no PI explains.
+
+    Examples
+    --------
+    >>> from lostmotion.models import Backlash, LinearModel
+    >>> level = LinearModel([-1.9, 0.9], [0.0024, 0.0023], 3, 0.1)
+    >>> study = compensation_study(
+    ...     Hammerstein(Backlash(2.0), level), PI(4.0, 0.2), noise=1e-4, op_now=50.0, runs=1, samples=1000
+    ... )
+    >>> study.recommendation, study.cases["without"].cycle.amplitude > 0.1, study.cases["with"].cycle.amplitude < 0.05
+    ('compensate', True, True)
+    """
+    found = known(model, noise)
+    span = _span(span, record)
+    gains, source = _controller(controller, record)
+    if op_now is not None:
+        found = _resting_at(found, finite("op_now", op_now))
+    gains = replace(gains, low=span[0], high=span[1])
+    linear = found.plant.model.linear
+    reference, described = _reference(found, record, reference, sp_step, hold, op_now, span, samples)
+    deviation = _deviation(found.noise)
+    op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
+    if block is None:
+        block = _block(model, found, span, op_noise, options)
+    elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
+        raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
+    test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
+    swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
+    settle = _settle(block, swing.period / linear.dt)
+    whole_reference = np.concatenate([np.full(settle, reference[0]), reference])
+    whole_reference[1 : settle // 3] += test.kick  # the loop is in its cycle when the counting begins
+    noises = tuple(
+        noise_samples(found.noise, whole_reference.size, seed + number) for number in range(whole("runs", runs, 1))
+    )
+    described += f", {reference.size * linear.dt:g} s a run, {len(noises)} runs"
+    scenario = Scenario(whole_reference, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
+    cases, responses = _cases(found.plant, gains, block, scenario, test)
+    controllers = gains, cases["with, retuned"].controller
+    slow = _long_enough(test, cases, linear.dt)
+    pairs = [
+        _mistakes(group, what, plant, controllers, block, scenario, slow)
+        for group, what, plant in mistakes(found, whole("draws", draws, 0), seed)
+    ]
+    wrong, wrong_retuned = (tuple(pair[number] for pair in pairs) for number in (0, 1))
+    decision = decide(cases, wrong, wrong_retuned, block)
+    chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
+    return CompensationStudy(
+        decision.word, decision.reasons, decision.safe, cases, wrong, wrong_retuned, block, gains, source,
+        found.plant.model, found.source, described, settle, responses,
+        {**chosen, "noise_deviation": deviation, "op_noise": op_noise},
+    )  # fmt: skip
+
+
+def _span(span: tuple[float, float] | None, record: LoopRecord | None) -> tuple[float, float]:
+    if span is None:
+        span = record.op_span if record is not None and record.op_span is not None else PERCENT
+    low, high = finite("span", span[0]), finite("span", span[1])
+    if not low < high:
+        raise ParameterError.expected("a span (low, high)", span, "turn it round")
+    return low, high
+
+
+def _controller(controller: PI | None, record: LoopRecord | None) -> tuple[PI, str]:
+    if controller is not None:
+        return controller, "given"
+    if record is None:
+        raise ParameterError.expected("a controller, or a record to estimate it from", "neither", "give kp and ki")
+    return controller_of(record)
+
+
+def _resting_at(found: Known, op_now: float) -> Known:
+    """An integrating process given by numbers rests where OP is now."""
+    if found.parameters or not integrates(found.plant.model.linear):
+        return found
+    return replace(found, plant=replace(found.plant, load=-float(np.asarray(found.plant.valve(op_now)))))
+
+
+def _reference(
+    found: Known,
+    record: LoopRecord | None,
+    given: npt.ArrayLike | None,
+    step: float | None,
+    hold: float | None,
+    op_now: float | None,
+    span: tuple[float, float],
+    samples: int,
+) -> tuple[FloatArray, str]:
+    """Set point, and in words where it comes from."""
+    dt = found.plant.model.linear.dt
+    if given is not None:
+        return finite_signal("reference", given), "set point as given"
+    recorded = None if record is None or step is not None else longest_set_point(record)
+    if record is not None and not abs(record.dt - dt) <= 1e-9 * dt:
+        raise ParameterError.expected(f"a record with dt={dt}, as the fit's", record.dt, "identify this record")
+    if recorded is not None:
+        return recorded[-MOST_SAMPLES:], "set point of the record"
+    if record is not None:
+        level, where = float(np.nanmean(record.pv)), "the mean of the record's PV"
+    else:
+        level, where = _level(found, op_now, span)
+    rest = found.plant.rest(level)[0]
+    if not span[0] <= rest <= span[1]:
+        raise ParameterError.expected(f"a span that holds OP at rest, {rest:.4g}", span, "give span and op_now")
+    n = whole("samples", samples, 100)
+    if step is None:
+        return np.full(n, level), f"constant set point {level:.4g} ({where})"
+    rows = max(round((0.1 * n * dt if hold is None else positive("hold", hold)) / dt), 1)
+    size = finite("sp_step", step)
+    return steps(level, size, n, rows), f"set point {level:.4g} with steps of {size:g} every {rows * dt:g} s"
+
+
+def _level(found: Known, op_now: float | None, span: tuple[float, float]) -> tuple[float, str]:
+    valve = found.plant.valve
+    if op_now is not None:
+        return found.plant.set_point_at(op_now), f"OP {op_now:.4g}"
+    if isinstance(valve, DeadZone):
+        return found.plant.model.offset, "inside the dead zone"
+    middle, where = 0.5 * sum(found.op_range or span), "the record's" if found.op_range else "its span"
+    return found.plant.set_point_at(middle), f"OP {middle:.4g}, the middle of {where}"
+
+
+def _deviation(noise: NoiseModel) -> float:
+    return float(np.std(noise_samples(noise, 5 * SAMPLES, 0)))
+
+
+def _block(
+    model: Model, found: Known, span: tuple[float, float], op_noise: float, options: dict[str, Any]
+) -> CompensatorBlock:
+    """What the rules of ``fit.block()`` make, with the noise of OP that the controller makes of that of PV."""
+    given = {"op_noise": op_noise, **options}
+    if isinstance(model, HammersteinFit):
+        return block_from_fit(model, span=span, **given)
+    if isinstance(model, Hammerstein):
+        given = {"process_time": _process_time(model.linear), **given}
+        return block_from_model(found.plant.valve, model.linear.dt, span=span, **given)
+    return block_from_saved(model, span=span, **given)
+
+
+def _settle(block: CompensatorBlock, period: float) -> int:
+    """Rows until the offset is in force and a limit cycle has set in."""
+    scans = block.settings["cap"] / max(block.settings["ramp"], 1e-12)
+    periods = PERIODS * period if np.isfinite(period) else 0.0
+    return int(min(max(2.0 * scans, periods, FEWEST_SETTLE), MOST_SETTLE))
+
+
+def _cases(
+    plant: StudyPlant, controller: PI, block: CompensatorBlock, scenario: Scenario, test: CycleTest
+) -> tuple[dict[str, LoopCase], dict[str, LoopResponse]]:
+    repaired = plant.with_valve(without_fault(plant.valve, block))
+    loops = {
+        "without": (plant, controller, None),
+        "with": (plant, controller, block),
+        "retuned": (plant, _retuned(plant, controller, None, scenario, test), None),
+        "with, retuned": (plant, _retuned(plant, controller, block, scenario, test), block),
+        "no fault": (repaired, controller, None),
+    }
+    cases, responses, now = {}, {}, None
+    for name, (one, pi, inverse) in loops.items():
+        figures, responses[name] = scenario.run(one, pi, inverse)
+        now = figures if now is None else now
+        predicted = predicted_cycle(one, pi, inverse)
+        cycle = simulated_cycle(one, pi, inverse, test, predicted)
+        cases[name] = _case(figures, now, cycle, predicted, pi)
+    return cases, responses
+
+
+def _case(
+    figures: FloatArray, now: FloatArray, cycle: LimitCycle, predicted: LimitCycle | None, controller: PI
+) -> LoopCase:
+    iae = NAMES.index("iae")
+    ratios = figures[:, iae] / np.maximum(now[:, iae], 1e-300)
+    error = float(np.std(ratios, ddof=1) / np.sqrt(ratios.size)) if ratios.size > 1 else 0.0
+    ratio = float(figures[:, iae].mean() / max(now[:, iae].mean(), 1e-300))
+    means = dict(zip(NAMES, figures.mean(axis=0).tolist(), strict=True))
+    return LoopCase(**means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller)
+
+
+def _retuned(
+    plant: StudyPlant, controller: PI, block: CompensatorBlock | None, scenario: Scenario, test: CycleTest
+) -> PI:
+    """The SIMC controller that does best, of those that neither cycle more than now nor wear the valve."""
+    iae, travel = NAMES.index("iae"), NAMES.index("travel")
+    now = scenario.run(plant, controller, None, FEW_RUNS)[0].mean(axis=0)
+    cycle = simulated_cycle(plant, controller, None, test, predicted_cycle(plant, controller, None)).amplitude
+    best, least = controller, np.inf
+    linear, valve = plant.model.linear, plant.valve if block is None else without_fault(plant.valve, block)
+    slope = max(valve.left_slope, valve.right_slope) if isinstance(valve, DeadZone) else 1.0
+    for slowness in SLOWNESS:
+        rule = simc(linear.scaled(slope), slowness)
+        tried = replace(controller, kp=rule.kp, ki=rule.ki)
+        figures = scenario.run(plant, tried, block, FEW_RUNS)[0].mean(axis=0)
+        if not figures[iae] < least or figures[travel] > MOST_TRAVEL * now[travel]:
+            continue
+        swing = simulated_cycle(plant, tried, block, test, predicted_cycle(plant, tried, block))
+        if swing.amplitude <= max(TOLERANCE * cycle, test.floor):
+            best, least = tried, figures[iae]
+    return best
+
+
+def _long_enough(test: CycleTest, cases: Mapping[str, LoopCase], dt: float) -> CycleTest:
+    """Runs that hold the slowest cycle of the estimated plant, with some room for others."""
+    swings = [cycle for case in cases.values() for cycle in (case.cycle, case.predicted) if cycle is not None]
+    slowest = max((cycle.period for cycle in swings if cycle.amplitude), default=0.0)
+    return replace(test, samples=int(min(max(test.samples, 1.5 * PERIODS_A_RUN * slowest / dt), MOST_CYCLE_SAMPLES)))
+
+
+def _mistakes(
+    group: str, what: str, plant: StudyPlant, controllers: tuple[PI, PI], block: CompensatorBlock, scenario: Scenario,
+    test: CycleTest,
+) -> tuple[MistakeCase, MistakeCase]:  # fmt: skip
+    """The block on one plant with the present controller, and with the retuned one."""
+    iae, travel = NAMES.index("iae"), NAMES.index("travel")
+    before = np.maximum(scenario.run(plant, controllers[0], None, FEW_RUNS)[0].mean(axis=0), 1e-300)
+    cycle = simulated_cycle(plant, controllers[0], None, test)
+    made = []
+    for controller in controllers:
+        after = scenario.run(plant, controller, block, FEW_RUNS)[0].mean(axis=0) / before
+        swing = simulated_cycle(plant, controller, block, test)
+        made.append(MistakeCase(group, what, float(after[iae]), float(after[travel]), cycle, swing, test.floor))
+    return made[0], made[1]

@@ -1,0 +1,130 @@
+"""export(): a block as files for one tool, with test vectors, a commissioning page, and the proof."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lostmotion.compensate import CompensatorBlock
+from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.export import c99, l5x, plcopen, scl, structured_text, tcpou
+from lostmotion.export.commissioning import page
+from lostmotion.export.provenance import provenance
+from lostmotion.export.replay import Replay, replay
+from lostmotion.export.source import Source
+from lostmotion.export.vectors import vectors
+from lostmotion.files import write_text
+
+TARGETS: dict[str, Callable[[Source], dict[str, str]]] = {
+    "st": structured_text.files,
+    "plcopen": plcopen.files,
+    "tcpou": tcpou.files,
+    "scl": scl.files,
+    "l5x": l5x.files,
+    "c": c99.files,
+}
+
+
+@dataclass(frozen=True)
+class Exported:
+    """An exported block.
+
+    Attributes
+    ----------
+    source : Source
+        Block, name, date, arithmetic.
+    target : str
+        Key of ``TARGETS``.
+    code : dict of str
+        The file or files for the tool, by name.
+    """
+
+    source: Source
+    target: str
+    code: dict[str, str]
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Code, test vectors and commissioning page by file name."""
+        name = self.source.name
+        return {
+            **self.code,
+            f"{name}_vectors.csv": vectors(self.source),
+            f"{name}_commissioning.md": page(self.source, self.target, list(self.code)),
+        }
+
+    def replay(self, rows: int = 10_000, seed: int = 0) -> Replay:
+        """Execute the written code in plain Python over adversarial scans and compare it with the kernel."""
+        return replay(self.code, self.source, rows, seed)
+
+    def write(self, folder: str | os.PathLike[str], force: bool = False) -> list[Path]:
+        """Write all files into a folder, which is made where it is not there.
+
+        Raises
+        ------
+        FileAccessError
+            One of them exists and `force` is not set; then none is written.
+        """
+        place, files = Path(folder), self.files
+        there = [str(place / name) for name in files if (place / name).exists()]
+        if there and not force:
+            raise FileAccessError(f"expected new files, got {', '.join(there)}; use --force to replace them")
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileAccessError(f"expected a folder {place}, got {error.strerror}; choose another") from error
+        return [write_text(place / name, text, force) for name, text in files.items()]
+
+
+def export(
+    block: CompensatorBlock,
+    to: str = "st",
+    *,
+    name: str,
+    date: str,
+    real: str = "lreal",
+    fit: Mapping[str, Any] | None = None,
+) -> Exported:
+    """Code of a block for a PLC.
+
+    Parameters
+    ----------
+    block : CompensatorBlock
+        The block as it was simulated, e.g. ``fit.block()``.
+    to : {"st", "plcopen", "tcpou", "scl", "l5x", "c"}
+        IEC 61131-3 Structured Text, PLCopen XML, TwinCAT .TcPOU, Siemens SCL, Rockwell L5X, C99.
+    name : str
+        Name of the function block, letters, digits and single underscores, up to 32.
+    date : str
+        Day of the export for the header, YYYY-MM-DD.
+    real : {"lreal", "real"}
+        64 or 32 bits.
+    fit : mapping, optional
+        ``fit.to_dict()`` of the fit behind the settings, for the header.
+
+    Returns
+    -------
+    Exported
+        ``files``, ``write(folder)`` and ``replay()``.
+
+    Raises
+    ------
+    ParameterError
+        An unknown target, a name or date that cannot be used, settings that do not fit the types.
+
+    Examples
+    --------
+    >>> block = CompensatorBlock.of("backlash", 0.5, {"lead_up": 0.5, "lead_down": 0.5, "band": 0.1})
+    >>> done = export(block, "st", name="FY_101", date="2026-01-31")
+    >>> list(done.files)
+    ['FY_101.st', 'FY_101_vectors.csv', 'FY_101_commissioning.md']
+    >>> done.replay(rows=200).agrees
+    True
+    """
+    if to not in TARGETS:
+        raise ParameterError.expected(f"to out of {list(TARGETS)}", repr(to), "choose one of them")
+    source = Source(block, name, date, real, **({} if fit is None else provenance(fit)))
+    return Exported(source, to, TARGETS[to](source))

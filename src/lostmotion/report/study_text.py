@@ -1,0 +1,116 @@
+"""A compensation study as text: what to do, why, the figures, and what was assumed."""
+
+from __future__ import annotations
+
+import math
+
+from lostmotion.evaluate import CompensationStudy
+from lostmotion.evaluate.limit_cycle import LimitCycle
+from lostmotion.evaluate.study.mistakes import GROUPS
+from lostmotion.evaluate.study.result import LoopCase, MistakeCase
+from lostmotion.report.fit_text import WIDTH, fill
+from lostmotion.report.numbers import plain
+
+ROWS = {
+    "without": "as it is",
+    "with": "with the block",
+    "retuned": "retuned, no block",
+    "with, retuned": "block and retuned",
+    "no fault": "no fault",
+}
+
+
+def study_summary(study: CompensationStudy) -> str:
+    """Report of a study as plain text."""
+    first, *others = study.reasons
+    parts = [
+        f"Before download: {study.block.kind} block",
+        "=" * WIDTH,
+        fill(first),
+        *(fill(f"- {text}") for text in others),
+        "",
+        _table(study),
+        "",
+        _spread(study),
+        "",
+        *_assumed(study),
+    ]
+    return "\n".join(parts)
+
+
+def _table(study: CompensationStudy) -> str:
+    lines = [
+        f"{'':18}{'IAE':>9}{'of as is':>9}{'variance':>10}{'travel':>9}{'reversals':>10}  "
+        f"{'limit cycle of PV':18}{'predicted':14}".rstrip(),
+        "-" * WIDTH,
+    ]
+    lines += [_row(ROWS[name], case) for name, case in study.cases.items()]
+    return "\n".join(lines)
+
+
+def _row(name: str, case: LoopCase) -> str:
+    return (
+        f"{name:18}{plain(case.iae):>9}{100.0 * case.ratio:>7.0f} %{plain(case.variance):>10}{plain(case.travel):>9}"
+        f"{plain(case.reversals):>10}  {_swing(case.cycle):18}"
+        f"{'-' if case.predicted is None else _swing(case.predicted):14}"
+    ).rstrip()
+
+
+def _swing(cycle: LimitCycle) -> str:
+    """Amplitude and period."""
+    if not cycle.amplitude:
+        return "none"
+    return f"{cycle.amplitude:.2g}, {plain(float(f'{cycle.period:.2g}'))} s"
+
+
+def _spread(study: CompensationStudy) -> str:
+    """The block on other plants, group by group."""
+    lines = [
+        f"{'If the estimate is wrong by':28}{'plants':>7}  {'IAE of as is':19}{'block and retuned':19}"
+        "larger limit cycle",
+        "-" * WIDTH,
+    ]
+    for group in GROUPS:
+        rows = [case for case in study.mistakes if case.group == group]
+        again = [case for case in study.mistakes_retuned if case.group == group]
+        if rows:
+            more = [sum(case.larger_cycle for case in some) for some in (rows, again)]
+            lines.append(
+                f"{_named(group):28}{len(rows):>7}  {_range(rows):19}{_range(again):19}{more[0]}, retuned {more[1]}"
+            )
+    return "\n".join(lines)
+
+
+def _named(group: str) -> str:
+    return "draws from the covariance" if group == "drawn" else group
+
+
+def _range(cases: list[MistakeCase]) -> str:
+    ratios = [case.ratio for case in cases]
+    return f"{_percent(min(ratios))} .. {_percent(max(ratios))} %"
+
+
+def _percent(ratio: float) -> str:
+    return f"{100.0 * ratio:.0f}" if ratio < 10.0 else f"{100.0 * ratio:.2g}".replace("e+0", "e")
+
+
+def _assumed(study: CompensationStudy) -> list[str]:
+    pi = study.controller
+    tuned = study.cases["with, retuned"].controller
+    lines = [
+        f"Model: {study.model_source}. Controller: PI with Kp {plain(pi.kp)}, Ki {plain(pi.ki)} 1/s, "
+        f"{study.controller_source}; retuned: SIMC (Kp {plain(tuned.kp)}, Ki {plain(tuned.ki)} 1/s with the block).",
+        f"Runs: {study.described}; noise of PV {plain(study.settings['noise_deviation'])} (deviation), from the noise "
+        f"model. IAE, variance: of PV about SP; travel: % of span an hour; reversals: an hour, beyond the noise of OP.",
+        "Limit cycles: amplitude and period in noise-free runs, smaller ones than a tenth of the noise not counted; "
+        "predicted: describing function of what the block leaves of the actuator"
+        + (", which says nothing here: the block goes by the clock." if _timed(study) else ", an approximation."),
+        *(f"Block: {note}." for note in study.block.notes),
+    ]
+    if len(set(study.responses["without"].reference[study.settle :].tolist())) == 1:
+        lines.append("The set point rests here: what moves of it would gain or cost is not counted (give sp_step).")
+    return [fill(line) for line in lines]
+
+
+def _timed(study: CompensationStudy) -> bool:
+    return study.cases["with"].predicted is None and math.isfinite(study.cases["with"].iae)

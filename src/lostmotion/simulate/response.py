@@ -1,0 +1,48 @@
+"""Signals of a simulated loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lostmotion import _verbs
+from lostmotion.models._arguments import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """Signals of a simulated loop, each of shape (n,).
+
+    Attributes
+    ----------
+    time : seconds
+    reference, output, measured : set point, true output, output with noise
+    control, command, internal : controller output, command behind the compensator, internal variable x
+    """
+
+    time: FloatArray
+    reference: FloatArray
+    output: FloatArray
+    measured: FloatArray
+    control: FloatArray
+    command: FloatArray
+    internal: FloatArray
+    dt: float
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def indices(self, start: float = 0.0, stop: float | None = None) -> dict[str, float]:
+        """Control variance eps1, mean absolute error eps2 (paper, eqs 32-33), travel and reversals of a track.
+
+        Parameters
+        ----------
+        start, stop : float
+            Track in seconds; default all.
+        """
+        result: dict[str, float] = _verbs.indices(self, start=start, stop=stop)
+        return result
+
+    def plot(self, **options: Any) -> Any:
+        """Figure of level and control (needs the extra ``lostmotion[plot]``)."""
+        return _verbs.plot(self, **options)
