@@ -152,24 +152,16 @@ class InC:
 
     def __init__(self, block: lm.CompensatorBlock, controller: lm.PI, start: float) -> None:
         files = export(block, "c", name="FY_101", date="2026-01-31").code
-        self._folder = tempfile.TemporaryDirectory()
-        place = Path(self._folder.name)
-        for name, text in {**files, "shim.c": SHIM.format(name="FY_101")}.items():
-            (place / name).write_text(text, encoding="utf-8")
-        command = [
-            "gcc",
-            "-std=c99",
-            "-O2",
-            "-ffp-contract=off",
-            "-shared",
-            "-fPIC",
-            "shim.c",
-            "FY_101.c",
-            "-o",
-            "b.so",
-        ]
-        subprocess.run([*command, "-lm"], cwd=place, check=True)
-        self._library = ctypes.CDLL(str(place / "b.so"))
+        flags = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")
+        with tempfile.TemporaryDirectory() as folder:  # a library that is loaded stays when its file goes
+            for name, text in {**files, "shim.c": SHIM.format(name="FY_101")}.items():
+                Path(folder, name).write_text(text, encoding="utf-8")
+            subprocess.run(
+                [shutil.which("gcc") or "gcc", *flags, "shim.c", "FY_101.c", "-o", "b.so", "-lm"],
+                cwd=folder,
+                check=True,
+            )
+            self._library = ctypes.CDLL(str(Path(folder, "b.so")))
         self._library.begin()
         self._pi = _PI(controller, block.scan_time, start)
 

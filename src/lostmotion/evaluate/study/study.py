@@ -118,11 +118,11 @@ def compensation_study(
     Examples
     --------
     >>> from lostmotion.models import Backlash, LinearModel
-    >>> level = LinearModel([-1.9, 0.9], [0.0024, 0.0023], 3, 0.1)
+    >>> plant = Hammerstein(Backlash(2.0), LinearModel.from_continuous([1.0], [10.0, 1.0], 2.0, 0.5))
     >>> study = compensation_study(
-    ...     Hammerstein(Backlash(2.0), level), PI(4.0, 0.2), noise=1e-4, op_now=50.0, runs=1, samples=1000
+    ...     plant, PI(2.0, 0.5), noise=1e-4, op_now=50.0, samples=300, runs=1, cycle_samples=600
     ... )
-    >>> study.recommendation, study.cases["without"].cycle.amplitude > 0.1, study.cases["with"].cycle.amplitude < 0.05
+    >>> study.recommendation, study.safe, study.cases["with"].ratio < 0.5
     ('compensate', True, True)
     """
     found = known(model, noise)
