@@ -72,9 +72,9 @@ def test_one_wrong_token_is_caught(to, old, new):
 def test_most_single_mutations_are_caught():
     one = source("backlash")
     (text,) = TARGETS["st"](one).values()
-    chosen = list(mutants(text))[::9]
-    assert len(chosen) > 25
-    missed = [what for what, wrong in chosen if replay({"FY_101.st": wrong}, one).agrees]
+    chosen = list(mutants(text))[::15]
+    assert len(chosen) > 15
+    missed = [what for what, wrong in chosen if replay({"FY_101.st": wrong}, one, rows=4000).agrees]
     assert len(missed) < 0.4 * len(chosen), missed  # many are equivalent: ABS in a sum that is only tested for NaN
 
 

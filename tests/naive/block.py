@@ -264,7 +264,7 @@ class NaiveBlock:
         self.tracking = mode == "track"
         self.alive = mode == "auto" and bool(good)
         self.active = self.alive and bool(enable) and self.settings is not None
-        self.frozen = self.active and self.was_active and self.chasing
+        self.frozen = self.active and self.was_active and (self.chasing or self.changed)
         return mode
 
     def follow_direction(self, mode):

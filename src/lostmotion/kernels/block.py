@@ -119,6 +119,8 @@ def prepare(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[ACTIVE] = 1.0
             if s[WAS_ACTIVE] != 0.0:
                 s[FROZEN] = s[CHASING]
+                if s[CHANGED] != 0.0:  # the side may turn in the next scan, at RATE: only the change is ramped
+                    s[FROZEN] = 1.0
     sense(p, s, i, o)
     turn(p, s, i, o)
 
