@@ -89,6 +89,8 @@ class AdaptiveCompensator:
         Taken only where 1.96 standard errors of each break point are below this share of the width (or of `floor`).
     step : float
         Largest change of a break point at one look, as a share of the width in use (or of `floor`).
+    dead_band : float
+        No new settings for less than this share of that width: each goes through the ramp, with the side held.
     floor : float
         Width below which shares are taken of this instead, in units of OP.
     supervisor : Supervisor
@@ -113,6 +115,7 @@ class AdaptiveCompensator:
         widest: float = 10.0,
         precision: float = 0.15,
         step: float = 0.25,
+        dead_band: float = 0.02,
         floor: float = 0.2,
         supervisor: Supervisor | None = None,
     ) -> None:
@@ -121,6 +124,7 @@ class AdaptiveCompensator:
         self.block, self.estimator, self.compensating = block, estimator, False
         self.every = whole("every", every, 2)
         self.widest, self.precision = positive("widest", widest), positive("precision", precision)
+        self.dead_band = positive("dead_band", dead_band)
         self.step, self.floor = positive("step", step), positive("floor", floor)
         self.supervisor = Supervisor() if supervisor is None else supervisor
         self.taken, self.refused, self.falls = 0, 0, 0
@@ -160,7 +164,7 @@ class AdaptiveCompensator:
         for name, value in wanted.items():
             reach = self.step * size
             moved[name] = settings[name] + min(max(value - settings[name], -reach), reach)
-        if any(moved[name] != settings[name] for name in moved):
+        if any(abs(moved[name] - settings[name]) > self.dead_band * size for name in moved):
             self.block = self.block.with_settings(**moved)
 
     def _wanted(self, estimate: Any) -> dict[str, float] | None:
