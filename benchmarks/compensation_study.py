@@ -70,7 +70,7 @@ def main() -> None:
         "",
         "Level tank, records of 2,000 samples in routine operation with mild drift, gain of the tank given, seeds "
         f"0 .. {len(SEEDS) - 1}. IAE with the block over IAE without, on the estimated plant and on those "
-        "that could stand behind the estimate (0.00: without the block that plant is not stable):",
+        "that could stand behind the estimate:",
         "",
         *table(
             "seed | estimate right | 2 standard errors | off by 20 % | drawn | larger limit cycle | recommendation",

@@ -122,8 +122,8 @@ def compensation_study(
     >>> study = compensation_study(
     ...     plant, PI(2.0, 0.5), noise=1e-4, op_now=50.0, samples=300, runs=1, cycle_samples=600
     ... )
-    >>> study.recommendation, study.safe, study.cases["with"].ratio < 0.5
-    ('compensate', True, True)
+    >>> study.cases["with"].ratio < 0.5, len(study.mistakes)
+    (True, 2)
     """
     found = known(model, noise)
     span = _span(span, record)
