@@ -7,7 +7,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.evaluate.study.known import known
+from lostmotion.evaluate.study.known import Known, known
 from lostmotion.evaluate.study.mistakes import GROUPS, mistakes
 from lostmotion.evaluate.study.plant import StudyPlant, noise_samples
 from tests.refusals import refusal
@@ -111,6 +111,7 @@ def test_result_is_frozen_prints_and_writes_itself(gear):
     assert len(gear.plot().axes) >= 6
 
 
+@pytest.mark.statistics
 def test_dictionary_of_a_fit_gives_the_same_study():
     u = lm.signals.prs(400, 44.0, 56.0, 8, seed=1)
     model = lm.Hammerstein(lm.DeadZone(49.0, 51.0), LAG, 20.0)
@@ -145,8 +146,6 @@ def test_noise_has_its_variance():
 def test_plants_that_the_estimate_may_be_wrong_about():
     covariance = np.diag([0.01, 0.04])
     plant = StudyPlant(lm.Hammerstein(lm.DeadZone(-1.0, 1.0), LAG))
-    from lostmotion.evaluate.study.known import Known
-
     found = mistakes(Known(plant, lm.NoiseModel(), {"left": -1.0, "right": 1.0}, covariance), 4, 0)
     corners = sorted((p.valve.left, p.valve.right) for group, _, p in found if group == GROUPS[0])
     np.testing.assert_allclose(corners, [(-1.2, 0.6), (-1.2, 1.4), (-0.8, 0.6), (-0.8, 1.4)])

@@ -100,8 +100,9 @@ def _assumed(study: CompensationStudy) -> list[str]:
     lines = [
         f"Model: {study.model_source}. Controller: PI with Kp {plain(pi.kp)}, Ki {plain(pi.ki)} 1/s, "
         f"{study.controller_source}; retuned: SIMC (Kp {plain(tuned.kp)}, Ki {plain(tuned.ki)} 1/s with the block).",
-        f"Runs: {study.described}; noise of PV {plain(study.settings['noise_deviation'])} (deviation), from the noise "
-        f"model. IAE, variance: of PV about SP; travel: % of span an hour; reversals: an hour, beyond the noise of OP.",
+        f"Runs: {study.described}; noise of PV {plain(study.settings['noise_deviation'])} (deviation within the "
+        "process time), from the noise model. IAE, variance: of PV about SP; travel: % of span an hour; reversals: an "
+        "hour, beyond the noise of OP.",
         "Limit cycles: amplitude and period in noise-free runs, smaller ones than a tenth of the noise not counted; "
         "predicted: describing function of what the block leaves of the actuator"
         + (", which says nothing here: the block goes by the clock." if _timed(study) else ", an approximation."),

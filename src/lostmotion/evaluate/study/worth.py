@@ -175,7 +175,7 @@ def _gain(cases: Mapping[str, LoopCase], block: CompensatorBlock) -> str:
     """What the block, or a mended valve, does to the gain of the loop."""
     text = ""
     slopes = [block.settings.get(f"{side}_slope", 1.0) for side in ("left", "right")]
-    if max(slopes) > 1.05 or min(slopes) < 0.95:
+    if not 0.95 < slopes[1] < 1.05:  # 1 by convention where the gain is not known
         text = (
             f"The block divides by the slopes {slopes[0]:.3g} and {slopes[1]:.3g} of the valve, and so does what is "
             "said of maintenance; a mended valve keeps them, so its controller needs gains smaller by as much."
