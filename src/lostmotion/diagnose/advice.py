@@ -47,16 +47,17 @@ _OTHER = {
 _FAULT = {
     "stiction": (
         "Lubricate or repack the valve, check the packing load and the air supply, replace the positioner if it hunts.",
-        "Until then: put the controller in manual to confirm (the swing stops), or use a knocker; a detuned "
-        "controller only makes the swing slower.",
+        "Until then: put the controller in manual to confirm (the swing stops), or use a knocker (`lostmotion "
+        "simulate` says whether it helps here); a detuned controller only makes the swing slower.",
     ),
     "backlash": (
         "Look for play in linkage, pins and feedback arm of the positioner.",
-        "Until then a backlash compensator, or a positioner that sees the stem, takes it away.",
+        "Until then a backlash compensator (`lostmotion simulate`, then `export`), or a positioner that sees the stem, "
+        "takes it away.",
     ),
     "dead zone": (
         "Check the range and the zero of the positioner, and spool or relay overlap.",
-        "Compensate: `lostmotion identify` and `lostmotion compensate` give the inverse for this dead zone.",
+        "Compensate: `lostmotion simulate` says whether it is worth it, `lostmotion export` writes the block.",
     ),
     "saturation": ("The actuator is at its limit: check its range, its stops and the size of the valve.",),
 }
