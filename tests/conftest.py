@@ -1,7 +1,8 @@
-"""Hypothesis: the same examples in every CI run, new ones at the desk."""
+"""Hypothesis: the same examples in every CI run, new ones at the desk. Doctests that take minutes with the JIT off."""
 
 import os
 
+import pytest
 from hypothesis import settings
 
 collect_ignore = ["plc/build.py", "plc/parse.py"]  # run by the Python of .venv-plc
@@ -9,3 +10,17 @@ collect_ignore = ["plc/build.py", "plc/parse.py"]  # run by the Python of .venv-
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.register_profile("desk", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+SLOW_DOCTESTS = {
+    "lostmotion.diagnose.diagnose.diagnose",
+    "lostmotion.identify.estimate.identify",
+    "lostmotion.identify.recursive_ml.RecursiveML",
+}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark them, before marked tests are deselected."""
+    for item in items:
+        if item.name in SLOW_DOCTESTS:
+            item.add_marker(pytest.mark.statistics)

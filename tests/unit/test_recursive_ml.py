@@ -146,6 +146,7 @@ def test_any_cut_and_any_save_change_nothing(cuts, saved):
     same_state(whole, cut)
 
 
+@pytest.mark.statistics
 def test_every_keeps_every_so_many():
     u, y = experiment(0, 800)
     full, thin = started().run(u, y), started().run(u, y, every=7)
@@ -156,6 +157,7 @@ def test_every_keeps_every_so_many():
     assert started().run(u, y, every=10**30).samples.size == 0
 
 
+@pytest.mark.statistics
 def test_trajectory_ends_at_the_estimate():
     rml = started(noise=2)
     trajectory, values = rml.run(*experiment(1, 300)), rml.estimate.parameters
@@ -242,6 +244,7 @@ def test_under_suspicion_it_can_be_cut_and_saved(forgetting):
     assert (last.events, last.estimate.parameters) == (rml.events, rml.estimate.parameters)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize(
     "clone",
     [lambda rml: lm.RecursiveML.from_bytes(rml.to_bytes()), lambda rml: pickle.loads(pickle.dumps(rml)), copy.deepcopy],  # noqa: S301
@@ -311,6 +314,7 @@ def test_a_mask_of_another_layout_compiles_nothing():
     assert len(kernel.run.signatures) == known
 
 
+@pytest.mark.statistics
 def test_estimates_and_trajectories_stay_as_they_were():
     u, y = experiment(5, 600)
     rml = started()
@@ -372,6 +376,7 @@ def test_usable_before_the_first_sample(orders):
     assert np.isnan(rml.run([1.0], [2.0])["right"]).all()
 
 
+@pytest.mark.statistics
 def test_parts_of_an_estimate():
     rml = started(dt=0.1, noise=2)
     rml.run(*experiment(7, 700), every=700)
@@ -476,6 +481,7 @@ def test_period_after_a_change_is_at_the_new_place():
         assert abs(values[name] - true) < 5 * errors[name]
 
 
+@pytest.mark.statistics
 def test_period_without_a_move_says_nothing():
     rml = started()
     for seed in range(2):
