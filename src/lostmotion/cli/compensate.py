@@ -47,7 +47,9 @@ def compensate(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Apply the inverse of a dead zone to the controller output and write it as OP_compensated.
+    """Apply the plain inverse of a dead zone to the controller output and write it as OP_compensated.
+
+    What goes into a PLC is the block of `lostmotion export`, which keeps limits, noise bands and bumpless switching.
 
     Example: lostmotion compensate FIC-101.csv --fit fic101.json --out fic101-compensated.csv
     """
@@ -79,6 +81,6 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
         raise ParameterError.expected(
             "a fit that shows a dead zone",
             f"{data['preferred']} (status {data['status']})",
-            "only a dead zone has a compensating block yet",
+            "for backlash and stiction `lostmotion simulate` and `export` make the block",
         )
     return DeadZone.from_dict(data["model"]["nonlinearity"])
