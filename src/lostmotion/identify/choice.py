@@ -7,7 +7,7 @@ blocks of rows give the standard error, so that a choice which rests on a few ro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -133,7 +133,7 @@ def _pieces(segments: npt.NDArray[np.int64], shortest: int) -> npt.NDArray[np.in
 
 def _on(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> Problem:
     problem = fitted.problem
-    return Problem(problem.u, problem.y, pieces, problem.family, structure)
+    return replace(problem, segments=pieces, structure=structure)
 
 
 def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> tuple[FloatArray, float]:

@@ -13,6 +13,8 @@ from lostmotion.models._arguments import FloatArray
 LAGS = 10
 LEVEL = 1e-4  # of the test whether OP answers PV
 RESTS, LEAST_MOVE = 0.5, 0.02  # share of moves of PV at which OP rests, and of the range of OP that a move takes then
+SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
+LARGEST_CONDITION = 1e12
 NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
@@ -28,10 +30,13 @@ class Feedback:
     free : float
         Share of the variance of the moves of OP that past OP and PV up to now do not explain: set-point moves,
         operators, noise of the controller. At 0 a linear process cannot be told from the controller's inverse.
+    direction : int
+        Sign of the answer of OP to PV, that of a proportional and an integral part both; 0 where it is not sure.
     """
 
     closed: bool
     free: float
+    direction: int = 0
 
     @property
     def exact(self) -> bool:
@@ -62,7 +67,24 @@ def feedback(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> F
     ratio = (alone - both) / (LAGS + 1) / max(both / free, 1e-300)
     closed = bool(stats.f.sf(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(u, y, segments)
     variance = float(np.sum(np.concatenate(moves) ** 2))
-    return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0)
+    direction = _direction(u, y, segments) if closed else 0
+    return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0, direction)
+
+
+def _direction(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> int:
+    """Sign of kp and ki in du = kp dy + ki y + constant, where both are sure and agree, or one is sure."""
+    du = np.concatenate([np.diff(u[start:stop]) for start, stop in segments])
+    dy = np.concatenate([np.diff(y[start:stop]) for start, stop in segments])
+    now = np.concatenate([y[start + 1 : stop] for start, stop in segments])
+    columns = np.column_stack([dy, now, np.ones(du.size)])
+    gram = columns.T @ columns
+    if np.linalg.cond(gram) > LARGEST_CONDITION:
+        return 0
+    gains = np.linalg.solve(gram, columns.T @ du)
+    left = du - columns @ gains
+    errors = np.sqrt(float(left @ left) / max(du.size - 3, 1) * np.diag(np.linalg.inv(gram)))
+    sure = np.sign(gains[:2]) * (np.abs(gains[:2]) > SURE * errors[:2])
+    return int(np.sign(sure.sum())) if abs(sure.sum()) == np.abs(sure).sum() else 0
 
 
 def _by_hand(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> bool:

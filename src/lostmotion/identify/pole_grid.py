@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.identify.plausible import FREE, Held
 from lostmotion.kernels import pole_grid as kernel
 from lostmotion.models._arguments import FloatArray
 
@@ -24,6 +25,7 @@ DAMPING = (0.15, 0.35, 0.65)
 OTHER_POLE = 0.2  # of orders above three
 FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
+MOST_PATTERNS = 30  # looked at, for one that is allowed
 _SCAN: Any = kernel.scan
 
 
@@ -81,6 +83,7 @@ def grid_starts(
     ladder: tuple[tuple[int, int], ...],
     delays: tuple[int, int],
     levels: bool = True,
+    held: Held = FREE,
 ) -> list[GridStart]:
     """Best start of every structure of the ladder, over delays low .. high, best first.
 
@@ -95,6 +98,8 @@ def grid_starts(
         First and last delay.
     levels : bool
         Whether the process may integrate; such starts are structures of their own.
+    held : Held
+        What else is known of the process.
     """
     low, high = delays
     rows = _shortened(segments)
@@ -112,12 +117,24 @@ def grid_starts(
                 chosen = np.flatnonzero(kind)
                 if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
                     continue
-                best = chosen[np.argmin(rss[chosen, nb], axis=0)]
-                for column, pattern in enumerate(best):
+                for column in range(high - low + 1):
+                    pattern = _best(chosen, polynomials, rss[:, nb, column], b[:, nb, column, : nb + 1], held)
+                    if pattern is None:
+                        continue
                     value = n * np.log(max(rss[pattern, nb, column], 1e-300) / n) + (na + nb + 2) * np.log(n)
                     a, beta = polynomials[pattern], b[pattern, nb, column, : nb + 1].copy()
                     starts.append(GridStart(na, nb, low + column, a, beta, float(value), float(decays[pattern])))
     return sorted(starts, key=lambda start: start.score)
+
+
+def _best(
+    chosen: npt.NDArray[np.int64], polynomials: FloatArray, rss: FloatArray, b: FloatArray, held: Held
+) -> int | None:
+    """Pattern with the smallest sum of squares among those that are allowed."""
+    for pattern in chosen[np.argsort(rss[chosen])][:MOST_PATTERNS]:
+        if held.allows(polynomials[pattern], b[pattern]):
+            return int(pattern)
+    return None
 
 
 def _shortened(segments: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

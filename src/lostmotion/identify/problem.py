@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.identify.families import Family
+from lostmotion.identify.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_stable
 from lostmotion.models._arguments import FloatArray
@@ -48,6 +49,8 @@ class Problem:
         Scaled command and output, segments one after the other.
     segments : ndarray, shape (s, 2)
         Start and stop rows.
+    held : Held
+        What the linear part may be.
     """
 
     u: FloatArray
@@ -55,6 +58,7 @@ class Problem:
     segments: npt.NDArray[np.int64]
     family: Family
     structure: Structure
+    held: Held = FREE
 
     @property
     def size(self) -> int:
@@ -134,11 +138,12 @@ class Problem:
         return np.block([[inside, np.zeros((na, rest.shape[1]))], [np.zeros((len(rest), na - 1)), rest]])
 
     def admissible(self, theta: FloatArray) -> bool:
-        """Whether A is stable, but for the integrator."""
-        a = theta[: self.structure.na]
+        """Whether A is stable, but for the integrator, and the process an allowed one."""
+        a, b = theta[: self.structure.na], theta[self.structure.na : self.eta_at - 1]
+        rest = a
         if self.structure.integrating:
-            a = 1.0 + np.cumsum(a)[:-1]  # A / (1 - q^-1)
-        return bool(is_stable(np.ascontiguousarray(a), POLE_RADIUS))
+            rest = 1.0 + np.cumsum(a)[:-1]  # A / (1 - q^-1)
+        return bool(is_stable(np.ascontiguousarray(rest), POLE_RADIUS)) and self.held.allows(a, b)
 
     def project(self, theta: FloatArray) -> FloatArray:
         """The same vector with valid actuator parameters."""

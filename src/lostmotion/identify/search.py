@@ -11,11 +11,12 @@ import numpy.typing as npt
 from lostmotion.identify.batch import LocalFit, refine
 from lostmotion.identify.families import Family
 from lostmotion.identify.feedback import feedback
-from lostmotion.identify.noise_order import autoregressions, choose_noise
+from lostmotion.identify.noise_order import PENALTY, autoregressions, choose_noise
+from lostmotion.identify.plausible import FREE, Held, plausible
 from lostmotion.identify.pole_grid import GridStart, grid_starts
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.start import fit_arx, linear_start
-from lostmotion.identify.structure import LADDER, distinct, null_space_starts, plausible
+from lostmotion.identify.structure import LADDER, distinct, null_space_starts
 from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
@@ -132,7 +133,7 @@ def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
     s = best.problem.structure
     theta = best.fit.theta
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
-    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure)
+    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure, best.problem.held)
     start = problem.pack(
         theta[: s.na],
         theta[s.na : s.na + s.nb + 1],
@@ -156,9 +157,9 @@ def _without_load(best: Fitted) -> Fitted:
 
 
 def criterion(fitted: Fitted) -> float:
-    """Bayesian information criterion."""
-    n = fitted.problem.errors
-    return float(n * np.log(max(fitted.fit.cost, 1e-300)) + fitted.parameters * np.log(n))
+    """Bayesian information criterion; noise coefficients count as they do where their number is chosen (Akaike)."""
+    n, p = fitted.problem.errors, fitted.problem.structure.noise_order
+    return float(n * np.log(max(fitted.fit.cost, 1e-300)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
 
 
 @dataclass(frozen=True)
@@ -171,6 +172,7 @@ class _Search:
     noise: int | None
     delays: tuple[int, int]
     levels: bool
+    held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
     tried: set[_Key] = field(default_factory=set)
 
@@ -188,8 +190,9 @@ class _Search:
             return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
         # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
-        first = 1 if feedback(data.u, data.y, data.segments).closed else 0
-        return cls(data, family, None, noise, (first, latest), levels)
+        loop = feedback(data.u, data.y, data.segments)
+        first = 1 if loop.closed else 0
+        return cls(data, family, None, noise, (first, latest), levels, Held(loop.closed, loop.direction))
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:
@@ -240,7 +243,7 @@ class _Search:
             eta = self._eta(best)
             d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
             starts = self._grid(self._internal(eta), d, self.delays)
-            here = min(start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay))
+            here = min((start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay)), default=np.inf)
             new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
             attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]
             attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
@@ -296,7 +299,8 @@ class _Search:
     def _score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         a = fitted.fit.theta[: fitted.problem.structure.na]
-        return criterion(fitted) + (0.0 if self.orders is not None or plausible(a) else IMPLAUSIBLE)
+        possible = plausible(a) and fitted.problem.admissible(fitted.fit.theta)
+        return criterion(fitted) + (0.0 if self.orders is not None or possible else IMPLAUSIBLE)
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
@@ -305,7 +309,7 @@ class _Search:
         return x
 
     def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
-        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays, self.levels)
+        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays, self.levels, self.held)
         return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
@@ -326,7 +330,7 @@ class _Search:
         integrating = start.decay == 1.0
         structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
         family = self.family.with_load(integrating)
-        problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure)
+        problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS), problem.basis)
 

@@ -1,4 +1,4 @@
-"""Which orders and delays are tried, and which poles a sampled process can have."""
+"""Which orders and delays are tried."""
 
 from __future__ import annotations
 
@@ -6,27 +6,11 @@ import numpy as np
 
 from lostmotion.identify.pole_grid import GridStart
 from lostmotion.identify.start import HighOrderArx, linear_start
-from lostmotion.models._arguments import FloatArray
 
 LADDER = ((1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 1), (3, 2))
-LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
-SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
 FULL = ((1, 0), (2, 1), (3, 2))  # orders of sampled processes
 EARLIER, LATER = 2, 1  # delays tried before and after the first significant lag
 SIGNIFICANT = 3.5  # standard errors of the first response
-
-
-def plausible(a: FloatArray) -> bool:
-    """Whether a sampled process can have these poles: no ringing at half the sampling rate, some damping.
-
-    Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
-    """
-    poles = np.roots(np.concatenate([[1.0], a]))
-    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
-    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
-    real = np.abs(log_poles.imag) < 1e-9
-    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
-    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
 
 
 def null_space_starts(arx: HighOrderArx) -> list[GridStart]:

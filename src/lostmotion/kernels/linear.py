@@ -62,3 +62,10 @@ def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatAr
                 value -= a[i] * y[j]
         y[k] = value
     return y
+
+
+@njit(cache=True)
+def step_extremes(a: FloatArray, b: FloatArray, n: int) -> tuple[float, float, float]:
+    """Response of B/A to a step after n samples, and its smallest and largest value until then."""
+    y = simulate(a, b, 0, np.ones(n))
+    return y[n - 1], y.min(), y.max()

@@ -1,0 +1,66 @@
+"""What a sampled process under a PI controller can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.kernels import linear as kernel
+from lostmotion.models._arguments import FloatArray
+
+LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
+LATE = (60, 300)  # samples
+LEAST_LASTING = 0.2  # of the peak of the step response until then that is left
+LARGEST_INVERSE = 0.3  # of that peak: how far the response goes the other way at first
+SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
+
+
+@dataclass(frozen=True)
+class Held:
+    """What is known of a process because a controller with integral action holds it.
+
+    Without moves of the set point the inverse of the controller, -(1 - q^-1) / (kp + ki - kp q^-1), explains PV as well
+    as the process does (Ljung, 2nd ed., section 13.4), and with a memory in front of it, better: it then is a filter of
+    PV that keeps steps and drops noise. But hardly anything is left of its response to a step, and it is negative
+    where the process must be positive.
+
+    Attributes
+    ----------
+    closed : bool
+        Whether a controller is at work. If not, anything is allowed.
+    direction : int
+        Sign of its answer to PV; 0 where that is not sure.
+    """
+
+    closed: bool = False
+    direction: int = 0
+
+    def allows(self, a: FloatArray, b: FloatArray) -> bool:
+        """Whether such a process can be B / A."""
+        if not self.closed:
+            return True
+        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
+        for late in LATE:  # a slow ramp must not make up for what is lost soon
+            end, low, high = kernel.step_extremes(a, b, late)
+            ahead, back = (high, -low) if end > 0.0 else (-low, high)
+            lasts = abs(end) > LEAST_LASTING * ahead and back <= LARGEST_INVERSE * ahead
+            if not lasts or end * self.direction > 0.0:
+                return False
+        return True
+
+
+FREE = Held()
+
+
+def plausible(a: FloatArray) -> bool:
+    """Whether a sampled process can have these poles: no ringing at half the sampling rate, some damping.
+
+    Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
+    """
+    poles = np.roots(np.concatenate([[1.0], a]))
+    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
+    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
+    real = np.abs(log_poles.imag) < 1e-9
+    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
+    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
