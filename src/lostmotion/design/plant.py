@@ -179,7 +179,7 @@ class Plant:
         """Likelihood of OP u (n,) and PV y; in open loop y is not needed."""
         rows = np.array([[0, u.size]]) if segments is None else segments
         return Problem(
-            u, u if y is None else y, rows, DeadZoneFamily(-np.inf, np.inf, self.integrating), self.structure
+            u, u if y is None else y, rows, DeadZoneFamily(-np.inf, np.inf, load=self.integrating), self.structure
         )
 
 

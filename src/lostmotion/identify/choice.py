@@ -116,7 +116,8 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
     densities = np.concatenate(found)
     family = fitted.problem.family
-    paid = SEARCHED.get(family.kind, 0.0) + (len(family.names) if family.kinks else 0)
+    held = len(family.names) - len(family.own) * (not family.kinks)
+    paid = SEARCHED.get(family.kind, 0.0) + held + family.sought
     return np.asarray(densities - paid / densities.size)
 
 
@@ -144,8 +145,8 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64
     theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
     basis = np.eye(problem.size) if problem.basis is None else problem.basis
     held = [problem.eta_at - 1] if fitted.basis is not None else []  # an offset that is known to be zero
-    if problem.family.kinks:  # a few steps would be caught between jumps: held, and paid for in `_left_out`
-        held += range(problem.eta_at, problem.noise_at)
+    # what would be caught between jumps in a few steps, or acts in one fold only, is held, and paid for in `_left_out`
+    held += range(problem.eta_at + len(problem.family.own) * (not problem.family.kinks), problem.noise_at)
     basis = basis[:, ~np.any(basis[held] != 0.0, axis=0)]
     fit = refine(problem, theta, basis, most_steps=STEPS, tied=True)
     return fit.theta[: problem.initial_at], fit.cost / problem.errors

@@ -13,8 +13,19 @@ from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.choice import choose_kind
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.evidence import SIZE, decide, gain_over_linear, weigh
-from lostmotion.identify.families import Family
+from lostmotion.identify.families import Family, Swing
 from lostmotion.identify.kinds import KINDS, Sought, fit_kind, likely_kinds, seek
+from lostmotion.identify.loads import (
+    loaded,
+    pruned,
+    sizes_of_loads,
+    swings_of,
+    with_loads,
+    with_own_loads,
+    without_loads,
+    without_swings,
+    without_their_effect,
+)
 from lostmotion.identify.memory_families import StictionFamily
 from lostmotion.identify.misfit import residual_tests
 from lostmotion.identify.offset import settle_offset
@@ -148,17 +159,15 @@ def identify(
         packed = _package(data, scaled, scaling, found, linear, settings, own)
         return replace(packed, linear_alternative=linear_result)
 
-    def fitted(kind: str, sought: Sought, near: Fitted | None = None) -> Fitted:
-        found = fit_kind(sought, scaled, orders_given, noise_given, gain is None, near)
+    def fitted(on: ScaledData, kind: str, sought: Sought, near: Fitted | None = None) -> Fitted:
+        found = fit_kind(sought, on, orders_given, noise_given, gain is None, near)
         return settle_offset(found, scaling, offset) if kind == "dead zone" else found
 
     if nonlinearity != "auto":
-        return result(nonlinearity, fitted(nonlinearity, seek(nonlinearity, scaled, orders_given)))
-    fits = _fits_of_all(scaled, orders_given, linear, fitted)
-    best = max(fits.values(), key=lambda found: gain_over_linear(found, linear))
-    again = fit_kind(None, scaled, orders_given, noise_given, gain is None, best)
-    if gain_over_linear(again, linear) > 0:  # with the process of the best fault: it is what a fault must beat
-        linear, linear_result = again, _package(data, scaled, scaling, again, again, settings, gain=None)
+        return result(nonlinearity, fitted(scaled, nonlinearity, seek(nonlinearity, scaled, orders_given)))
+    plain, linear, fits = linear, *_fits_of_all(scaled, linear, orders_given, noise_given, gain is None, fitted)
+    if linear is not plain:
+        linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     seen = {kind: found for kind, found in fits.items() if gain_over_linear(found, linear) > 0}
     kinds = choose_kind(scaled, {"none": linear, **seen})
     if kinds.best == "none":
@@ -171,15 +180,66 @@ def identify(
 
 def _fits_of_all(
     scaled: ScaledData,
+    linear: Fitted,
+    orders: tuple[int, int, int] | None,
+    noise: int | None,
+    levels: bool,
+    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
+) -> tuple[Fitted, dict[str, Fitted]]:
+    """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
+
+    Where the linear model finds a swing, all are sought once more without it: it hides from the profile what the
+    actuator does.
+    """
+    linear = _cleaned(scaled, with_own_loads(linear), orders, noise, levels)
+    swings = swings_of(scaled)
+    if swings is not None:  # the process may have taken the place of a swing
+        other = fit_kind(None, without_swings(scaled, swings), orders, noise, levels)
+        other = with_loads(other, scaled, swings)
+        linear = other if gain_over_linear(other, linear) > 0 else linear
+    found = {kind: with_own_loads(one) for kind, one in _of_likely(scaled, orders, without_loads(linear), fit).items()}
+    loads = linear.problem.family.loads
+    if loads is not None and any(isinstance(event, Swing) for event in loads.events):
+        clean = without_their_effect(linear, scaled)
+        for kind, one in _of_likely(clean, orders, without_loads(linear, clean.y), fit).items():
+            other = with_own_loads(pruned(loaded(one, scaled.y, loads, sizes_of_loads(linear))))
+            if kind not in found or gain_over_linear(other, found[kind]) > 0:
+                found[kind] = other
+    best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
+    again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
+    again = _cleaned(scaled, again, orders, noise, levels, best)
+    return (again if gain_over_linear(again, linear) > 0 else linear), found  # what a fault must beat
+
+
+def _cleaned(
+    scaled: ScaledData,
+    linear: Fitted,
+    orders: tuple[int, int, int] | None,
+    noise: int | None,
+    levels: bool,
+    near: Fitted | None = None,
+) -> Fitted:
+    """The linear model sought anew without its loads, and refined with them, where that is better."""
+    loads = linear.problem.family.loads
+    if loads is None:
+        return linear
+    clean = without_their_effect(linear, scaled)
+    again = fit_kind(None, clean, orders, noise, levels, near)
+    again = with_own_loads(pruned(loaded(again, scaled.y, loads, sizes_of_loads(linear))))
+    return again if gain_over_linear(again, linear) > 0 else linear
+
+
+def _of_likely(
+    scaled: ScaledData,
     orders: tuple[int, int, int] | None,
     linear: Fitted,
-    fit: Callable[[str, Sought, Fitted | None], Fitted],
+    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
 ) -> dict[str, Fitted]:
-    """Fits of the likely kinds; each but the dead zone, which has most local maxima, begins at the best before it."""
+    """Each kind but the dead zone, which has most local maxima, begins at the best before it."""
     found: dict[str, Fitted] = {}
     for kind, sought in likely_kinds(scaled, orders).items():
         nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
-        found[kind] = fit(kind, sought, None if kind == "dead zone" or not found else nearest)
+        found[kind] = fit(scaled, kind, sought, None if kind == "dead zone" or not found else nearest)
     return found
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -13,93 +14,140 @@ from lostmotion.models._arguments import FloatArray
 LARGEST_SLOPE_RATIO = 50.0  # beyond this one side carries no signal: it is a one-sided actuator
 
 
-class Family(Protocol):
-    """One kind of actuator, with right slope (or only slope) 1: the gain stays in the linear part."""
+@dataclass(frozen=True)
+class Loads:
+    """What acts on the process beside the actuator, up to its size.
 
-    kind: ClassVar[str]
-    kinks: ClassVar[bool]  # x jumps where eta moves: gradients alone do not end at the maximum
+    Attributes
+    ----------
+    shapes : ndarray, shape (m, n)
+        Known courses, in the input of the process.
+    events : tuple of Swing or Step
+        What they stand for; the time of each was sought and counts as a parameter.
+    """
 
-    @property
-    def load(self) -> bool:
-        """Whether eta ends with a constant load."""
+    shapes: FloatArray
+    events: tuple[Swing | Step, ...]
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of eta."""
+    def kept(self, index: list[int]) -> Loads | None:
+        """Only some of the events, all their shapes; None where none is left."""
+        ends = np.cumsum([len(event.names) for event in self.events])
+        rows = [row for i in index for row in range(ends[i] - len(self.events[i].names), ends[i])]
+        return Loads(self.shapes[rows], tuple(self.events[i] for i in index)) if index else None
 
-    def with_load(self, load: bool) -> Family:
-        """The same family with or without a load."""
-
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """Fill x (n,) and dx/deta (len(names), n) for the command u (n,)."""
-
-    def project(self, eta: FloatArray) -> FloatArray:
-        """Nearest valid eta."""
+    def joined(self, other: Loads | None) -> Loads:
+        """Both."""
+        if other is None:
+            return self
+        return Loads(np.concatenate([self.shapes, other.shapes]), (*self.events, *other.events))
 
 
 @dataclass(frozen=True)
-class LinearFamily:
-    """No fault: x = u, plus a constant load where asked for."""
+class Swing:
+    """A periodic load; period in samples."""
 
-    load: bool = False
+    period: float
+    names: ClassVar[tuple[str, ...]] = ("sine", "cosine")
+
+
+@dataclass(frozen=True)
+class Step:
+    """A load that changes once, at a row of the data."""
+
+    row: int
+    names: ClassVar[tuple[str, ...]] = ("step",)
+
+
+@dataclass(frozen=True)
+class Family(ABC):
+    """One kind of actuator, with right slope (or only slope) 1: the gain stays in the linear part.
+
+    eta = its own parameters, then the sizes of what else acts on the process: with `load` a constant, what an
+    integrating process must be given to stand still (outflow of a tank; a self-regulating one has its offset for
+    that), and then `loads`.
+    """
+
+    load: bool = field(default=False, kw_only=True)
+    loads: Loads | None = field(default=None, kw_only=True, compare=False, repr=False)
     kind: ClassVar[str] = "none"
-    kinks: ClassVar[bool] = False
+    kinks: ClassVar[bool] = False  # x jumps where eta moves: gradients alone do not end at the maximum
+    own: ClassVar[tuple[str, ...]] = ()  # names of the actuator's parameters
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of eta."""
-        return ("load",) if self.load else ()
+        others = () if self.loads is None else tuple(name for event in self.loads.events for name in event.names)
+        return (*self.own, *(("load",) if self.load else ()), *others)
 
-    def with_load(self, load: bool) -> Family:
-        """The same with or without a load."""
+    @property
+    def sought(self) -> int:
+        """Parameters that are not in eta: the times of the loads."""
+        return 0 if self.loads is None else len(self.loads.events)
+
+    def with_load(self, load: bool) -> Self:
+        """The same family with or without a constant load."""
         return replace(self, load=load)
 
+    def with_loads(self, loads: Loads | None) -> Self:
+        """The same family with other loads."""
+        return replace(self, loads=loads)
+
     def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """Copy u."""
-        x[:] = u
+        """Fill x (n,) and dx/deta (len(names), n) for the command u (n,)."""
+        at = len(self.own)
+        self.act(eta[:at], u, x, dx[:at])
         if self.load:
-            x += eta[0]
-            dx[0] = 1.0
+            x += eta[at]
+            dx[at] = 1.0
+            at += 1
+        if self.loads is not None:
+            x += eta[at:] @ self.loads.shapes
+            dx[at:] = self.loads.shapes
 
     def project(self, eta: FloatArray) -> FloatArray:
-        """Nothing to project."""
+        """Nearest valid eta."""
+        at = len(self.own)
+        return np.concatenate([self.valid(eta[:at]), eta[at:]])
+
+    @abstractmethod
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+        """Fill x (n,) and its derivatives for the actuator alone."""
+
+    def valid(self, eta: FloatArray) -> FloatArray:
+        """Nearest valid parameters of the actuator alone."""
         return eta
 
 
 @dataclass(frozen=True)
-class DeadZoneFamily:
-    """Dead zone; eta = left, right, log(left_slope / right_slope).
+class LinearFamily(Family):
+    """No fault: x = u."""
+
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+        """Copy u."""
+        del eta, dx
+        x[:] = u
+
+
+@dataclass(frozen=True)
+class DeadZoneFamily(Family):
+    """Dead zone; own parameters = left, right, log(left_slope / right_slope).
 
     `low` and `high` keep both break points where at least a few samples lie beyond them: outside, the
-    likelihood is flat. With `load` a constant is added behind the actuator: what an integrating process must be
-    given to stand still (outflow of a tank); a self-regulating one has its offset for that.
+    likelihood is flat.
     """
 
     low: float
     high: float
-    load: bool = False
     kind: ClassVar[str] = "dead zone"
-    kinks: ClassVar[bool] = False
+    own: ClassVar[tuple[str, ...]] = ("left", "right", "log_ratio")
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of eta."""
-        return ("left", "right", "log_ratio", "load") if self.load else ("left", "right", "log_ratio")
-
-    def with_load(self, load: bool) -> Family:
-        """The same with or without a load."""
-        return replace(self, load=load)
-
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Dead zone with right slope 1 and its derivatives."""
-        kernel.sensitivities(u, eta[0], eta[1], eta[2], x, dx[:3])
-        if self.load:
-            x += eta[3]
-            dx[3] = 1.0
+        kernel.sensitivities(u, eta[0], eta[1], eta[2], x, dx)
 
-    def project(self, eta: FloatArray) -> FloatArray:
+    def valid(self, eta: FloatArray) -> FloatArray:
         """Order the break points (a negative width becomes zero at its middle) and keep them inside the data."""
-        left, right, log_ratio = eta[:3]
+        left, right, log_ratio = eta
         if left > right:
             left = right = 0.5 * (left + right)
         limit = np.log(LARGEST_SLOPE_RATIO)
@@ -108,6 +156,5 @@ class DeadZoneFamily:
                 min(max(left, self.low), self.high),
                 min(max(right, self.low), self.high),
                 min(max(log_ratio, -limit), limit),
-                *eta[3:],
             ]
         )

@@ -9,7 +9,7 @@ change of width that shifts a break-away by a sample makes x jump: the derivativ
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -23,12 +23,6 @@ from lostmotion.models.stiction import CODES
 LARGEST_JUMP = 3.0  # bands: a slip beyond this is not a valve
 
 
-def _with_constant(eta: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-    """Add a constant load, the last of eta."""
-    x += eta[-1]
-    dx[-1] = 1.0
-
-
 def _begun(segments: npt.NDArray[np.int64], rests: tuple[float, ...]) -> Iterator[tuple[int, int, float]]:
     """Start, stop and rest of every segment."""
     for index, (start, stop) in enumerate(segments.tolist()):
@@ -36,101 +30,67 @@ def _begun(segments: npt.NDArray[np.int64], rests: tuple[float, ...]) -> Iterato
 
 
 @dataclass(frozen=True)
-class BacklashFamily:
+class BacklashFamily(Family):
     """Play; eta = width, in [0, widest]."""
 
     widest: float
     segments: npt.NDArray[np.int64] = field(compare=False)
     rests: tuple[float, ...] = ()
-    load: bool = False
     kind: ClassVar[str] = "backlash"
     kinks: ClassVar[bool] = True
+    own: ClassVar[tuple[str, ...]] = ("width",)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of eta."""
-        return ("width", "load") if self.load else ("width",)
-
-    def with_load(self, load: bool) -> Family:
-        """The same with or without a load."""
-        return replace(self, load=load)
-
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Play from rest at the first command of each segment."""
         for start, stop, rest in _begun(self.segments, self.rests):
             part, slopes = np.empty(stop - start), np.empty((2, stop - start))
             backlash.sensitivities(u[start:stop], eta[0], u[start] + 0.5 * rest * eta[0], part, slopes)
             x[start:stop], dx[0, start:stop] = part, slopes[0]
-        if self.load:
-            _with_constant(eta, x, dx)
 
-    def project(self, eta: FloatArray) -> FloatArray:
+    def valid(self, eta: FloatArray) -> FloatArray:
         """Width in its range."""
-        return np.array([min(max(eta[0], 0.0), self.widest), *eta[1:]])
+        return np.array([min(max(eta[0], 0.0), self.widest)])
 
 
 @dataclass(frozen=True)
-class StictionFamily:
+class StictionFamily(Family):
     """Stiction; eta = band, jump with band in [0, widest] and jump in [0, 3 band]."""
 
     widest: float
     segments: npt.NDArray[np.int64] = field(compare=False)
     rests: tuple[float, ...] = ()
     model: str = "kano"
-    load: bool = False
     kind: ClassVar[str] = "stiction"
     kinks: ClassVar[bool] = True
+    own: ClassVar[tuple[str, ...]] = ("band", "jump")
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of eta."""
-        return ("band", "jump", "load") if self.load else ("band", "jump")
-
-    def with_load(self, load: bool) -> Family:
-        """The same with or without a load."""
-        return replace(self, load=load)
-
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Position from rest at the first command of each segment."""
         for start, stop, rest in _begun(self.segments, self.rests):
             part, slopes = np.empty(stop - start), np.empty((2, stop - start))
             position = u[start] + 0.5 * rest * (eta[0] + eta[1])
             stiction.sensitivities(CODES[self.model], u[start:stop], eta[0], eta[1], position, part, slopes)
             x[start:stop], dx[:2, start:stop] = part, slopes
-        if self.load:
-            _with_constant(eta, x, dx)
 
-    def project(self, eta: FloatArray) -> FloatArray:
+    def valid(self, eta: FloatArray) -> FloatArray:
         """Band and jump in their range."""
         band = min(max(eta[0], 0.0), self.widest)
-        return np.array([band, min(max(eta[1], 0.0), LARGEST_JUMP * band), *eta[2:]])
+        return np.array([band, min(max(eta[1], 0.0), LARGEST_JUMP * band)])
 
 
 @dataclass(frozen=True)
-class SaturationFamily:
+class SaturationFamily(Family):
     """Saturation; eta = low, high, each with samples beyond it or at the end of the range."""
 
     ends: tuple[float, float]
-    load: bool = False
     kind: ClassVar[str] = "saturation"
-    kinks: ClassVar[bool] = False
+    own: ClassVar[tuple[str, ...]] = ("low", "high")
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of eta."""
-        return ("low", "high", "load") if self.load else ("low", "high")
-
-    def with_load(self, load: bool) -> Family:
-        """The same with or without a load."""
-        return replace(self, load=load)
-
-    def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Clamped command."""
         saturation.sensitivities(u, eta[0], eta[1], x, dx[:2])
-        if self.load:
-            _with_constant(eta, x, dx)
 
-    def project(self, eta: FloatArray) -> FloatArray:
+    def valid(self, eta: FloatArray) -> FloatArray:
         """Limits in order and inside the range of OP."""
         low, high = sorted((float(eta[0]), float(eta[1])))
-        return np.array([max(low, self.ends[0]), min(high, self.ends[1]), *eta[2:]])
+        return np.array([max(low, self.ends[0]), min(high, self.ends[1])])

@@ -87,7 +87,7 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     s = problem.structure
     values, jacobian = named_values(theta, problem.family.kind, s.na, s.nb, scaling, gain)
     if s.integrating:
-        at = problem.noise_at - 1 if problem.family.load else None
+        at = problem.eta_at + len(problem.family.own) if problem.family.load else None
         values, jacobian = _of_integrator(values, jacobian, theta, at, scaling)
     inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T

@@ -162,8 +162,8 @@ def _valid(fitted: Fitted, theta: FloatArray) -> bool:
 
 
 def _own(fitted: Fitted) -> list[str]:
-    """Actuator parameters without a load."""
-    return [name for name in fitted.problem.family.names if name != "load"]
+    """Names of the actuator's parameters."""
+    return list(fitted.problem.family.own)
 
 
 def _eta(fitted: Fitted, fit: LocalFit) -> FloatArray:

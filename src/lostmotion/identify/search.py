@@ -74,8 +74,8 @@ class Fitted:
 
     @property
     def parameters(self) -> int:
-        """Free parameters without initial conditions."""
-        return self.free - (self.fit.theta.size - self.problem.initial_at)
+        """Free parameters without initial conditions, and what was sought beside them."""
+        return self.free - (self.fit.theta.size - self.problem.initial_at) + self.problem.family.sought
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""
@@ -150,7 +150,7 @@ def _without_load(best: Fitted) -> Fitted:
     if not family.load:
         return best
     plain = replace(best.problem, family=family.with_load(False))
-    at = best.problem.noise_at - 1
+    at = best.problem.eta_at + len(family.own)
     start = np.delete(best.fit.theta, at)
     fitted = Fitted(plain, refine(plain, start), plain.basis)
     return fitted if criterion(fitted) <= criterion(best) else best
@@ -271,9 +271,9 @@ class _Search:
         return tuple(found)
 
     def _eta(self, fitted: Fitted) -> FloatArray:
-        """Parameters of the actuator, without a load."""
+        """Parameters of the actuator."""
         at = fitted.problem.eta_at
-        return fitted.fit.theta[at : at + len(self.family.names)]
+        return fitted.fit.theta[at : at + len(self.family.own)]
 
     def _next_to(self, best: Fitted) -> list[GridStart]:
         """The process found, one sample of delay moved into B and back, and with an order less."""
