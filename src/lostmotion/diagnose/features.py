@@ -16,8 +16,9 @@ from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
 from lostmotion.models._arguments import FloatArray
 
-SHORTEST_PERIOD = 6.0  # samples: below it a wave has no shape
+SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
+SAME = 0.1  # relative difference of two periods that are one
 FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
@@ -33,7 +34,8 @@ class Features:
         log(1 + gain) of the kind that predicts best, the gain in log predictive density over the linear model; 0 for
         the other kinds, and for all where the best fit does not stand. Memory: backlash or stiction.
     oscillating : float
-        1 where OP or PV swings regularly and that is most of what it does.
+        1 where OP or PV swings regularly and that is most of what it does; 0 where the fault that was found does not
+        explain the swing but has one of its period beside it, which comes from outside. Its shape then says nothing.
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
@@ -68,6 +70,8 @@ class Measured:
         Whether the process was taken as integrating.
     indices : dict of float
         Every index that could be computed, by name.
+    driven : bool
+        Whether the fault that was found needs a swing from outside beside it, of the period of the loop.
     """
 
     features: Features
@@ -76,11 +80,12 @@ class Measured:
     period: float
     integrating: bool
     indices: dict[str, float]
+    driven: bool = False
 
     @property
     def swings(self) -> bool:
         """Whether OP or PV swings regularly, and that is most of what it does."""
-        return self.features.oscillating > 0.0
+        return bool(np.isfinite(self.period))
 
 
 def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
@@ -103,15 +108,22 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
     dead_zone, memory, saturation = _gains(fit)
+    driven = _driven(fit, float(period))
     features = Features(
         dead_zone=dead_zone,
         memory=memory,
         saturation=saturation,
-        oscillating=float(bool(swinging)),
-        shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
-        relay=indices.get("relay", 0.0),
+        oscillating=float(bool(swinging) and not driven),
+        shape=0.0 if driven else max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
+        relay=0.0 if driven else indices.get("relay", 0.0),
     )
-    return Measured(features, of_op, of_pv, float(period), levels, indices)
+    return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
+
+
+def _driven(fit: HammersteinFit, period: float) -> bool:
+    """Whether a fault was found with a swing of this period beside it."""
+    swings = [load["period"] for load in fit.settings["chosen"]["loads"] if "period" in load]
+    return fit.nonlinearity.kind != "none" and any(abs(swing / period - 1.0) < SAME for swing in swings)
 
 
 def _gains(fit: HammersteinFit) -> tuple[float, float, float]:

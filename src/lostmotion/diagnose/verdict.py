@@ -83,17 +83,18 @@ def _no_fault(
 def _fault(fit: HammersteinFit, measured: Measured) -> str:
     """Kind of the fault.
 
-    The likelihood names it, but for what cannot be in a loop with a PI controller. A dead zone only lowers the gain of
-    the loop: it lets a tight loop swing near its critical frequency, as a sine, but makes no triangles and squares.
-    And a dead band alone does not make a self-regulating loop swing for ever (its describing function does not meet
+    The likelihood names it, but for what cannot be in a loop with a PI controller that swings by itself. A dead zone
+    only lowers the gain of a self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine,
+    but makes no triangles and squares. And a dead band alone does not make a self-regulating loop swing for ever (its describing function does not meet
     the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, the valve slips.
     """
     gains = fit.kinds.gains if fit.kinds is not None else {}
     best = fit.nonlinearity.kind
-    angular = measured.swings and measured.features.shape > TRIANGLE
+    swings = measured.swings and not measured.driven
+    angular = swings and not measured.integrating and measured.features.shape > TRIANGLE
     if best in ("dead zone", "saturation") and not angular:
         return best
-    if measured.swings and not measured.integrating:
+    if swings and not measured.integrating:
         return "stiction"
     if "stiction" not in gains:
         return "backlash" if "backlash" in gains else "stiction"

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from scipy import stats
 
 from lostmotion.identify.batch import refine
+from lostmotion.identify.evidence import gain_over_linear
 from lostmotion.identify.problem import Problem, Structure
 from lostmotion.identify.search import Fitted, ScaledData
 from lostmotion.models._arguments import FloatArray
@@ -43,6 +44,9 @@ class KindChoice:
         Kind with the largest predictive density; "none" unless a fault beats the linear model clearly.
     gains : dict of float
         Log predictive density of each kind minus that of the linear model, all left-out rows together.
+    likelihoods : dict of float
+        Half the information criterion of the linear model minus that of each kind: gain in log-likelihood with all
+        rows, less what its parameters cost.
     confidence : float
         Probability that `best` predicts better than the runner-up, from blocks of rows.
     runner_up : str
@@ -50,6 +54,7 @@ class KindChoice:
 
     best: str
     gains: dict[str, float]
+    likelihoods: dict[str, float]
     confidence: float
     runner_up: str
 
@@ -58,6 +63,7 @@ class KindChoice:
         return {
             "best": self.best,
             "gains": dict(self.gains),
+            "likelihoods": dict(self.likelihoods),
             "confidence": self.confidence,
             "runner_up": self.runner_up,
         }
@@ -85,7 +91,8 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
         best = "dead zone"
         order.remove("saturation")
     runner_up = next((kind for kind in order if kind != best), best)
-    return KindChoice(best, gains, _confidence(densities[best] - densities[runner_up], rows), runner_up)
+    likelihoods = {kind: 0.5 * gain_over_linear(fitted, candidates["none"]) for kind, fitted in candidates.items()}
+    return KindChoice(best, gains, likelihoods, _confidence(densities[best] - densities[runner_up], rows), runner_up)
 
 
 def _without_jump(fitted: Fitted) -> bool:

@@ -263,6 +263,7 @@ def _package(
     evidence = weigh(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
     tests = residual_tests(fitted, errors)
     status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
+    loads = fitted.problem.family.loads
     widest = None
     if status is Status.NOT_SEEN:
         widest = _widest(fitted, profiled, scaling)
@@ -287,6 +288,7 @@ def _package(
                 "delay": s.delay,
                 "noise_order": s.noise_order,
                 "integrating": s.integrating,
+                "loads": [event.to_dict() for event in loads.events] if loads is not None else [],
             },
             "offset_fixed": fitted.basis is not None,
         },

@@ -49,6 +49,10 @@ class Swing:
     period: float
     names: ClassVar[tuple[str, ...]] = ("sine", "cosine")
 
+    def to_dict(self) -> dict[str, float]:
+        """JSON-ready."""
+        return {"period": self.period}
+
 
 @dataclass(frozen=True)
 class Step:
@@ -56,6 +60,10 @@ class Step:
 
     row: int
     names: ClassVar[tuple[str, ...]] = ("step",)
+
+    def to_dict(self) -> dict[str, float]:
+        """JSON-ready."""
+        return {"step_at": self.row}
 
 
 @dataclass(frozen=True)
