@@ -18,7 +18,8 @@ from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.evaluate.workers import run_all
 from verdicts import page
 from verdicts.calibrate import SOUND, as_code, calibrated
-from verdicts.cases import Row, rough, simulated
+from verdicts.cases import Row, for_calibration, rough, second, simulated
+from verdicts.second_family import CELLS
 from verdicts.sets import isdb, sacac
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,22 +37,27 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=None)
     given = parser.parse_args()
     if given.calibrate:
-        rows = run_all(simulated, range(CALIBRATION, CALIBRATION + given.cases), "calibration", given.workers)
+        rows = run_all(for_calibration, range(CALIBRATION, CALIBRATION + given.cases), "calibration", given.workers)
         if given.save is not None:
             given.save.write_text(json.dumps([asdict(row) for row in rows]), encoding="utf-8")
         print(as_code(*calibrated(rows)))
         return
     rows = run_all(simulated, range(EVALUATION, EVALUATION + given.cases), "simulated loops", given.workers)
     wild = run_all(rough, range(EVALUATION, EVALUATION + given.cases // 2), "rough loops", given.workers)
+    other = run_all(second, range(min(CELLS, given.cases)), "second family", given.workers)
     real = isdb(given.data)
     loops = sacac(given.data)
-    OUTPUT.write_text(written(rows, wild, real, loops), encoding="utf-8")
+    OUTPUT.write_text(written(rows, wild, other, real, loops), encoding="utf-8")
     print(page.score_table(rows), f"{sum(right for _, right in real)} of {len(real)}", sep="\n\n")
     print(f"SACAC: {sum(right for *_, right in loops)} of {len(loops)} loops")
 
 
 def written(
-    rows: list[Row], wild: list[Row], real: list[tuple[Row, bool]], loops: list[tuple[str, str, list[Row], bool]]
+    rows: list[Row],
+    wild: list[Row],
+    other: list[Row],
+    real: list[tuple[Row, bool]],
+    loops: list[tuple[str, str, list[Row], bool]],
 ) -> str:
     """The whole page."""
     template = (Path(__file__).parent / "verdicts" / "page.md").read_text(encoding="utf-8")
@@ -61,6 +67,9 @@ def written(
         "CASES": f"{len(rows)}",
         "ROUGH": page.score_table(wild),
         "ROUGH_CASES": f"{len(wild)}",
+        "SECOND": page.score_table(other),
+        "SECOND_CONFUSION": page.confusion(other),
+        "SECOND_CASES": f"{len(other)}",
         "ISDB_SCORE": f"{sum(right for _, right in real)} of {len(real)}",
         "ISDB": page.real_table(real),
         "SACAC_SCORE": f"{sum(right for *_, right in loops)} of {len(loops)}",

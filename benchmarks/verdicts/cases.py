@@ -13,6 +13,8 @@ from typing import Any  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate import random_faulty_loop  # noqa: E402
+from lostmotion.evaluate.random_faults import FaultyLoop  # noqa: E402
+from verdicts.second_family import second_family  # noqa: E402
 from verdicts.truth import told  # noqa: E402
 
 SAMPLES = 2000
@@ -58,12 +60,25 @@ def rough(seed: int) -> Row:
     return simulated(seed, rough=True)
 
 
+def second(seed: int) -> Row:
+    """A loop of the second family."""
+    return _of_loop(seed, second_family(seed))
+
+
+def for_calibration(seed: int) -> Row:
+    """Every second loop a rough one; without asking what a record tells."""
+    return _of_loop(seed, random_faulty_loop(seed, SAMPLES, rough=bool(seed % 2)), ask=False)
+
+
 def simulated(seed: int, *, rough: bool = False) -> Row:
     """A random loop of known fault."""
-    loop = random_faulty_loop(seed, SAMPLES, rough=rough)
+    return _of_loop(seed, random_faulty_loop(seed, SAMPLES, rough=rough))
+
+
+def _of_loop(seed: int, loop: FaultyLoop, ask: bool = True) -> Row:
     record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
     row = _row(str(seed), loop.cause, loop.process, record, {}, loop.visible, loop.width, loop.noise_in_op)
-    asked = loop.visible and row.verdict != "refused" and loop.actuator.kind != "none"
+    asked = ask and loop.visible and row.verdict != "refused" and loop.actuator.kind != "none"
     return replace(row, told=asked and told(loop))
 
 

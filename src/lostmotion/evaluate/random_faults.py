@@ -91,7 +91,8 @@ def random_faulty_loop(
     cause, process : str, optional
         Of CAUSES and PROCESSES; None: drawn.
     rough : bool
-        Also steps of load in half of the loops, and noise with long tails in a third.
+        Also steps of load in half of the loops, noise with long tails in a third, and a swing from upstream in a third,
+        whatever the cause.
 
     Examples
     --------
@@ -111,7 +112,7 @@ def random_faulty_loop(
     load = _drift(rng, n, pace, width)
     if rough:
         load = load + _steps(rng, n, pace, width)
-    if cause == "disturbance":
+    if cause == "disturbance" or (rough and rng.random() < 1.0 / 3.0):
         load = load + _upstream(rng, n, pace, width)
     response = _run(linear, controller, actuator, _set_point(rng, n, width), load, noise)
     kept = slice(n - samples, n)
@@ -148,11 +149,11 @@ def _process(rng: np.random.Generator, process: str, badly: bool) -> tuple[Linea
         ki = kp / min(time, 4.0 * (closed + delay))
     if badly:  # with dead time enough that it swings slower than it is sampled
         linear = LinearModel(linear.a, linear.b, delay + 2, 1.0)
-        kp, ki = _near_the_limit(linear, kp, ki, rng.uniform(0.93, 0.995))
+        kp, ki = near_the_limit(linear, kp, ki, rng.uniform(0.93, 0.995))
     return linear, PI(kp, ki, -REST, REST), closed + delay
 
 
-def _near_the_limit(linear: LinearModel, kp: float, ki: float, share: float) -> tuple[float, float]:
+def near_the_limit(linear: LinearModel, kp: float, ki: float, share: float) -> tuple[float, float]:
     """The same PI with a gain a little below that at which the loop is unstable, found by bisection."""
     low, high = 0.0, 1.0
     while _stable(linear, high * kp, high * ki) and high < 1e4:

@@ -22,6 +22,7 @@ from lostmotion.identify.loads import (
     swings_of,
     with_loads,
     with_own_loads,
+    without_actuator,
     without_loads,
     without_swings,
     without_their_effect,
@@ -208,7 +209,8 @@ def _fits_of_all(
     best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
     again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
     again = _cleaned(scaled, again, orders, noise, levels, best)
-    return (again if gain_over_linear(again, linear) > 0 else linear), found  # what a fault must beat
+    rivals = [linear, again, *(without_actuator(one) for one in found.values())]
+    return max(rivals, key=lambda one: gain_over_linear(one, linear)), found  # what a fault must beat
 
 
 def _cleaned(

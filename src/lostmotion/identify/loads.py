@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import fftconvolve
 
 from lostmotion.identify.batch import refine
-from lostmotion.identify.families import Loads, Step, Swing
+from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
 from lostmotion.identify.parameters import information_inverse
 from lostmotion.identify.search import Fitted, ScaledData, criterion
 from lostmotion.kernels.likelihood import add_lagged
@@ -83,6 +83,16 @@ def without_loads(fitted: Fitted, y: FloatArray | None = None) -> Fitted:
     if y is not None:
         fitted = replace(fitted, problem=replace(fitted.problem, y=y))
     return fitted if fitted.problem.family.loads is None else _with_only(fitted, [])
+
+
+def without_actuator(fitted: Fitted) -> Fitted:
+    """The linear model of the same structure with the same loads."""
+    problem = fitted.problem
+    family = LinearFamily(load=problem.family.load, loads=problem.family.loads)
+    dropped = list(range(problem.eta_at, problem.eta_at + len(problem.family.own)))
+    problem = replace(problem, family=family)
+    start = np.delete(fitted.fit.theta, dropped)
+    return Fitted(problem, refine(problem, start, problem.basis), problem.basis)
 
 
 def without_their_effect(fitted: Fitted, data: ScaledData) -> ScaledData:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.kernels import linear as kernel
 from lostmotion.models._arguments import FloatArray
 
 LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
-LATE = (60, 300)  # samples
+LATE = np.array([60, 300])  # samples; a slow ramp must not make up for what is lost soon
 LEAST_LASTING = 0.2  # of the peak of the step response until then that is left
 LARGEST_INVERSE = 0.3  # of that peak: how far the response goes the other way at first
 SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
@@ -41,13 +42,14 @@ class Held:
         if not self.closed:
             return True
         a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
-        for late in LATE:  # a slow ramp must not make up for what is lost soon
-            end, low, high = kernel.step_extremes(a, b, late)
-            ahead, back = (high, -low) if end > 0.0 else (-low, high)
-            lasts = abs(end) > LEAST_LASTING * ahead and back <= LARGEST_INVERSE * ahead
-            if not lasts or end * self.direction > 0.0:
-                return False
-        return True
+        return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
+
+    def first_allowed(self, order: npt.NDArray[np.int64], polynomials: FloatArray, b: FloatArray) -> int:
+        """First index of `order` at which B / A is allowed; -1 where none is."""
+        if not self.closed:
+            return int(order[0])
+        args = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
+        return int(kernel.first_lasting(order, polynomials, b, *args))
 
 
 FREE = Held()

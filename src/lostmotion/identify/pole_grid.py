@@ -118,23 +118,14 @@ def grid_starts(
                 if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
                     continue
                 for column in range(high - low + 1):
-                    pattern = _best(chosen, polynomials, rss[:, nb, column], b[:, nb, column, : nb + 1], held)
-                    if pattern is None:
+                    order = chosen[np.argsort(rss[chosen, nb, column])][:MOST_PATTERNS]
+                    pattern = held.first_allowed(order, polynomials, b[:, nb, column, : nb + 1])
+                    if pattern < 0:
                         continue
                     value = n * np.log(max(rss[pattern, nb, column], 1e-300) / n) + (na + nb + 2) * np.log(n)
                     a, beta = polynomials[pattern], b[pattern, nb, column, : nb + 1].copy()
                     starts.append(GridStart(na, nb, low + column, a, beta, float(value), float(decays[pattern])))
     return sorted(starts, key=lambda start: start.score)
-
-
-def _best(
-    chosen: npt.NDArray[np.int64], polynomials: FloatArray, rss: FloatArray, b: FloatArray, held: Held
-) -> int | None:
-    """Pattern with the smallest sum of squares among those that are allowed."""
-    for pattern in chosen[np.argsort(rss[chosen])][:MOST_PATTERNS]:
-        if held.allows(polynomials[pattern], b[pattern]):
-            return int(pattern)
-    return None
 
 
 def _shortened(segments: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

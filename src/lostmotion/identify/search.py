@@ -36,6 +36,7 @@ START_LAGS = 30
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
 NEAR = 3  # samples of delay about that of another fit
+REACH = 8  # the same about the best so far
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
 
@@ -242,7 +243,8 @@ class _Search:
             self.tried.add((s.na, s.nb, s.delay, s.integrating))
             eta = self._eta(best)
             d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
-            starts = self._grid(self._internal(eta), d, self.delays)
+            low, high = self.delays
+            starts = self._grid(self._internal(eta), d, (max(low, s.delay - REACH), min(high, s.delay + REACH)))
             here = min((start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay)), default=np.inf)
             new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
             attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.types import FloatArray
+from lostmotion.kernels.types import FloatArray, IntArray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -65,7 +65,46 @@ def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatAr
 
 
 @njit(cache=True)
-def step_extremes(a: FloatArray, b: FloatArray, n: int) -> tuple[float, float, float]:
-    """Response of B/A to a step after n samples, and its smallest and largest value until then."""
-    y = simulate(a, b, 0, np.ones(n))
-    return y[n - 1], y.min(), y.max()
+def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_back: float, direction: int) -> bool:
+    """Whether the response of B/A to a step is there to stay, at every number of samples in `late` (ascending).
+
+    More than `least` of its peak is left, it went the other way by `most_back` of the peak at most, and its sign is not
+    that of `direction`.
+    """
+    recent = np.zeros(a.size)
+    low = high = drive = 0.0
+    at = 0
+    for k in range(late[-1]):
+        if k < b.size:
+            drive += b[k]
+        value = drive
+        for i in range(a.size):
+            value -= a[i] * recent[i]
+        for i in range(a.size - 1, 0, -1):
+            recent[i] = recent[i - 1]
+        if a.size > 0:
+            recent[0] = value
+        low, high = min(low, value), max(high, value)
+        if k + 1 == late[at]:
+            ahead, back = (high, -low) if value > 0.0 else (-low, high)
+            if not abs(value) > least * ahead or back > most_back * ahead or value * direction > 0.0:
+                return False
+            at += 1
+    return True
+
+
+@njit(cache=True)
+def first_lasting(
+    order: IntArray,
+    polynomials: FloatArray,
+    b: FloatArray,
+    late: IntArray,
+    least: float,
+    most_back: float,
+    direction: int,
+) -> int:
+    """First index of `order` at which B/A = b[index] / polynomials[index] lasts; -1 where none does."""
+    for index in order:
+        if step_lasts(polynomials[index], b[index], late, least, most_back, direction):
+            return int(index)
+    return -1
