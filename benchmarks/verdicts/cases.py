@@ -8,7 +8,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is imported, also in workers
 
 import time  # noqa: E402
-from dataclasses import dataclass, replace  # noqa: E402
+from dataclasses import dataclass, field, replace  # noqa: E402
 from typing import Any  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
@@ -33,6 +33,8 @@ class Row:
         "refused" where the record was.
     width, found : float
         True and found size; NaN where there is none.
+    gains, likelihoods : dict of float
+        Of the kinds, as in ``KindChoice``.
     told : bool
         Of a visible fault: a search that is told the answer finds it (see ``truth.told``).
     """
@@ -52,6 +54,8 @@ class Row:
     severity: float
     seconds: float
     reason: str = ""
+    gains: dict[str, float] = field(default_factory=dict)
+    likelihoods: dict[str, float] = field(default_factory=dict)
     told: bool = False
 
 
@@ -109,10 +113,12 @@ def _row(
     except lm.InputError as refused:
         return _refused(name, truth, source, str(refused))
     seconds = time.process_time() - begun
+    kinds = found.fit.kinds
+    gains, likelihoods = ({}, {}) if kinds is None else (kinds.gains, kinds.likelihoods)
     return Row(
         name, truth, source, found.verdict, found.kind, found.confidence, found.probabilities,
         tuple(found.measured.features.values().tolist()), visible, width, noise_in_op, found.size,
-        found.size_percent, seconds,
+        found.size_percent, seconds, gains=gains, likelihoods=likelihoods,
     )  # fmt: skip
 
 

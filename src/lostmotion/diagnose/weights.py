@@ -12,5 +12,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.18
-WEIGHTS = (1.22, 1.07, 0.80, -5.02, 7.27, 10.04)
+CONSTANT = -1.04
+WEIGHTS = (0.67, 1.00, 1.13, -2.13, 9.64, 0.00)

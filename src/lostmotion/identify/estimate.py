@@ -13,7 +13,7 @@ from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.choice import choose_kind
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.evidence import SIZE, decide, gain_over_linear, weigh
-from lostmotion.identify.families import Family, Swing
+from lostmotion.identify.families import Family
 from lostmotion.identify.kinds import KINDS, Sought, fit_kind, likely_kinds, seek
 from lostmotion.identify.loads import (
     loaded,
@@ -189,8 +189,8 @@ def _fits_of_all(
 ) -> tuple[Fitted, dict[str, Fitted]]:
     """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
 
-    Where the linear model finds a swing, all are sought once more without it: it hides from the profile what the
-    actuator does.
+    Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
+    what the actuator does.
     """
     linear = _cleaned(scaled, with_own_loads(linear), orders, noise, levels)
     swings = swings_of(scaled)
@@ -200,7 +200,7 @@ def _fits_of_all(
         linear = other if gain_over_linear(other, linear) > 0 else linear
     found = {kind: with_own_loads(one) for kind, one in _of_likely(scaled, orders, without_loads(linear), fit).items()}
     loads = linear.problem.family.loads
-    if loads is not None and any(isinstance(event, Swing) for event in loads.events):
+    if loads is not None:
         clean = without_their_effect(linear, scaled)
         for kind, one in _of_likely(clean, orders, without_loads(linear, clean.y), fit).items():
             other = with_own_loads(pruned(loaded(one, scaled.y, loads, sizes_of_loads(linear))))

@@ -31,6 +31,7 @@ SHORTEST_PERIOD, FEWEST_PERIODS = 4.0, 6.0
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
 NEIGHBOURS = 41  # lines of the periodogram whose median is the level about a line
 MOST_LINES = 4
+LEAST_SHARE = 0.1  # of the variance of PV
 STANDS_OUT = 12.0  # times that level: an exponential variable does so once in 10^5
 
 
@@ -109,11 +110,12 @@ def without_their_effect(fitted: Fitted, data: ScaledData) -> ScaledData:
 
 
 def swings_of(data: ScaledData) -> Loads | None:
-    """Swings that stand out in PV."""
+    """Swings that stand out in PV and are a good part of it: smaller ones do not bend the process."""
     found = [
         _swing(data.y.size, period, start, stop, ratio)
         for start, stop in data.segments.tolist()
         for period, ratio in _lines(data.y[start:stop])
+        if _share(data.y[start:stop], period) > LEAST_SHARE
     ]
     if not found:
         return None
@@ -291,6 +293,12 @@ def _lines(x: FloatArray) -> list[tuple[float, float]]:
         if all(abs(index + first - line) > 2 for line, _ in found):
             found.append((index + first, float(ratio[index])))
     return [(1.0 / _finest(x, line), size) for line, size in found[:MOST_LINES]]
+
+
+def _share(x: FloatArray, period: float) -> float:
+    """Share of the variance of a signal that is a sine of this period."""
+    wave = np.exp(-2j * np.pi / period * np.arange(x.size))
+    return float(2.0 * np.abs(wave @ (x - x.mean())) ** 2 / (x.size**2 * max(float(x.var()), 1e-300)))
 
 
 def _finest(x: FloatArray, line: int) -> float:

@@ -1,0 +1,141 @@
+"""Swings and steps beside the actuator: found, paid for, taken away again."""
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.kinds import fit_kind
+from lostmotion.identify.loads import (
+    loaded,
+    pruned,
+    sizes_of_loads,
+    swings_of,
+    with_own_loads,
+    without_actuator,
+    without_loads,
+    without_swings,
+    without_their_effect,
+)
+from lostmotion.identify.search import ScaledData, criterion
+
+N = 1500
+PROCESS = lm.LinearModel([-0.85], [0.15], 2, 1.0)
+PERIOD = 47.3
+TIME = np.arange(N)
+SWINGING = 0.8 * np.sin(2 * np.pi * TIME / PERIOD)
+STEPPING = np.where(TIME < 600, 0.0, 1.5)
+WHOLE = np.array([[0, N]])
+
+
+def record(load, seed=0, deviation=0.05, segments=WHOLE):
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.normal(size=N // 15), 15)
+    y = PROCESS.simulate(u + load) + rng.normal(scale=deviation, size=N)
+    return ScaledData(u, y, segments)
+
+
+def linear(data):
+    return fit_kind(None, data, None, None, levels=True)
+
+
+def events(fitted):
+    loads = fitted.problem.family.loads
+    return () if loads is None else loads.events
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_has_no_loads(seed):
+    plain = linear(record(np.zeros(N), seed))
+    assert with_own_loads(plain) is plain
+
+
+def test_a_swing_is_found():
+    data = record(SWINGING)
+    plain = linear(data)
+    found = with_own_loads(plain)
+    assert all(isinstance(event, Swing) for event in events(found))
+    assert {round(event.period / PERIOD, 1) for event in events(found)} == {1.0}
+    assert criterion(found) < criterion(plain) - 100
+    effect = data.y - without_their_effect(found, data).y
+    np.testing.assert_allclose(effect[50:], PROCESS.simulate(SWINGING)[50:], atol=0.06)
+
+
+def test_steps_are_found_at_their_rows():
+    data = record(STEPPING)
+    found = with_own_loads(linear(data))
+    assert [abs(event.row - 600) <= 1 for event in events(found)] == [True]
+    assert sizes_of_loads(found) == pytest.approx([1.5], abs=0.15)
+    a, b = found.fit.theta[0], found.fit.theta[1]
+    assert (a, b / (1 + a)) == (pytest.approx(-0.85, abs=0.02), pytest.approx(1.0, abs=0.05))
+
+
+def test_a_load_that_does_not_pay_is_dropped():
+    data = record(np.zeros(N))
+    course = np.zeros((1, N))
+    course[0, 400:] = 1.0
+    plain = linear(data)
+    forced = loaded(plain, data.y, Loads(course, (Step(400),)), np.zeros(1))
+    assert events(forced) == (Step(400),)
+    kept = pruned(forced)
+    assert events(kept) == ()
+    assert kept.fit.theta == pytest.approx(plain.fit.theta, abs=1e-5)
+    assert kept.parameters == plain.parameters == forced.parameters - 2  # its size and its time
+
+
+def test_without_loads_is_the_model_before():
+    data = record(SWINGING)
+    found = with_own_loads(linear(data))
+    assert events(without_loads(found)) == ()
+    assert without_loads(found).problem.size == found.problem.size - len(sizes_of_loads(found))
+
+
+def test_without_actuator_keeps_structure_and_loads():
+    data = record(SWINGING)
+    fit = fit_kind(None, data, None, None, levels=True)
+    found = without_actuator(with_own_loads(fit))
+    assert isinstance(found.problem.family, LinearFamily)
+    assert events(found) == events(with_own_loads(fit))
+
+
+@pytest.mark.parametrize("segments", [WHOLE, np.array([[0, 700], [700, N]])], ids=["one", "two segments"])
+def test_what_a_swing_leaves_is_the_same_process(segments):
+    data = record(3.0 * SWINGING, segments=segments)
+    swings = swings_of(data)
+    assert swings is not None
+    assert [event.period for event in swings.events] == pytest.approx([PERIOD] * len(segments), rel=0.02)
+    fitted = linear(without_swings(data, swings))
+    assert fitted.fit.theta[0] == pytest.approx(-0.85, abs=0.02)
+
+
+def test_families_with_loads():
+    shapes = np.vstack([np.sin(TIME), np.cos(TIME), TIME > 10.0]).astype(float)
+    both = Loads(shapes, (Swing(6.28), Step(11)))
+    family = LinearFamily().with_loads(both).with_load(True)
+    assert family.names == ("load", "sine", "cosine", "step")
+    assert family.sought == 2
+    u, eta = np.linspace(-1, 1, N), np.array([0.5, 1.0, -2.0, 3.0])
+    x, dx = np.empty(N), np.empty((4, N))
+    family.evaluate(eta, u, x, dx)
+    np.testing.assert_allclose(x, u + 0.5 + np.sin(TIME) - 2 * np.cos(TIME) + 3.0 * (TIME > 10))
+    np.testing.assert_allclose(dx[1:], shapes)
+    assert both.kept([1]).events == (Step(11),)
+    assert both.kept([1]).shapes.shape == (1, N)
+    assert both.kept([]) is None
+    assert both.joined(both).shapes.shape == (6, N)
+
+
+def test_a_dead_zone_beside_a_swing_is_told():
+    """Without the swing in the model no dead zone is seen, or one of the wrong width."""
+    rng = np.random.default_rng(4)
+    linear_part = lm.LinearModel([-0.85], [0.15], 2, 1.0)
+    reference = np.repeat(rng.normal(size=2000 // 80), 80) * 2.0
+    loop = lm.simulate_loop(
+        lm.Hammerstein(lm.DeadZone(-1.0, 1.0), linear_part), lm.PI(0.8, 0.12), reference,
+        disturbance=linear_part.simulate(1.2 * np.sin(2 * np.pi * np.arange(2000) / 83.0)),
+        noise=rng.normal(scale=0.1, size=2000), allow_unstable=True,
+    )  # fmt: skip
+    fit = lm.identify(lm.LoopRecord(loop.control + 50, loop.measured + 50, dt=1.0), nonlinearity="auto")
+    assert fit.nonlinearity.kind == "dead zone"
+    assert fit.parameters["width"] == pytest.approx(2.0, rel=0.1)
+    assert any(abs(load.get("period", 0) / 83.0 - 1) < 0.02 for load in fit.settings["chosen"]["loads"])
