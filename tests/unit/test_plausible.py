@@ -56,13 +56,16 @@ def test_real_processes_are_allowed_in_one_direction(a, b):
     assert Held(True, -1).allows(a, b) != Held(True, 1).allows(a, b)
 
 
-def test_first_allowed_is_the_first():
-    polynomials, b = np.full((3, 1), -0.9), np.array([[0.1, -0.1], [-0.3, 0.1], [0.1, 0.1]])
-    order = np.array([0, 1, 2])
-    assert HELD.first_allowed(order, polynomials, b) == 1
-    assert Held(True, -1).first_allowed(order, polynomials, b) == 2
-    assert HELD.first_allowed(order[:1], polynomials, b) == -1
-    assert FREE.first_allowed(order, polynomials, b) == 0
+def test_the_best_that_is_allowed():
+    polynomials, b = np.full((3, 1), -0.9), np.array([[0.1, -0.1], [-0.3, 0.1], [0.1, 0.1]])[:, None]
+    rss, order = np.array([[1.0], [2.0], [3.0]]), np.array([0, 1, 2])
+    assert HELD.best_allowed(rss, order, polynomials, b).tolist() == [1]
+    assert Held(True, -1).best_allowed(rss, order, polynomials, b).tolist() == [2]
+    assert Held(True, 1).best_allowed(rss, order, polynomials, b).tolist() == [1]
+    assert HELD.best_allowed(rss, order[:1], polynomials, b).tolist() == [-1]
+    assert FREE.best_allowed(rss, order, polynomials, b).tolist() == [0]
+    assert HELD.best_allowed(rss[::-1].copy(), order, polynomials, b).tolist() == [2]
+    assert rss[:, 0].tolist() == [1.0, 2.0, 3.0]
 
 
 def test_poles():

@@ -85,10 +85,10 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
 
     The likelihood names it, but for what cannot be in a loop with a PI controller that swings by itself. A dead zone
     only lowers the gain of a self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine,
-    but makes no triangles and squares; a level it lets swing in any shape (the paper's tank). Neither does a saturation,
-    anywhere. And a dead band alone does not make a self-regulating loop swing for ever (its
-    describing function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop
-    does, the valve slips.
+    but makes no triangles and squares; a level it lets swing in any shape (the paper's tank). Neither does a
+    saturation, anywhere. And a dead band alone does not make a self-regulating loop swing for ever (its describing
+    function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, the
+    valve slips.
     """
     gains = fit.kinds.gains if fit.kinds is not None else {}
     best = fit.nonlinearity.kind

@@ -151,7 +151,10 @@ def operator_profile(
             found.append(Start(valid, regression.squares(x), member))
         return sorted(found, key=lambda start: start.squares)
 
-    coarse = [start for member in _at_rests(family) for start in score(first, member)]
+    members = _at_rests(family)
+    coarse = score(first, members[0])
+    for member in members[1:]:  # where it rests at first matters little to most: only the better half once more
+        coarse += score([start.eta for start in coarse[: len(first) // 2]], member)
     coarse = _apart(sorted(coarse, key=lambda start: start.squares), regression.samples, 3 * most, np.inf)
     fine = [start for each in coarse for start in score(finer(each.eta), each.family)[:1]]
     settled = [settle_rests(regression, start.family, start.eta, u) for start in fine]

@@ -14,6 +14,7 @@ LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
 LATE = np.array([60, 300])  # samples; a slow ramp must not make up for what is lost soon
 LEAST_LASTING = 0.5  # of the peak of the step response until then that is left: no overshoot of more than itself
 LARGEST_INVERSE = 0.3  # of that peak: how far the response goes the other way at first
+TRIES = 30  # candidates that are looked at for one that is allowed
 SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
 
 
@@ -44,12 +45,19 @@ class Held:
         a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
         return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
 
-    def first_allowed(self, order: npt.NDArray[np.int64], polynomials: FloatArray, b: FloatArray) -> int:
-        """First index of `order` at which B / A is allowed; -1 where none is."""
+    def best_allowed(
+        self, rss: FloatArray, chosen: npt.NDArray[np.int64], polynomials: FloatArray, b: FloatArray
+    ) -> npt.NDArray[np.int64]:
+        """For every column of `rss` (m, columns) the best of the rows `chosen` that is allowed; -1 where none is.
+
+        `polynomials` is (m, na), `b` (m, columns, nb + 1).
+        """
         if not self.closed:
-            return int(order[0])
-        args = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
-        return int(kernel.first_lasting(order, polynomials, b, *args))
+            return np.asarray(chosen[np.argmin(rss[chosen], axis=0)])
+        best = np.empty(rss.shape[1], np.int64)
+        rules = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
+        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *rules, TRIES, best)
+        return best
 
 
 FREE = Held()

@@ -25,7 +25,6 @@ DAMPING = (0.15, 0.35, 0.65)
 OTHER_POLE = 0.2  # of orders above three
 FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
-MOST_PATTERNS = 30  # looked at, for one that is allowed
 _SCAN: Any = kernel.scan
 
 
@@ -117,14 +116,14 @@ def grid_starts(
                 chosen = np.flatnonzero(kind)
                 if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
                     continue
-                for column in range(high - low + 1):
-                    order = chosen[np.argsort(rss[chosen, nb, column])][:MOST_PATTERNS]
-                    pattern = held.first_allowed(order, polynomials, b[:, nb, column, : nb + 1])
+                best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
+                misfits = n * np.log(np.maximum(rss[best, nb, np.arange(best.size)], 1e-300) / n)
+                for column, pattern in enumerate(best.tolist()):
                     if pattern < 0:
                         continue
-                    value = n * np.log(max(rss[pattern, nb, column], 1e-300) / n) + (na + nb + 2) * np.log(n)
+                    value = float(misfits[column] + (na + nb + 2) * np.log(n))
                     a, beta = polynomials[pattern], b[pattern, nb, column, : nb + 1].copy()
-                    starts.append(GridStart(na, nb, low + column, a, beta, float(value), float(decays[pattern])))
+                    starts.append(GridStart(na, nb, low + column, a, beta, value, float(decays[pattern])))
     return sorted(starts, key=lambda start: start.score)
 
 

@@ -94,17 +94,30 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
 
 
 @njit(cache=True)
-def first_lasting(
-    order: IntArray,
+def best_lasting(
+    rss: FloatArray,
+    chosen: IntArray,
     polynomials: FloatArray,
     b: FloatArray,
     late: IntArray,
     least: float,
     most_back: float,
     direction: int,
-) -> int:
-    """First index of `order` at which B/A = b[index] / polynomials[index] lasts; -1 where none does."""
-    for index in order:
-        if step_lasts(polynomials[index], b[index], late, least, most_back, direction):
-            return int(index)
-    return -1
+    tries: int,
+    best: IntArray,
+) -> None:
+    """For every column j the index i of `chosen` with the smallest rss[i, j] whose b[i, j] / polynomials[i] lasts.
+
+    `tries` at most are looked at, best first; -1 where none of them lasts. `rss` is overwritten; fills best (columns,).
+    """
+    for column in range(rss.shape[1]):
+        best[column] = -1
+        for _ in range(min(tries, chosen.size)):
+            smallest = chosen[0]
+            for index in chosen:
+                if rss[index, column] < rss[smallest, column]:
+                    smallest = index
+            if step_lasts(polynomials[smallest], b[smallest, column], late, least, most_back, direction):
+                best[column] = smallest
+                break
+            rss[smallest, column] = np.inf
