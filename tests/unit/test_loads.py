@@ -108,6 +108,17 @@ def test_what_a_swing_leaves_is_the_same_process(segments):
     assert fitted.fit.theta[0] == pytest.approx(-0.85, abs=0.02)
 
 
+def test_harmonics_of_the_loop_are_no_loads_without_their_fundamental():
+    """OP swings with a period of 60, PV with a harmonic of it that OP has not."""
+    rng = np.random.default_rng(3)
+    u = 2.0 * np.sin(2 * np.pi * TIME / 60) + 0.3 * rng.normal(size=N)
+    harmonic = 0.5 * np.sin(2 * np.pi * TIME / 20)
+    y = PROCESS.simulate(u + harmonic) + rng.normal(scale=0.02, size=N)
+    found = with_own_loads(linear(ScaledData(u, y, WHOLE)))
+    periods = [event.period for event in events(found) if isinstance(event, Swing)]
+    assert not any(abs(period / 20 - 1) < 0.02 for period in periods)
+
+
 def test_families_with_loads():
     shapes = np.vstack([np.sin(TIME), np.cos(TIME), TIME > 10.0]).astype(float)
     both = Loads(shapes, (Swing(6.28), Step(11)))

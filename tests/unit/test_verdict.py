@@ -70,7 +70,7 @@ def test_a_command_moved_from_outside_does_not_swing_by_itself(stability):
 
 
 STRONG = 9.0
-BAND, ZONE = lm.Backlash(1.0), lm.DeadZone(-1, 1)
+BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
 
 
 @pytest.mark.parametrize(
@@ -81,11 +81,16 @@ BAND, ZONE = lm.Backlash(1.0), lm.DeadZone(-1, 1)
         (Features(memory=STRONG), BAND, {"backlash": 50.0, "stiction": 49.0}, False, "backlash"),
         (Features(memory=STRONG), lm.Stiction(1, 0.5), {"backlash": 50.0, "stiction": 60.0}, False, "stiction"),
         # a dead band alone does not make a self-regulating loop swing for ever, behind a level it does
-        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, False, "stiction"),
-        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, True, "backlash"),
+        (Features(memory=STRONG, oscillating=1.0, shape=0.4), BAND, {"backlash": 50.0}, False, "stiction"),
+        (Features(memory=STRONG, oscillating=1.0, shape=0.4), BAND, {"backlash": 50.0}, True, "backlash"),
+        # but it may follow one that comes from outside
+        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, False, "backlash"),
         # a dead zone makes sines, no triangles
         (Features(dead_zone=STRONG, oscillating=1.0, shape=0.0), ZONE, {"dead zone": 50.0}, False, "dead zone"),
         (Features(dead_zone=STRONG, oscillating=1.0, shape=0.4), ZONE, {"dead zone": 50.0}, False, "stiction"),
+        # but behind a level; a saturation never
+        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.4), ZONE, {"dead zone": 50.0}, True, "dead zone"),
+        (Features(saturation=STRONG, oscillating=1.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):

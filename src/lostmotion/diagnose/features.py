@@ -31,8 +31,9 @@ class Features:
     Attributes
     ----------
     dead_zone, memory, saturation : float
-        log(1 + gain) of the kind that predicts best, the gain in log predictive density over the linear model; 0 for
-        the other kinds, and for all where the best fit does not stand. Memory: backlash or stiction.
+        log(1 + gain) of the kind that was found, the gain in log-likelihood over the linear model less what its
+        parameters cost; 0 for the other kinds, and for all where the prediction of what was left out does not confirm
+        it. Memory: backlash or stiction.
     oscillating : float
         1 where OP or PV swings regularly and that is most of what it does; 0 where the fault that was found does not
         explain the swing but has one of its period beside it, which comes from outside. Its shape then says nothing.
@@ -127,15 +128,16 @@ def _driven(fit: HammersteinFit, period: float) -> bool:
 
 
 def _gains(fit: HammersteinFit) -> tuple[float, float, float]:
-    """log(1 + gain) of dead zone, memory and saturation, but for the best 0."""
-    if fit.kinds is None or fit.nonlinearity.kind == "none":  # its own status does not confirm the best kind
+    """log(1 + gain) of dead zone, memory and saturation, but for the one that was found 0."""
+    kind = fit.nonlinearity.kind
+    if fit.kinds is None or kind == "none":  # what was left out, or its own status, does not confirm it
         return 0.0, 0.0, 0.0
-    gains = fit.kinds.gains
-    memory = max(gains.get("backlash", 0.0), gains.get("stiction", 0.0))
-    found = (gains.get("dead zone", 0.0), memory, gains.get("saturation", 0.0))
-    best = max(found)
-    dead_zone, memory, saturation = (float(np.log1p(gain)) if gain == best > 0.0 else 0.0 for gain in found)
-    return dead_zone, memory, saturation
+    gain = float(np.log1p(max(fit.kinds.likelihoods[kind], 0.0)))
+    return (
+        gain if kind == "dead zone" else 0.0,
+        gain if kind in ("backlash", "stiction") else 0.0,
+        gain if kind == "saturation" else 0.0,
+    )
 
 
 def _oscillation(x: FloatArray) -> Oscillation:

@@ -98,7 +98,7 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
         return best
     if best == "dead zone" and (measured.integrating or not angular):
         return best
-    if swings and not measured.integrating:
+    if angular and not measured.integrating:
         return "stiction"
     if "stiction" not in gains:
         return "backlash" if "backlash" in gains else "stiction"

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import median_filter
 from scipy.signal import fftconvolve
 
@@ -24,6 +25,7 @@ from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
 
 COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, search for its time included
+PROMISING = 0.9  # the same at the noise model of the fit, which has taken over a part of every load; then it is tried
 MOST_EVENTS = 20
 MOST_ROUNDS = 4
 PADDING = 16  # of the periodogram
@@ -31,7 +33,9 @@ SHORTEST_PERIOD, FEWEST_PERIODS = 4.0, 6.0
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
 NEIGHBOURS = 41  # lines of the periodogram whose median is the level about a line
 MOST_LINES = 4
+SAME = 0.03  # relative difference of two periods that are one
 LEAST_SHARE = 0.1  # of the variance of PV
+MAIN_SHARE = 0.4  # the same, of the swing of the loop itself
 STANDS_OUT = 12.0  # times that level: an exponential variable does so once in 10^5
 
 
@@ -184,8 +188,9 @@ class _Errors:
         s, n = problem.structure, problem.u.size
         self.fitted = fitted
         self.room = MOST_EVENTS - problem.family.sought
-        self.limit = 2.0 * COST * float(np.log(problem.errors)) * fitted.variance
+        self.limit = 2.0 * PROMISING * float(np.log(problem.errors)) * fitted.variance
         self.segments = [(start, start + s.start, stop) for start, stop in problem.segments.tolist()]
+        self.dominant: dict[tuple[int, int], float | None] = {}
         self.errors = np.zeros(n)
         for (_, first, stop), part in zip(self.segments, problem.predict(fitted.fit.theta)[1], strict=True):
             self.errors[first:stop] = part
@@ -219,11 +224,26 @@ class _Errors:
         best, gain = None, STANDS_OUT
         for (start, _, stop), residual in zip(self.segments, residuals, strict=True):
             for period, ratio in _lines(residual)[:1]:
-                if ratio > gain:
+                if ratio > gain and not self._made_by_the_loop(np.array([period]), start, stop)[0]:
                     best, gain = _swing(self.errors.size, period, start, stop, 0.0), ratio
         if best is None:
             return None
         return Loads(best.courses, (best.event,)), self._sizes(best.courses)
+
+    def _made_by_the_loop(self, periods: FloatArray, start: int, stop: int) -> npt.NDArray[np.bool_]:
+        """Which periods are harmonics of the swing of PV, where that is not a load itself.
+
+        What swings from outside does so at its own period first; harmonics alone are made by the actuator.
+        """
+        if (start, stop) not in self.dominant:
+            self.dominant[start, stop] = _dominant(self.fitted.problem.y[start:stop])
+        whole = self.dominant[start, stop]
+        loads = self.fitted.problem.family.loads
+        outside = [event.period for event in loads.events if isinstance(event, Swing)] if loads is not None else []
+        if whole is None or any(abs(period / whole - 1.0) < SAME for period in outside):
+            return np.zeros(periods.size, bool)
+        order = whole / periods
+        return np.asarray((order > 1.5) & (np.abs(order - np.round(order)) < SAME * order))
 
     def sizes(self, loads: Loads) -> FloatArray:
         """Sizes of given loads, by least squares."""
@@ -251,8 +271,9 @@ class _Errors:
         if n > 2 * FEWEST_PERIODS * SHORTEST_PERIOD:
             size = PADDING * n
             power = np.abs(np.fft.rfft(left[first:stop], size)) ** 2 * 2.0 / n
-            low = int(np.ceil(FEWEST_PERIODS * PADDING))
-            index = low + int(np.argmax(power[low : int(size / SHORTEST_PERIOD)]))
+            low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
+            power[low:high][self._made_by_the_loop(size / np.arange(low, high), start, stop)] = 0.0
+            index = low + int(np.argmax(power[low:high]))
             yield _swing(left.size, size / index, start, stop, float(power[index]))
 
     def _column(self, course: FloatArray) -> FloatArray:
@@ -293,6 +314,13 @@ def _lines(x: FloatArray) -> list[tuple[float, float]]:
         if all(abs(index + first - line) > 2 for line, _ in found):
             found.append((index + first, float(ratio[index])))
     return [(1.0 / _finest(x, line), size) for line, size in found[:MOST_LINES]]
+
+
+def _dominant(x: FloatArray) -> float | None:
+    """Period of the line that is most of a signal; None where it does not swing so."""
+    shares = {period: _share(x, period) for period, _ in _lines(x)}
+    period = max(shares, key=lambda one: shares[one], default=None)
+    return period if period is not None and shares[period] > MAIN_SHARE else None
 
 
 def _share(x: FloatArray, period: float) -> float:
