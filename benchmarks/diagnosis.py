@@ -1,7 +1,7 @@
 """The diagnosis: calibration of its weights on simulated loops, and what it reaches on simulated and real ones.
 
-Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 8 minutes on two cores); writes docs/diagnosis.md.
-``--calibrate`` simulates other loops (about 8 minutes), prints the table of ``diagnose/weights.py`` and writes nothing.
+Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 25 minutes on two cores); writes docs/diagnosis.md.
+``--calibrate`` simulates other loops (about 10 minutes), prints the table of ``diagnose/weights.py``, writes nothing.
 Options: ``--cases N``, ``--data FOLDER``, ``--workers N``.
 """
 
@@ -75,6 +75,7 @@ def written(
         "SACAC_SCORE": f"{sum(right for *_, right in loops)} of {len(loops)}",
         "SACAC": page.loop_table(loops),
         "WEIGHTS": weight_table(),
+        "SURE": f"{SURE:g}",
         "ABLATION": ablation(rows, real),
     }
     for name, text in parts.items():

@@ -11,6 +11,7 @@ from lostmotion.identify.data import FEWEST_SAMPLES, collect
 from lostmotion.identify.evidence import gain_over_linear
 from lostmotion.identify.families import DeadZoneFamily, Family
 from lostmotion.identify.kinds import families, fit_kind
+from lostmotion.identify.loads import with_own_loads, without_actuator
 from lostmotion.identify.polish import polished
 from lostmotion.identify.search import ScaledData, best_fit
 from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
@@ -27,10 +28,12 @@ def told(loop: FaultyLoop) -> bool:
     data = collect(prepare(record), None, None, False, FEWEST_SAMPLES)
     scaled = ScaledData((data.u - data.u_centre) / data.u_scale, (data.y - data.y_centre) / data.y_scale, data.segments)
     family, eta = _truth(loop, scaled, data.u_centre, data.u_scale)
-    linear = fit_kind(None, scaled, None, None, levels=True)
+    linear = with_own_loads(fit_kind(None, scaled, None, None, levels=True))
     best = best_fit(scaled, family, [family.project(eta)], None, None)
     if family.kinks:
         best = polished(best)
+    best = with_own_loads(best)
+    linear = max(linear, without_actuator(best), key=lambda one: gain_over_linear(one, linear))
     gain = choose_kind(scaled, {"none": linear, family.kind: best}).gains[family.kind]
     return bool(gain > NEEDED and gain_over_linear(best, linear) > 0.0)
 

@@ -150,3 +150,13 @@ def test_a_dead_zone_beside_a_swing_is_told():
     assert fit.nonlinearity.kind == "dead zone"
     assert fit.parameters["width"] == pytest.approx(2.0, rel=0.1)
     assert any(abs(load.get("period", 0) / 83.0 - 1) < 0.02 for load in fit.settings["chosen"]["loads"])
+
+
+def test_loads_are_told_to_the_reader():
+    data = record(SWINGING)
+    reference = lm.LoopRecord(data.u + 50, data.y + 50, dt=2.0)
+    fit = lm.identify(reference, nonlinearity="auto")
+    assert fit.nonlinearity.kind == "none"
+    assert {round(load["period"] / PERIOD, 1) for load in fit.settings["chosen"]["loads"]} == {1.0}
+    assert "swings of 9" in fit.summary()
+    assert "of load act on the process" in fit.summary()

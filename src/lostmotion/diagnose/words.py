@@ -14,10 +14,10 @@ from lostmotion.records import LoopRecord
 
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
     {
-        "dead_zone": ("dead zone predicts", "log(1 + gain over a linear process)"),
-        "memory": ("sticking predicts", "log(1 + gain over a linear process)"),
-        "saturation": ("limit predicts", "log(1 + gain over a linear process)"),
-        "oscillating": ("oscillation", "1: OP or PV swings regularly"),
+        "dead_zone": ("dead zone predicts", "log(1 + gain in likelihood over a linear process)"),
+        "memory": ("sticking predicts", "log(1 + gain in likelihood over a linear process)"),
+        "saturation": ("limit predicts", "log(1 + gain in likelihood over a linear process)"),
+        "oscillating": ("oscillation", "1: OP or PV swings regularly, by itself"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
         "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
     }

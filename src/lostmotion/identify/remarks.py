@@ -20,6 +20,7 @@ FAST = 40.0  # samples in the slowest time constant
 WANTED = 10.0  # samples in it after resampling
 FEWEST_LEFT = 300  # samples after resampling: fewer tell less
 LATE = 20  # samples of delay
+MOST_SAID = 3  # periods
 SLOW = 0.5  # samples in the slowest time constant
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
@@ -31,7 +32,7 @@ def remarks(fit: HammersteinFit) -> tuple[str, ...]:
     ----------
     fit : HammersteinFit
     """
-    said = [about_pv_step(fit), about_op_step(fit), about_sampling(fit), in_percent(fit)]
+    said = [about_pv_step(fit), about_op_step(fit), about_sampling(fit), about_loads(fit), in_percent(fit)]
     return tuple(sentence for sentence in said if sentence)
 
 
@@ -52,6 +53,17 @@ def step_over_noise(step: float, variance: float) -> float:
     """
     own = variance - step**2 / 12.0
     return float(step / np.sqrt(own)) if own > 0 else np.inf
+
+
+def about_loads(fit: HammersteinFit) -> str:
+    """What else acts on the process, in the model that was chosen."""
+    loads = fit.settings["chosen"].get("loads", [])
+    periods = [f"{load['period'] * fit.data.dt:.4g} s" for load in loads if "period" in load]
+    steps = sum("step_at" in load for load in loads)
+    parts = [f"swings of {', '.join(periods[:MOST_SAID])}{' and more' * (len(periods) > MOST_SAID)}"] if periods else []
+    if steps:
+        parts.append(f"{steps} step{'s' * (steps > 1)}")
+    return f"Beside the actuator {' and '.join(parts)} of load act on the process in this model." if parts else ""
 
 
 def about_pv_step(fit: HammersteinFit) -> str:
