@@ -19,9 +19,10 @@ def slowly(a, b, direction=0):
     for late in LATE.tolist():
         part = np.asarray(step[:late])
         ahead, back = max(part.max(), 0.0), max(-part.min(), 0.0)
-        if part[-1] <= 0.0:
+        left = part[late // 2 :].mean()
+        if left <= 0.0:
             ahead, back = back, ahead
-        if not abs(part[-1]) > LEAST_LASTING * ahead or back > LARGEST_INVERSE * ahead or part[-1] * direction > 0:
+        if not abs(left) > LEAST_LASTING * ahead or back > LARGEST_INVERSE * ahead or left * direction > 0:
             return False
     return True
 

@@ -11,8 +11,8 @@ from lostmotion.kernels import linear as kernel
 from lostmotion.models._arguments import FloatArray
 
 LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
-LATE = np.array([60, 300])  # samples; a slow ramp must not make up for what is lost soon
-LEAST_LASTING = 0.5  # of the peak of the step response until then that is left: no overshoot of more than itself
+LATE = np.array([100, 300])  # samples; a slow ramp must not make up for what is lost soon
+LEAST_LASTING = 0.5  # of the peak of the step response that is there on average in the later half of this time
 LARGEST_INVERSE = 0.3  # of that peak: how far the response goes the other way at first
 TRIES = 30  # candidates that are looked at for one that is allowed
 SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none

@@ -68,11 +68,11 @@ def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatAr
 def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_back: float, direction: int) -> bool:
     """Whether the response of B/A to a step is there to stay, at every number of samples in `late` (ascending).
 
-    More than `least` of its peak is left, it went the other way by `most_back` of the peak at most, and its sign is not
-    that of `direction`.
+    Over the later half more than `least` of its peak is there, it went the other way by `most_back` of the peak at
+    most, and its sign is not that of `direction`.
     """
     recent = np.zeros(a.size)
-    low = high = drive = 0.0
+    low = high = drive = total = before = 0.0
     at = 0
     for k in range(late[-1]):
         if k < b.size:
@@ -84,10 +84,13 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
             recent[i] = recent[i - 1]
         if a.size > 0:
             recent[0] = value
-        low, high = min(low, value), max(high, value)
+        low, high, total = min(low, value), max(high, value), total + value
+        if k + 1 == late[at] // 2:
+            before = total
         if k + 1 == late[at]:
-            ahead, back = (high, -low) if value > 0.0 else (-low, high)
-            if not abs(value) > least * ahead or back > most_back * ahead or value * direction > 0.0:
+            left = (total - before) / (late[at] - late[at] // 2)
+            ahead, back = (high, -low) if left > 0.0 else (-low, high)
+            if not abs(left) > least * ahead or back > most_back * ahead or left * direction > 0.0:
                 return False
             at += 1
     return True
