@@ -19,6 +19,7 @@ from lostmotion.identify.loads import (
 )
 from lostmotion.identify.search import ScaledData, criterion
 
+pytestmark = pytest.mark.statistics  # whole fits: minutes without the JIT
 N = 1500
 PROCESS = lm.LinearModel([-0.85], [0.15], 2, 1.0)
 PERIOD = 47.3
@@ -117,23 +118,6 @@ def test_harmonics_of_the_loop_are_no_loads_without_their_fundamental():
     found = with_own_loads(linear(ScaledData(u, y, WHOLE)))
     periods = [event.period for event in events(found) if isinstance(event, Swing)]
     assert not any(abs(period / 20 - 1) < 0.02 for period in periods)
-
-
-def test_families_with_loads():
-    shapes = np.vstack([np.sin(TIME), np.cos(TIME), TIME > 10.0]).astype(float)
-    both = Loads(shapes, (Swing(6.28), Step(11)))
-    family = LinearFamily().with_loads(both).with_load(True)
-    assert family.names == ("load", "sine", "cosine", "step")
-    assert family.sought == 2
-    u, eta = np.linspace(-1, 1, N), np.array([0.5, 1.0, -2.0, 3.0])
-    x, dx = np.empty(N), np.empty((4, N))
-    family.evaluate(eta, u, x, dx)
-    np.testing.assert_allclose(x, u + 0.5 + np.sin(TIME) - 2 * np.cos(TIME) + 3.0 * (TIME > 10))
-    np.testing.assert_allclose(dx[1:], shapes)
-    assert both.kept([1]).events == (Step(11),)
-    assert both.kept([1]).shapes.shape == (1, N)
-    assert both.kept([]) is None
-    assert both.joined(both).shapes.shape == (6, N)
 
 
 def test_a_dead_zone_beside_a_swing_is_told():

@@ -5,7 +5,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion import _verbs
-from lostmotion.identify.families import LinearFamily
+from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
 from lostmotion.identify.memory_families import BacklashFamily, SaturationFamily, StictionFamily
 from lostmotion.models.stiction import CODES
 from tests.naive import backlash as slow_backlash
@@ -121,3 +121,21 @@ def test_load_is_added_behind_the_actuator():
 def test_only_a_dead_zone_and_a_backlash_have_an_inverse():
     assert _verbs.compensator(lm.Backlash(1.0)).kind == "backlash"
     assert "block" in refusal(lm.ParameterError, _verbs.compensator, lm.Stiction(1.0, 0.5))
+
+
+def test_families_with_loads():
+    time = np.arange(200)
+    shapes = np.vstack([np.sin(time), np.cos(time), time > 10.0]).astype(float)
+    both = Loads(shapes, (Swing(6.28), Step(11)))
+    family = LinearFamily().with_loads(both).with_load(True)
+    assert family.names == ("load", "sine", "cosine", "step")
+    assert family.sought == 2
+    u, eta = np.linspace(-1, 1, 200), np.array([0.5, 1.0, -2.0, 3.0])
+    x, dx = np.empty(200), np.empty((4, 200))
+    family.evaluate(eta, u, x, dx)
+    np.testing.assert_allclose(x, u + 0.5 + np.sin(time) - 2 * np.cos(time) + 3.0 * (time > 10))
+    np.testing.assert_allclose(dx[1:], shapes)
+    assert both.kept([1]).events == (Step(11),)
+    assert both.kept([1]).shapes.shape == (1, 200)
+    assert both.kept([]) is None
+    assert both.joined(both).shapes.shape == (6, 200)

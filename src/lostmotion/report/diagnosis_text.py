@@ -182,10 +182,10 @@ def _kinds(diagnosis: Diagnosis) -> str:
     if kinds is None:
         return ""
     ranked = sorted(((gain, kind) for kind, gain in kinds.gains.items() if kind != "none"), reverse=True)
-    said = ", ".join(f"{kind} {gain:+.1f}" for gain, kind in ranked) or "none was worth a fit"
+    said = ", ".join(f"{kind} {gain:+.1f} / {kinds.likelihoods[kind]:+.1f}" for gain, kind in ranked)
     return "\n" + fill(
-        f"Actuators compared: log-likelihood of rows left out, over that of a linear process ({NEEDED:g} is needed): "
-        f"{said}."
+        f"Actuators compared: log-likelihood of rows left out ({NEEDED:g} is needed) / of all rows, less what the "
+        f"parameters cost, over that of a linear process: {said or 'none was worth a fit'}."
     )
 
 
