@@ -1,6 +1,6 @@
 """The diagnosis: calibration of its weights on simulated loops, and what it reaches on simulated and real ones.
 
-Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 25 minutes on two cores); writes docs/diagnosis.md.
+Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 16 minutes on two cores); writes docs/diagnosis.md.
 ``--calibrate`` simulates other loops (about 10 minutes), prints the table of ``diagnose/weights.py``, writes nothing.
 Options: ``--cases N``, ``--data FOLDER``, ``--workers N``.
 """
@@ -31,7 +31,7 @@ CALIBRATION, EVALUATION = 1000, 50_000  # first seeds: no loop is in both
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--calibrate", action="store_true")
-    parser.add_argument("--cases", type=int, default=400)
+    parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--save", type=Path, default=None, help="with --calibrate: keep the rows as JSON")
     parser.add_argument("--workers", type=int, default=None)

@@ -12,7 +12,7 @@ from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 
-SURE = 0.65  # least probability of a verdict: false alarms on the loops of the calibration then stay under 2 %
+SURE = 0.55  # least probability of a verdict: no false alarm on the calm loops of the calibration; more loses faults
 CLEAR = 3.0  # of log density, by which stiction must beat backlash where both are possible
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
