@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,21 +12,10 @@ import numpy.typing as npt
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.choice import choose_kind
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
+from lostmotion.identify.every_kind import fits_of_all
 from lostmotion.identify.evidence import SIZE, decide, gain_over_linear, weigh
 from lostmotion.identify.families import Family
-from lostmotion.identify.kinds import KINDS, Sought, fit_kind, likely_kinds, seek
-from lostmotion.identify.loads import (
-    loaded,
-    pruned,
-    sizes_of_loads,
-    swings_of,
-    with_loads,
-    with_own_loads,
-    without_actuator,
-    without_loads,
-    without_swings,
-    without_their_effect,
-)
+from lostmotion.identify.kinds import KINDS, Sought, fit_kind, seek
 from lostmotion.identify.memory_families import StictionFamily
 from lostmotion.identify.misfit import residual_tests
 from lostmotion.identify.offset import settle_offset
@@ -166,7 +155,7 @@ def identify(
 
     if nonlinearity != "auto":
         return result(nonlinearity, fitted(scaled, nonlinearity, seek(nonlinearity, scaled, orders_given)))
-    plain, linear, fits = linear, *_fits_of_all(scaled, linear, orders_given, noise_given, gain is None, fitted)
+    plain, linear, fits = linear, *fits_of_all(scaled, linear, orders_given, noise_given, gain is None, fitted)
     if linear is not plain:
         linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     seen = {kind: found for kind, found in fits.items() if gain_over_linear(found, linear) > 0}
@@ -177,72 +166,6 @@ def identify(
     if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
         return replace(linear_result, kinds=kinds)
     return chosen
-
-
-def _fits_of_all(
-    scaled: ScaledData,
-    linear: Fitted,
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool,
-    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
-) -> tuple[Fitted, dict[str, Fitted]]:
-    """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
-
-    Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
-    what the actuator does.
-    """
-    linear = _cleaned(scaled, with_own_loads(linear), orders, noise, levels)
-    swings = swings_of(scaled)
-    if swings is not None:  # the process may have taken the place of a swing
-        other = fit_kind(None, without_swings(scaled, swings), orders, noise, levels)
-        other = with_loads(other, scaled, swings)
-        linear = other if gain_over_linear(other, linear) > 0 else linear
-    found = {kind: with_own_loads(one) for kind, one in _of_likely(scaled, orders, without_loads(linear), fit).items()}
-    loads = linear.problem.family.loads
-    if loads is not None:
-        clean = without_their_effect(linear, scaled)
-        for kind, one in _of_likely(clean, orders, without_loads(linear, clean.y), fit).items():
-            other = with_own_loads(pruned(loaded(one, scaled.y, loads, sizes_of_loads(linear))))
-            if kind not in found or gain_over_linear(other, found[kind]) > 0:
-                found[kind] = other
-    best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
-    again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
-    again = _cleaned(scaled, again, orders, noise, levels, best)
-    rivals = [linear, again, *(without_actuator(one) for one in found.values())]
-    return max(rivals, key=lambda one: gain_over_linear(one, linear)), found  # what a fault must beat
-
-
-def _cleaned(
-    scaled: ScaledData,
-    linear: Fitted,
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool,
-    near: Fitted | None = None,
-) -> Fitted:
-    """The linear model sought anew without its loads, and refined with them, where that is better."""
-    loads = linear.problem.family.loads
-    if loads is None:
-        return linear
-    clean = without_their_effect(linear, scaled)
-    again = fit_kind(None, clean, orders, noise, levels, near)
-    again = with_own_loads(pruned(loaded(again, scaled.y, loads, sizes_of_loads(linear))))
-    return again if gain_over_linear(again, linear) > 0 else linear
-
-
-def _of_likely(
-    scaled: ScaledData,
-    orders: tuple[int, int, int] | None,
-    linear: Fitted,
-    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
-) -> dict[str, Fitted]:
-    """Each kind but the dead zone, which has most local maxima, begins at the best before it."""
-    found: dict[str, Fitted] = {}
-    for kind, sought in likely_kinds(scaled, orders).items():
-        nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
-        found[kind] = fit(scaled, kind, sought, None if kind == "dead zone" or not found else nearest)
-    return found
 
 
 def _package(
