@@ -3,6 +3,7 @@
 Made by ``benchmarks/diagnosis.py --calibrate --cases 400``. Logistic regression with a ridge: log-odds = constant + sum
 of weight times feature. Horch's correlation was tried and left out: on simulated loops it says nothing that shape does
 not (a slow disturbance is as odd as stiction).
+Which processes are allowed in a closed loop (``identify/plausible.py``) has changed a little since.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ def without_swings(data: ScaledData, loads: Loads) -> ScaledData:
 def with_loads(fitted: Fitted, data: ScaledData, loads: Loads) -> Fitted:
     """A model of other signals, refined on these with given loads, and with its own."""
     on_data = replace(fitted, problem=replace(fitted.problem, u=data.u, y=data.y))
-    return with_own_loads(pruned(loaded(on_data, data.y, loads, _Errors(on_data).sizes(loads))))
+    return with_own_loads(pruned(loaded(on_data, data.y, loads, _Errors(on_data).sizes(loads.shapes))))
 
 
 def sizes_of_loads(fitted: Fitted) -> FloatArray:
@@ -228,7 +228,7 @@ class _Errors:
                     best, gain = _swing(self.errors.size, period, start, stop, 0.0), ratio
         if best is None:
             return None
-        return Loads(best.courses, (best.event,)), self._sizes(best.courses)
+        return Loads(best.courses, (best.event,)), self.sizes(best.courses)
 
     def _made_by_the_loop(self, periods: FloatArray, start: int, stop: int) -> npt.NDArray[np.bool_]:
         """Which periods are harmonics of the swing of PV, where that is not a load itself.
@@ -245,11 +245,8 @@ class _Errors:
         order = whole / periods
         return np.asarray((order > 1.5) & (np.abs(order - np.round(order)) < SAME * order))
 
-    def sizes(self, loads: Loads) -> FloatArray:
-        """Sizes of given loads, by least squares."""
-        return self._sizes(loads.shapes)
-
-    def _sizes(self, courses: FloatArray) -> FloatArray:
+    def sizes(self, courses: FloatArray) -> FloatArray:
+        """Sizes of loads of given courses, by least squares."""
         table = np.column_stack([self._column(course) for course in courses])
         return np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
 
