@@ -54,7 +54,6 @@ def example() -> lm.Diagnosis:
         evidence=(
             Item("dead_zone", 3.71, 5.2, "in words"),
             Item("shape", -0.31, -1.2, "in words"),
-            Item("relay", 0.0, 0.0, "in words"),
         ),
         advice=("Check the range.", "Compensate."),
         notes=("The OP span was taken as 0 .. 100; give op_span where it is not.",),

@@ -22,7 +22,7 @@ PREVALENCE = {
     "dead zone": 0.07,
     "saturation": 0.05,
 }
-NOT_NEGATIVE = ("dead_zone", "memory", "saturation", "shape", "relay")  # more of it never speaks for a sound actuator
+NOT_NEGATIVE = ("dead_zone", "memory", "saturation", "shape")  # more of it never speaks for a sound actuator
 
 
 def calibrated(rows: list[Row]) -> tuple[float, Array]:

@@ -6,7 +6,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.evaluate.random_faults import REST, FaultyLoop
-from lostmotion.identify.choice import NEEDED, choose_kind
+from lostmotion.identify.choice import NEEDED
 from lostmotion.identify.data import FEWEST_SAMPLES, collect
 from lostmotion.identify.evidence import gain_over_linear
 from lostmotion.identify.families import DeadZoneFamily, Family
@@ -34,8 +34,7 @@ def told(loop: FaultyLoop) -> bool:
         best = polished(best)
     best = with_own_loads(best)
     linear = max(linear, without_actuator(best), key=lambda one: gain_over_linear(one, linear))
-    gain = choose_kind(scaled, {"none": linear, family.kind: best}).gains[family.kind]
-    return bool(gain > NEEDED and gain_over_linear(best, linear) > 0.0)
+    return bool(0.5 * gain_over_linear(best, linear) > NEEDED)
 
 
 def _truth(loop: FaultyLoop, scaled: ScaledData, centre: float, scale: float) -> tuple[Family, np.ndarray]:

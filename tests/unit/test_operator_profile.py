@@ -10,7 +10,7 @@ from lostmotion.identify import kinds
 from lostmotion.identify.operator_profile import LaggedRegression, operator_profile
 from lostmotion.identify.profile import Lags
 from lostmotion.identify.search import ScaledData
-from lostmotion.kernels.products import add_products, damped_step
+from lostmotion.kernels.products import add_lagged_table, add_products, damped_step
 
 SEGMENTS = np.array([[0, 250], [250, 600]])
 LAGS = Lags(7, 9, 2)
@@ -37,16 +37,26 @@ def test_damped_step_solves_the_scaled_equations():
     assert promised == pytest.approx(errors @ errors - left @ left)
 
 
-@pytest.mark.parametrize("with_beside", [False, True])
-def test_squares_are_those_of_the_whole_regression(with_beside):
+@pytest.mark.parametrize(("outputs", "delay", "inputs"), [(7, 2, 9), (1, 0, 1), (3, 5, 2)])
+def test_lagged_table_by_its_columns(outputs, delay, inputs):
+    rng = np.random.default_rng(7)
+    y, x = rng.normal(size=(2, 90))
+    k = np.arange(20, 85)
+    past = np.column_stack([x[k - delay - j] for j in range(inputs)])
+    left = [np.ones(k.size), *(y[k - 1 - i] for i in range(outputs)), *past.T, y[k]]
+    table = np.ones((outputs + inputs + 2, inputs))  # what is there already stays
+    add_lagged_table(y, outputs, x, delay, inputs, 20, 85, table)
+    np.testing.assert_allclose(table, 1.0 + np.array(left) @ past, rtol=1e-12, atol=1e-10)
+
+
+def test_squares_are_those_of_the_whole_regression():
     rng = np.random.default_rng(2)
     x = 0.2 * np.cumsum(rng.normal(size=600))
     y = np.convolve(x, [0.0, 0.0, 0.5, 0.3])[:600] + rng.normal(scale=0.1, size=600)
-    beside = rng.normal(size=600) if with_beside else None
-    found = LaggedRegression.on(y, SEGMENTS, LAGS, beside)
+    found = LaggedRegression.on(y, SEGMENTS, LAGS)
     rows = np.concatenate([np.arange(start + LAGS.head, stop) for start, stop in SEGMENTS])
     columns = [np.ones((rows.size, 1)), y[rows[:, None] - np.arange(1, 8)]]
-    columns += [signal[rows[:, None] - 2 - np.arange(9)] for signal in (beside, x) if signal is not None]
+    columns.append(x[rows[:, None] - 2 - np.arange(9)])
     for kept, squares in ((columns[:-1], found.alone), (columns, found.squares(x))):
         table = np.concatenate(kept, axis=1)
         left = y[rows] - table @ np.linalg.lstsq(table, y[rows], rcond=None)[0]

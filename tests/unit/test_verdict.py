@@ -17,8 +17,9 @@ SWING = Features(oscillating=1.0)
 OWN = LoopStability(0.4, 0.1, 0.001, 0.02, 50.0)
 
 
-def measured(features, integrating=False):
-    return Measured(features, SILENT, SILENT, 50.0 if features.oscillating else np.nan, integrating, {})
+def measured(features, integrating=False, period=50.0, driven=False):
+    swings = features.oscillating or driven
+    return Measured(features, SILENT, SILENT, period if swings else np.nan, integrating, {}, driven)
 
 
 def fit_of(actuator, gains, status=lm.Status.OK):
@@ -38,7 +39,7 @@ def test_weights_belong_to_the_features():
     assert len(WEIGHTS) == len(NAMES) == len(fields(Features))
 
 
-@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape", "relay"])
+@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape"])
 def test_more_evidence_never_speaks_for_a_sound_actuator(name):
     weak, strong = (fault_probability(Features(**{name: value})) for value in (0.0, 2.0))
     assert 0.0 < weak <= strong < 1.0
@@ -69,7 +70,13 @@ def test_a_command_moved_from_outside_does_not_swing_by_itself(stability):
     assert verdict(SWING, stability=stability).verdict == "none"
 
 
+def test_a_swing_that_is_commanded_is_a_disturbance():
+    found = decide(LINEAR, measured(Features(), driven=True), None, False, 0.0)
+    assert (found.verdict, found.kind) == ("other oscillation", "disturbance")
+
+
 STRONG = 9.0
+SWINGING = Features(memory=STRONG, oscillating=1.0, shape=0.4)
 BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
 
 
@@ -81,8 +88,10 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         (Features(memory=STRONG), BAND, {"backlash": 50.0, "stiction": 49.0}, False, "backlash"),
         (Features(memory=STRONG), lm.Stiction(1, 0.5), {"backlash": 50.0, "stiction": 60.0}, False, "stiction"),
         # a dead band alone does not make a self-regulating loop swing for ever, behind a level it does
-        (Features(memory=STRONG, oscillating=1.0, shape=0.4), BAND, {"backlash": 50.0}, False, "stiction"),
-        (Features(memory=STRONG, oscillating=1.0, shape=0.4), BAND, {"backlash": 50.0}, True, "backlash"),
+        (SWINGING, BAND, {"backlash": 50.0, "stiction": 48.0}, False, "stiction"),
+        (SWINGING, BAND, {"backlash": 50.0, "stiction": 48.0}, True, "backlash"),
+        # unless the likelihood says that the valve never slips
+        (SWINGING, BAND, {"backlash": 50.0, "stiction": 46.0}, False, "backlash"),
         # but it may follow one that comes from outside
         (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, False, "backlash"),
         # a dead zone makes sines, no triangles
@@ -97,6 +106,14 @@ def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
     found = verdict(features, fit_of(actuator, {"none": 0.0, **gains}), integrating=integrating)
     assert (found.verdict, found.kind) == (said, "actuator")
     assert found.confidence == found.probabilities["actuator"]
+
+
+@pytest.mark.parametrize(("period", "said"), [(50.0, "stiction"), (5.0, "dead zone")])
+def test_behind_a_process_slower_than_its_swing_a_dead_zone_swings_as_behind_a_level(period, said):
+    zone = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0})
+    slow = replace(zone, model=replace(zone.model, linear=lm.LinearModel([-0.9], [0.1], 1, 1.0)))  # 9.5 samples
+    features = Features(dead_zone=STRONG, oscillating=1.0, shape=0.4)
+    assert decide(slow, measured(features, period=period), OWN, False, 0.0).verdict == said
 
 
 def test_between_fault_and_none_nothing_is_said():

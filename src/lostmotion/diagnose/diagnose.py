@@ -70,7 +70,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     stretches = prepared.require()
     fit = identify(prepared, nonlinearity="auto")
     sp = _set_point(stretches, fit.data.u.size)
-    measured = measure(fit, integrating)
+    measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
     verdict = decide(fit, measured, stability, quantised, _limited(record))

@@ -9,16 +9,18 @@ import numpy as np
 from lostmotion.diagnose.bicoherence import bicoherence_indices
 from lostmotion.diagnose.cross_correlation import cross_correlation_index
 from lostmotion.diagnose.ellipse import apparent_stiction
-from lostmotion.diagnose.oscillation import Oscillation, find_oscillation
+from lostmotion.diagnose.oscillation import BAND, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.choice import NEEDED
 from lostmotion.models._arguments import FloatArray
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
 SAME = 0.1  # relative difference of two periods that are one
+COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
@@ -31,17 +33,15 @@ class Features:
     Attributes
     ----------
     dead_zone, memory, saturation : float
-        log(1 + gain) of the kind that was found, the gain in log-likelihood over the linear model less what its
-        parameters cost; 0 for the other kinds, and for all where the prediction of what was left out does not confirm
-        it. Memory: backlash or stiction.
+        log(1 + gain / 3) of the kind that was found, the gain in log-likelihood over the linear model less what its
+        parameters cost, 3 being the least that counts; 0 for the other kinds. Memory: backlash or stiction.
     oscillating : float
-        1 where OP or PV swings regularly and that is most of what it does; 0 where the fault that was found does not
-        explain the swing but has one of its period beside it, which comes from outside. Its shape then says nothing.
+        1 where OP or PV swings regularly and that is most of what it does; 0 where that comes from outside: SP swings
+        so (the outer loop of a cascade), or the fault that was found does not explain the swing but has one of its
+        period beside it. Its shape then says nothing.
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
-    relay : float
-        Rossi and Scali's index of PV.
     """
 
     dead_zone: float = 0.0
@@ -49,7 +49,6 @@ class Features:
     saturation: float = 0.0
     oscillating: float = 0.0
     shape: float = 0.0
-    relay: float = 0.0
 
     def values(self) -> FloatArray:
         """All in order."""
@@ -72,7 +71,8 @@ class Measured:
     indices : dict of float
         Every index that could be computed, by name.
     driven : bool
-        Whether the fault that was found needs a swing from outside beside it, of the period of the loop.
+        Whether the swing comes from outside: SP swings so, or the fault that was found needs one of its period beside
+        it.
     """
 
     features: Features
@@ -89,7 +89,7 @@ class Measured:
         return bool(np.isfinite(self.period))
 
 
-def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
+def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray | None = None) -> Measured:
     """Measure everything on the longest piece of what was identified.
 
     Parameters
@@ -98,6 +98,8 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
         With nonlinearity="auto".
     integrating : bool, optional
         Whether the process integrates (a level); None: as identified.
+    sp : ndarray, optional
+        Set point on the rows of the data.
     """
     data = fit.data
     start, stop = max(data.segments.tolist(), key=lambda pair: pair[1] - pair[0])
@@ -109,14 +111,13 @@ def measure(fit: HammersteinFit, integrating: bool | None = None) -> Measured:
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
     dead_zone, memory, saturation = _gains(fit)
-    driven = _driven(fit, float(period))
+    driven = _driven(fit, float(period)) or (sp is not None and _commanded(sp[rows], pv, float(period)))
     features = Features(
         dead_zone=dead_zone,
         memory=memory,
         saturation=saturation,
         oscillating=float(bool(swinging) and not driven),
         shape=0.0 if driven else max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
-        relay=0.0 if driven else indices.get("relay", 0.0),
     )
     return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
 
@@ -127,12 +128,23 @@ def _driven(fit: HammersteinFit, period: float) -> bool:
     return fit.nonlinearity.kind != "none" and any(abs(swing / period - 1.0) < SAME for swing in swings)
 
 
+def _commanded(sp: FloatArray, pv: FloatArray, period: float) -> bool:
+    """Whether SP swings with this period as well, and so much that the loop follows it."""
+    if not np.isfinite(period):
+        return False
+    cycles = np.arange(sp.size // 2 + 1) * (period / sp.size)
+    near = np.abs(cycles - 1.0) <= BAND
+    window = np.hanning(sp.size)
+    command, answer = (np.abs(np.fft.rfft((x - x.mean()) * window))[near] for x in (sp, pv))
+    return bool(np.linalg.norm(command) > COMMANDED * np.linalg.norm(answer))
+
+
 def _gains(fit: HammersteinFit) -> tuple[float, float, float]:
-    """log(1 + gain) of dead zone, memory and saturation, but for the one that was found 0."""
+    """Of dead zone, memory and saturation; but for the one that was found 0."""
     kind = fit.nonlinearity.kind
-    if fit.kinds is None or kind == "none":  # what was left out, or its own status, does not confirm it
+    if fit.kinds is None or kind == "none":
         return 0.0, 0.0, 0.0
-    gain = float(np.log1p(max(fit.kinds.likelihoods[kind], 0.0)))
+    gain = float(np.log1p(max(fit.kinds.likelihoods[kind], 0.0) / NEEDED))
     return (
         gain if kind == "dead zone" else 0.0,
         gain if kind in ("backlash", "stiction") else 0.0,

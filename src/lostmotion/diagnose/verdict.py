@@ -13,7 +13,7 @@ from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 
 SURE = 0.55  # least probability of a verdict: no false alarm on the calm loops of the calibration; more loses faults
-CLEAR = 3.0  # of log density, by which stiction must beat backlash where both are possible
+CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
@@ -72,6 +72,8 @@ def _no_fault(
     fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool
 ) -> tuple[str, str]:
     own = stability is not None and stability.unexplained < OUTSIDE  # else OP is moved from outside, not by this loop
+    if measured.swings and measured.driven:
+        return "other oscillation", "disturbance"
     if not measured.swings or stability is None or not own:
         silent = fit.status is Status.CANNOT_TELL
         return ("cannot tell", "unknown") if silent else ("none", "none")
@@ -87,19 +89,25 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
     only lowers the gain of a self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine,
     but makes no triangles and squares; a level it lets swing in any shape (the paper's tank). Neither does a
     saturation, anywhere. And a dead band alone does not make a self-regulating loop swing for ever (its describing
-    function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, the
-    valve slips.
+    function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, and
+    the likelihood does not say clearly that the valve never slips, it slips.
     """
-    gains = fit.kinds.gains if fit.kinds is not None else {}
     best = fit.nonlinearity.kind
     swings = measured.swings and not measured.driven
     angular = swings and measured.features.shape > TRIANGLE
-    if best == "saturation" and not angular:
+    level = measured.integrating or _slower_than_its_swing(fit, measured.period)
+    if best in ("saturation", "dead zone") and (not angular or (best == "dead zone" and level)):
         return best
-    if best == "dead zone" and (measured.integrating or not angular):
+    likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
+    ahead = likelihoods.get("backlash", 0.0) - likelihoods.get("stiction", 0.0)
+    if angular and not level:
+        return "backlash" if ahead > CLEAR else "stiction"
+    if best in STICKING:
         return best
-    if angular and not measured.integrating:
-        return "stiction"
-    if "stiction" not in gains:
-        return "backlash" if "backlash" in gains else "stiction"
-    return "stiction" if gains["stiction"] - gains.get("backlash", -np.inf) > CLEAR else "backlash"
+    return "backlash" if ahead > 0.0 else "stiction"
+
+
+def _slower_than_its_swing(fit: HammersteinFit, period: float) -> bool:
+    """Whether the process lags so far behind a swing of this period that it answers as an integrator does."""
+    slowest = float(np.abs(fit.linear.poles).max(initial=0.0))
+    return slowest >= 1.0 or (slowest > 0.0 and -1.0 / np.log(slowest) > period)

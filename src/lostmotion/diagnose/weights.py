@@ -1,9 +1,8 @@
 """Weights of evidence for a fault of the actuator, calibrated on simulated loops only.
 
 Made by ``benchmarks/diagnosis.py --calibrate --cases 400``. Logistic regression with a ridge: log-odds = constant + sum
-of weight times feature. Horch's correlation was tried and left out: on simulated loops it says nothing that shape does
-not (a slow disturbance is as odd as stiction).
-Which processes are allowed in a closed loop (``identify/plausible.py``) has changed a little since.
+of weight times feature. Tried and left out: Horch's correlation and Rossi and Scali's relay index, which on simulated
+loops say nothing that shape does not; log(1 + gain), the root and the cube root of the gain, which fit no better.
 """
 
 from __future__ import annotations
@@ -13,5 +12,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -0.94
-WEIGHTS = (0.67, 1.11, 0.99, -2.15, 8.59, 0.09)
+CONSTANT = -1.08
+WEIGHTS = (0.81, 1.69, 1.34, -1.97, 8.71)

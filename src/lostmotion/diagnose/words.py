@@ -14,12 +14,11 @@ from lostmotion.records import LoopRecord
 
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
     {
-        "dead_zone": ("dead zone predicts", "log(1 + gain in likelihood over a linear process)"),
-        "memory": ("sticking predicts", "log(1 + gain in likelihood over a linear process)"),
-        "saturation": ("limit predicts", "log(1 + gain in likelihood over a linear process)"),
+        "dead_zone": ("dead zone predicts", "log(1 + gain / 3), in likelihood over a linear process"),
+        "memory": ("sticking predicts", "log(1 + gain / 3), in likelihood over a linear process"),
+        "saturation": ("limit predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "oscillating": ("oscillation", "1: OP or PV swings regularly, by itself"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
-        "relay": ("PV square", "above 0 square wave, below sine (Rossi, Scali)"),
     }
 )
 CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})

@@ -1,8 +1,10 @@
-"""Which kind of actuator? Prediction of what was left out, and how sure that comparison is.
+"""Which kind of actuator? The gain in likelihood, less what the parameters cost, and how sure that comparison is.
 
-Every kind is fitted again without a quarter of the record at a time, from its fit to everything, and predicts that
-quarter one step ahead. The kinds are compared by the logarithm of the Gaussian predictive density; the differences of
-blocks of rows give the standard error, so that a choice which rests on a few rows counts as what it is.
+As a second opinion every kind is fitted again without a quarter of the record at a time, from its fit to everything,
+and predicts that quarter one step ahead. A small gain must be confirmed there. It does not decide more: on 280 loops of
+known fault (both families of benchmarks/diagnosis.py, other seeds) the likelihood names 97 of 132 visible faults
+rightly, the rows left out 88, because a quarter of a routine record often holds all that one parameter can be learned
+from.
 """
 
 from __future__ import annotations
@@ -13,7 +15,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
 
 from lostmotion.identify.batch import refine
 from lostmotion.identify.evidence import gain_over_linear
@@ -23,32 +24,31 @@ from lostmotion.models._arguments import FloatArray
 
 FOLDS = 4
 STEPS = 6  # of each refit: it starts at the fit to everything
-BLOCKS = 32
 FEWEST = 20  # rows of a fold beside what its start needs
-SMALLEST_SPREAD = 1.0  # of a difference of log densities: of two kinds that predict alike, neither is sure
 # of log density, for parameters that are held at the best place found: about the logarithm of the number of places
 SEARCHED = {"backlash": 2.5, "stiction": 7.5}
-NEEDED_JUMP = 5.0  # by which stiction must beat backlash: its jump was sought as well
-NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
-NEEDED_LIMITS = 5.0  # by which a saturation must beat a dead zone: u minus one is the other, and feedback lets u go
-NEEDED = 3.0  # of log density, by which a fault must beat the linear model: 20 to 1
+NEEDED = 3.0  # of log-likelihood, by which a fault must beat the linear model: 20 to 1
+CONFIRMED = 12.0  # a smaller gain counts only where the rows left out are predicted better as well
+NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # by which stiction must beat backlash where its jump is such a share of it
+LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
 
 
 @dataclass(frozen=True)
 class KindChoice:
-    """Held-out comparison of the kinds.
+    """Comparison of the kinds.
 
     Attributes
     ----------
     best : str
-        Kind with the largest predictive density; "none" unless a fault beats the linear model clearly.
+        Kind with the largest likelihood; "none" unless a fault beats the linear model by 3, and by 12 or in what was
+        left out.
     gains : dict of float
-        Log predictive density of each kind minus that of the linear model, all left-out rows together.
+        What was left out: log predictive density of each kind minus that of the linear model, all rows together.
     likelihoods : dict of float
         Half the information criterion of the linear model minus that of each kind: gain in log-likelihood with all
         rows, less what its parameters cost.
     confidence : float
-        Probability that `best` predicts better than the runner-up, from blocks of rows.
+        Probability that `best` is right rather than the runner-up.
     runner_up : str
     """
 
@@ -70,42 +70,50 @@ class KindChoice:
 
 
 def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
-    """Compare fits of several kinds, "none" among them, by what they predict of the rows left out.
+    """Compare fits of several kinds, "none" among them.
 
     Raises
     ------
     KeyError
         No linear model among the candidates.
     """
-    rows = min(fitted.problem.errors for fitted in candidates.values())
+    linear = candidates["none"]
+    likelihoods = {kind: 0.5 * gain_over_linear(fitted, linear) for kind, fitted in candidates.items()}
     start = max(fitted.problem.structure.start for fitted in candidates.values())
     densities = {kind: _left_out(data, fitted, start) for kind, fitted in candidates.items()}
     gains = {kind: float((values - densities["none"]).sum()) for kind, values in densities.items()}
-    order = sorted(gains, key=lambda kind: gains[kind], reverse=True)
-    best = order[0] if gains[order[0]] > NEEDED else "none"
-    needed = NEEDED_NO_JUMP if best == "stiction" and _without_jump(candidates[best]) else NEEDED_JUMP
-    if best == "stiction" and gains[best] - gains.get("backlash", -np.inf) < needed:
-        best = "backlash"  # stiction without a jump: the simpler one of two that do as well
-        order.remove("stiction")
-    if best == "saturation" and gains[best] - gains.get("dead zone", -np.inf) < NEEDED_LIMITS:
-        best = "dead zone"
-        order.remove("saturation")
-    runner_up = next((kind for kind in order if kind != best), best)
-    likelihoods = {kind: 0.5 * gain_over_linear(fitted, candidates["none"]) for kind, fitted in candidates.items()}
-    return KindChoice(best, gains, likelihoods, _confidence(densities[best] - densities[runner_up], rows), runner_up)
+    scores = {kind: gain for kind, gain in likelihoods.items() if gain > CONFIRMED or gains[kind] > 0.0}
+    scores["none"] = NEEDED
+    if "stiction" in scores and "backlash" in scores and _without_jump(candidates["stiction"]):
+        scores["stiction"] -= NEEDED_NO_JUMP
+    if "dead zone" in scores and "saturation" in scores and _one_sided(candidates["dead zone"]):
+        scores["dead zone"] = min(scores["dead zone"], scores["saturation"] - NEEDED)
+    best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)
+    runner_up = others[0] if others else best
+    return KindChoice(best, gains, likelihoods, _confidence(scores[best] - scores[runner_up]), runner_up)
+
+
+def _confidence(ahead: float) -> float:
+    """Probability of the better of two kinds.
+
+    Two models of equal prior would give 1 / (1 + exp(-ahead)). But the best of many places and structures was taken
+    for each; half of the difference is what it is worth on loops of known fault: of those ahead by less than 3, nine
+    of twelve were right, by 3 to 6 22 of 23, by more all 66.
+    """
+    return float(1.0 / (1.0 + np.exp(-0.5 * ahead)))
+
+
+def _one_sided(fitted: Fitted) -> bool:
+    """Whether a dead zone was found that OP hardly leaves on one of its sides: then it is the limit of a saturation."""
+    left, right = fitted.fit.theta[fitted.problem.eta_at :][:2]
+    u = fitted.problem.u
+    return bool(min(np.mean(u < left), np.mean(u > right)) < LEAST_BEYOND)
 
 
 def _without_jump(fitted: Fitted) -> bool:
     """Whether stiction was fitted that is backlash to all purposes."""
     band, jump = fitted.fit.theta[fitted.problem.eta_at :][:2]
     return bool(jump < SMALLEST_JUMP * band)
-
-
-def _confidence(differences: FloatArray, rows: int) -> float:
-    """Probability that the sum is positive, from the spread of blocks."""
-    parts = np.array([block.sum() for block in np.array_split(differences, min(BLOCKS, max(rows // 10, 2)))])
-    spread = np.hypot(float(parts.std(ddof=1)) * np.sqrt(parts.size), SMALLEST_SPREAD)
-    return float(stats.norm.cdf(parts.sum() / spread))
 
 
 def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
@@ -151,8 +159,9 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
     theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
     basis = np.eye(problem.size) if problem.basis is None else problem.basis
-    held = [problem.eta_at - 1] if fitted.basis is not None else []  # an offset that is known to be zero
-    # what would be caught between jumps in a few steps, or acts in one fold only, is held, and paid for in `_left_out`
+    # what is known, an offset of zero or a ratio of slopes of one,
+    held = [] if fitted.basis is None else np.flatnonzero(~fitted.basis[: problem.initial_at].any(axis=1)).tolist()
+    # and what would be caught between jumps in a few steps, or acts in one fold only: held, and paid for in `_left_out`
     held += range(problem.eta_at + len(problem.family.own) * (not problem.family.kinks), problem.noise_at)
     basis = basis[:, ~np.any(basis[held] != 0.0, axis=0)]
     fit = refine(problem, theta, basis, most_steps=STEPS, tied=True)
@@ -160,10 +169,13 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64
 
 
 def _predicted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64], shared: FloatArray) -> FloatArray:
-    """Prediction errors of the fold; only its initial states are fitted."""
+    """Prediction errors of the fold; only its initial states are fitted, and its level: disturbances drift."""
     problem = _on(fitted, structure, pieces)
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
-    theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
+    states = list(range(problem.initial_at, problem.size))
+    if not structure.integrating:
+        states.append(problem.eta_at - 1)
+    theta = refine(problem, theta, np.eye(problem.size)[:, states], most_steps=2, tied=True).theta
     return np.concatenate(problem.predict(theta)[1])
 
 

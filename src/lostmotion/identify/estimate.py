@@ -23,6 +23,7 @@ from lostmotion.identify.parameters import Scaling, name_parameters, with_profil
 from lostmotion.identify.polish import profile_intervals
 from lostmotion.identify.result import HammersteinFit
 from lostmotion.identify.search import Fitted, ScaledData
+from lostmotion.identify.slopes import with_equal_slopes
 from lostmotion.identify.width_bound import width_bound
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import (
@@ -158,7 +159,8 @@ def identify(
     plain, linear, fits = linear, *fits_of_all(scaled, linear, orders_given, noise_given, gain is None, fitted)
     if linear is not plain:
         linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
-    seen = {kind: found for kind, found in fits.items() if gain_over_linear(found, linear) > 0}
+    simplest = {kind: with_equal_slopes(found) for kind, found in fits.items()}
+    seen = {kind: found for kind, found in simplest.items() if gain_over_linear(found, linear) > 0}
     kinds = choose_kind(scaled, {"none": linear, **seen})
     if kinds.best == "none":
         return replace(linear_result, kinds=kinds)

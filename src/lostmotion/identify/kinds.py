@@ -18,7 +18,6 @@ KINDS = ("none", "dead zone", "backlash", "stiction", "saturation")
 STICTION_MODELS = ("kano", "he")
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 MOST_STARTS = 2
-UNEQUAL = 0.7  # log of the slope ratio of a start, beyond which equal slopes are tried as well
 HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
 WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
 
@@ -85,7 +84,6 @@ def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[
     rows = lagged.samples
     found = {kind: seek(kind, data, orders) for kind in KINDS if kind != "none"}
     behind = {kind: 0.5 * rows * np.log(max(sought.squares, 1e-300)) for kind, sought in found.items()}
-    behind["dead zone"] += lagged.lags.inputs  # its two sides are inputs of their own
     linear = 0.5 * rows * np.log(max(lagged.squares(data.u), 1e-300))
     order = sorted(found, key=lambda kind: behind[kind])
     best = behind[order[0]]
@@ -121,6 +119,4 @@ def _dead_zone(data: ScaledData, orders: tuple[int, int, int] | None) -> Sought:
     low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
     candidates = profile(data.u, data.y, data.segments, _lags(data, orders), low, high)
     etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
-    # a dead zone of equal slopes is the likeliest, and the high-order profile tells slopes badly in noise-free feedback
-    etas += [np.array([c.left, c.right, 0.0]) for c in candidates if abs(c.log_ratio) > UNEQUAL]
     return Sought(DeadZoneFamily(low, high), etas, candidates[0].rss)

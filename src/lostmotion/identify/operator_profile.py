@@ -1,8 +1,7 @@
 """Profile of the residual variance over the parameters of any actuator, by high-order ARX.
 
 The past of PV and a constant are projected out once; every candidate is then one small regression on its own lagged
-internal variable. With `beside` the past of OP is projected out as well: what remains is what the actuator explains
-that no linear model does.
+internal variable.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import numpy.typing as npt
 from lostmotion.identify.families import Family
 from lostmotion.identify.memory_families import BacklashFamily, StictionFamily
 from lostmotion.identify.profile import Lags
-from lostmotion.kernels.products import add_products, explained
+from lostmotion.kernels.products import add_lagged_table, explained
 from lostmotion.models._arguments import FloatArray
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
@@ -25,12 +24,13 @@ SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
 GRID, ZOOM = 18, 6
 SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
 FINE_GRID = 130  # bands of stiction, 3.5 % apart: a break-away must be in its sample
+GRID_ROWS = 2000  # of a record for which that is enough; the more break-aways, the narrower the peak
 FIRST_SHARES = (0.15, 0.5, 1.0)  # jump over band
 SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
 FIRST_REACH, SMALLEST_REACH = 0.04, 0.004  # of the pattern search, relative
 LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
 TAIL = 0.005  # on either side of the range
-FIRST_RESTS = (-0.6, 0.6)
+FIRST_RESTS, LONG_RESTS = (-0.6, 0.6), (-0.6, 0.6, 0.0)
 RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
 MOST_SEGMENTS = 10  # whose rests are sought
 MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
@@ -44,10 +44,8 @@ class LaggedRegression:
     ----------
     blocks : list of (int, int)
         Start and stop of the predicted rows, one for each segment.
-    signals : tuple of (ndarray, int, int)
-        Signal, first lag and number of lags of what is always there: constant, PV, and `beside`.
     basis : ndarray, shape (k, m)
-        Takes the lagged `signals` to orthonormal columns.
+        Takes the constant and the lags of PV to orthonormal columns.
     explained : ndarray, shape (m,)
         Products of these columns with PV.
     alone : float
@@ -57,29 +55,16 @@ class LaggedRegression:
     lags: Lags
     y: FloatArray
     blocks: list[tuple[int, int]]
-    signals: tuple[tuple[FloatArray, int, int], ...]
     basis: FloatArray
     explained: FloatArray
     alone: float
 
     @classmethod
-    def on(
-        cls,
-        y: FloatArray,
-        segments: npt.NDArray[np.int64],
-        lags: Lags,
-        beside: FloatArray | None = None,
-        most: int = MOST_ROWS,
-    ) -> LaggedRegression:
-        """Project out constant and past of y, and the past of `beside`."""
+    def on(cls, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, most: int = MOST_ROWS) -> LaggedRegression:
+        """Project out constant and past of y."""
         blocks = _blocks(segments, lags.head, most)
         rows = np.concatenate([np.arange(start, stop) for start, stop in blocks])
-        signals = [(np.ones(y.size), 0, 1), (y, 1, lags.outputs)]
-        if beside is not None:
-            signals.append((beside, lags.delay, lags.inputs))
-        past = np.concatenate(
-            [signal[rows[:, None] - lag - np.arange(count)] for signal, lag, count in signals], axis=1
-        )
+        past = np.column_stack([np.ones(rows.size), y[rows[:, None] - 1 - np.arange(lags.outputs)]])
         scale = np.sqrt((past**2).mean(axis=0))
         scale[scale == 0] = 1.0
         left, sizes, right = np.linalg.svd(past / scale, full_matrices=False)
@@ -88,7 +73,7 @@ class LaggedRegression:
         explained = left.T @ y[rows]
         target = y[rows] - left @ explained
         basis = (right[kept] / sizes[kept, None] / scale).T
-        return cls(lags, y, blocks, tuple(signals), basis, explained, float(target @ target))
+        return cls(lags, y, blocks, basis, explained, float(target @ target))
 
     @property
     def samples(self) -> int:
@@ -97,19 +82,11 @@ class LaggedRegression:
 
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
-        delay, inputs = self.lags.delay, self.lags.inputs
-        size = self.basis.shape[0] + inputs + 1
-        table = np.zeros((size, inputs))
+        outputs, inputs = self.lags.outputs, self.lags.inputs
+        table = np.zeros((outputs + inputs + 2, inputs))
         for start, stop in self.blocks:
-            at = 0
-            for signal, lag, count in (*self.signals, (x, delay, inputs), (self.y, 0, 1)):
-                add_products(signal, lag, count, x, delay, inputs, start, stop, table[at : at + count])
-                at += count
+            add_lagged_table(self.y, outputs, x, self.lags.delay, inputs, start, stop, table)
         return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
-
-
-def _lagged(signal: FloatArray, rows: npt.NDArray[np.int64], lag: int, count: int) -> FloatArray:
-    return np.asarray(signal[rows[:, None] - lag - np.arange(count)])
 
 
 def _blocks(segments: npt.NDArray[np.int64], head: int, most: int) -> list[tuple[int, int]]:
@@ -140,7 +117,8 @@ def operator_profile(
     The family comes back with the rests of the best point of the grid.
     """
     low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
-    first, finer = GRIDS[family.kind](u, high - low if high > low else float(np.ptp(u)))  # OP may rest nearly always
+    span = high - low if high > low else float(np.ptp(u))  # OP may rest nearly always
+    first, finer = GRIDS[family.kind](u, span, regression.samples)
     x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
@@ -151,7 +129,7 @@ def operator_profile(
             found.append(Start(valid, regression.squares(x), member))
         return sorted(found, key=lambda start: start.squares)
 
-    members = _at_rests(family)
+    members = _at_rests(family, FIRST_RESTS if regression.samples <= GRID_ROWS else LONG_RESTS)
     coarse = score(first, members[0])
     for member in members[1:]:  # where it rests at first matters little to most: only the better half once more
         coarse += score([start.eta for start in coarse[: len(first) // 2]], member)
@@ -164,11 +142,11 @@ def operator_profile(
     return best[0].family, _apart(best, regression.samples, most)
 
 
-def _at_rests(family: Family) -> list[Family]:
-    """The family from the two sides of its band, the same in all segments."""
+def _at_rests(family: Family, rests: tuple[float, ...]) -> list[Family]:
+    """The family from several places in its band, the same in all segments."""
     if not isinstance(family, BacklashFamily | StictionFamily):
         return [family]
-    return [replace(family, rests=(rest,) * len(family.segments)) for rest in FIRST_RESTS]
+    return [replace(family, rests=(rest,) * len(family.segments)) for rest in rests]
 
 
 def _climbed(start: Start, score: Callable[[list[FloatArray], Family], list[Start]]) -> Start:
@@ -220,15 +198,16 @@ _DIAGONALS = {2: [np.array([1.0, 1.0]), np.array([1.0, -1.0])]}  # of stiction
 _Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
 
 
-def _backlash(_: FloatArray, span: float) -> _Grid:
+def _backlash(_: FloatArray, span: float, rows: int) -> _Grid:
+    del rows
     widths = span * np.geomspace(SMALLEST, LARGEST, GRID)
     ratio = (widths[1] / widths[0]) ** np.linspace(-1, 1, 2 * ZOOM + 1)
     return [np.array([width]) for width in widths], lambda eta: [np.array([eta[0] * step]) for step in ratio]
 
 
-def _stiction(_: FloatArray, span: float) -> _Grid:
+def _stiction(_: FloatArray, span: float, rows: int) -> _Grid:
     """By the band, which sets the samples of the break-aways after a turn, and the jump, which sets how far they go."""
-    bands = span * np.geomspace(SMALLEST, LARGEST, FINE_GRID)
+    bands = span * np.geomspace(SMALLEST, LARGEST, round(FINE_GRID * max(rows / GRID_ROWS, 1.0) ** 1.5))
     ratio = (bands[1] / bands[0]) ** np.linspace(-1.0, 1.0, 5)
 
     def finer(eta: FloatArray) -> list[FloatArray]:
@@ -237,7 +216,8 @@ def _stiction(_: FloatArray, span: float) -> _Grid:
     return [band * np.array([1.0, share]) for band in bands for share in FIRST_SHARES], finer
 
 
-def _saturation(u: FloatArray, span: float) -> _Grid:
+def _saturation(u: FloatArray, span: float, rows: int) -> _Grid:
+    del rows
     shares = np.array(LIMITS)
     lows = [float(u.min()), *np.quantile(u, shares)]
     highs = [float(u.max()), *np.quantile(u, 1.0 - shares)]
@@ -246,7 +226,7 @@ def _saturation(u: FloatArray, span: float) -> _Grid:
     return pairs, lambda eta: [eta + np.array([down, up]) for down in steps for up in steps]
 
 
-GRIDS: dict[str, Callable[[FloatArray, float], _Grid]] = {
+GRIDS: dict[str, Callable[[FloatArray, float, int], _Grid]] = {
     "backlash": _backlash,
     "stiction": _stiction,
     "saturation": _saturation,

@@ -1,8 +1,9 @@
 """Global search: profile of the residual variance over the break points, by high-order ARX.
 
 A high-order ARX needs no orders, no noise model and no start values, and is consistent in closed loop. The two
-sides of the dead zone are inputs of their own, so the slope ratio is free. All grid points share one Gram matrix
-of lagged hinge functions, from which past outputs are eliminated once.
+sides of the dead zone are inputs of their own, so the slope ratio is free; their sum is the dead zone of equal slopes,
+likelier and half as many inputs, which noise-free feedback tells better. All grid points share one Gram matrix of
+lagged hinge functions, from which past outputs are eliminated once.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ ZOOM_KNOTS = 9
 CHUNK = 8192  # rows of which the hinge functions exist at once
 RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
 MOST_STARTS = 3
+NEAR_RATIO = 0.7  # of the log: slopes nearer than this climb to the same place
 NARROW_KNOTS = 60
 MOST_NARROW = 2
 NARROW_ROWS = 8192  # enough to place a narrow zone; the likelihood then takes all rows
@@ -31,7 +33,10 @@ START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not wor
 
 @dataclass(frozen=True)
 class Candidate:
-    """A minimum of the profile: break points, log of left/right gain, residual sum of squares."""
+    """A minimum of the profile: break points, log of left/right gain, residual sum of squares.
+
+    Where the slopes are free, `rss` is raised by what the inputs of the second side may explain by chance (Akaike).
+    """
 
     left: float
     right: float
@@ -69,18 +74,35 @@ def profile(
     knots = np.linspace(low, high, KNOTS)
     coarse, samples = _scan(u, y, segments, lags, knots, knots)
     spacing = knots[1] - knots[0]
-    centres = [(knots[row], knots[column], spacing) for row, column in _minima(coarse[0], samples)[:MOST_STARTS]]
+    places = [(surface.rss[place], *place) for surface in coarse for place in _minima(surface.rss, samples)]
+    best = list(dict.fromkeys((row, column) for _, row, column in sorted(places)))[: MOST_STARTS + 1]
+    centres = [(knots[row], knots[column], spacing) for row, column in best]
     centres += narrow_zones(u, y, segments, lags, low, high)
     found: list[Candidate] = []
     for left_centre, right_centre, reach in centres:
         left = _around(left_centre, reach, low, high)
         right = _around(right_centre, reach, low, high)
-        (rss, ratio), _ = _scan(u, y, segments, lags, left, right)
-        i, j = np.unravel_index(np.argmin(rss), rss.shape)
-        found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
+        fine, _ = _scan(u, y, segments, lags, left, right)
+        for rss, ratio in ((surface.rss, surface.log_ratio) for surface in fine):
+            i, j = np.unravel_index(np.argmin(rss), rss.shape)
+            found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
     found.sort(key=lambda candidate: candidate.rss)
     limit = found[0].rss * (1.0 + 2.0 * START_MARGIN / samples)
-    return [candidate for candidate in found if candidate.rss <= limit][:MOST_STARTS]
+    return _apart([candidate for candidate in found if candidate.rss <= limit], 0.5 * spacing)[:MOST_STARTS]
+
+
+def _apart(candidates: list[Candidate], distance: float) -> list[Candidate]:
+    """Without those that are near a better one in all."""
+    kept: list[Candidate] = []
+    for one in candidates:
+        moves = [
+            max(abs(one.left - other.left), abs(one.right - other.right)) / distance
+            + abs(one.log_ratio - other.log_ratio) / NEAR_RATIO
+            for other in kept
+        ]
+        if min(moves, default=np.inf) > 1.0:
+            kept.append(one)
+    return kept
 
 
 def narrow_zones(
@@ -143,6 +165,14 @@ def _minima(rss: FloatArray, samples: int) -> list[tuple[int, int]]:
     return [(int(rows[k]), int(columns[k])) for k in order]
 
 
+@dataclass(frozen=True)
+class _Surface:
+    """Residual sum of squares and log gain ratio for every pair (left, right); inf where left > right."""
+
+    rss: FloatArray
+    log_ratio: FloatArray
+
+
 def _scan(
     u: FloatArray,
     y: FloatArray,
@@ -150,8 +180,8 @@ def _scan(
     lags: Lags,
     left: FloatArray,
     right: FloatArray,
-) -> tuple[tuple[FloatArray, FloatArray], int]:
-    """Residual sum of squares and log gain ratio for every pair (left, right); inf where left > right."""
+) -> tuple[tuple[_Surface, _Surface], int]:
+    """Of a dead zone with free slopes and with equal slopes."""
 
     def hinges(start: int, stop: int) -> FloatArray:
         part = u[start:stop, None]
@@ -159,25 +189,36 @@ def _scan(
 
     gram, samples = arx_gram(hinges, y, segments, lags)
     inner, cross, total = eliminate_past(gram, lags, left.size + right.size)
-    rss = np.full((left.size, right.size), np.inf)
-    ratio = np.zeros_like(rss)
     pairs = [(i, j) for i in range(left.size) for j in range(right.size) if left[i] <= right[j]]
-    signals = left.size + right.size
-    steps = np.arange(lags.inputs) * signals
+    signals, n = left.size + right.size, lags.inputs
+    steps = np.arange(n) * signals
     index = np.array([np.concatenate([steps + i, steps + left.size + j]) for i, j in pairs])
     blocks = inner[index[:, :, None], index[:, None, :]]
     slopes = cross[index]
-    diagonal = np.einsum("kii->ki", blocks)
-    diagonal += RIDGE * (diagonal.max(axis=1, keepdims=True) + np.finfo(float).tiny)
-    gains = np.linalg.solve(blocks, slopes[:, :, None])[:, :, 0]
-    values = np.maximum(total - np.einsum("ki,ki->k", gains, slopes), 0.0)
-    side = gains.reshape(len(pairs), 2, lags.inputs).sum(axis=2)
+    both = blocks.reshape(-1, 2, n, 2, n).sum(axis=(1, 3))
+    equal, _ = _explained(both, slopes.reshape(-1, 2, n).sum(axis=1))
+    free, gains = _explained(blocks, slopes)
+    side = gains.reshape(len(pairs), 2, n).sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         log_ratio = np.log(np.abs(side[:, 0] / side[:, 1]))
+    log_ratio = np.where(np.isfinite(log_ratio), np.clip(log_ratio, -2.0, 2.0), 0.0)
+    chance = np.exp(2.0 * n / samples)
     rows, columns = np.array(pairs).T
-    rss[rows, columns] = values
-    ratio[rows, columns] = np.where(np.isfinite(log_ratio), np.clip(log_ratio, -2.0, 2.0), 0.0)
-    return (rss, ratio), samples
+
+    def surface(rss: FloatArray, ratio: FloatArray) -> _Surface:
+        placed = _Surface(np.full((left.size, right.size), np.inf), np.zeros((left.size, right.size)))
+        placed.rss[rows, columns], placed.log_ratio[rows, columns] = np.maximum(rss, 0.0), ratio
+        return placed
+
+    return (surface((total - free) * chance, log_ratio), surface(total - equal, np.zeros(len(pairs)))), samples
+
+
+def _explained(blocks: FloatArray, slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sum of squares that every regression explains, and its coefficients."""
+    diagonal = np.einsum("kii->ki", blocks)
+    diagonal += RIDGE * (diagonal.max(axis=1, keepdims=True) + np.finfo(float).tiny)
+    gains = np.asarray(np.linalg.solve(blocks, slopes[:, :, None])[:, :, 0], np.float64)
+    return np.asarray((gains * slopes).sum(axis=1)), gains
 
 
 def arx_gram(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +27,8 @@ MOST_ROUNDS = 4
 IMPLAUSIBLE = 1e12
 RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
 APART = 0.3  # deviations of OP between the break points of two rivals
-ROUGH_STEPS = 25
+FIRST_STEPS, ROUGH_STEPS = 6, 20
+BEHIND = 25.0  # BIC of fits after the first steps: what is further behind the best is given up
 LATEST_DELAY = 25
 MOST_STRUCTURES = 3
 MOST_NULL_SPACE = 2
@@ -115,9 +115,13 @@ def best_fit(
         Fit of another kind of actuator to the same data: its process and noise are where the search begins.
     """
     search = _Search.on(data, family, orders, noise, levels)
-    first = search.likely if near is None else partial(search.like, near)
-    best = search.over([attempt for eta in etas for attempt in first(eta)])
-    assert best is not None  # noqa: S101  there is always a start
+    tried: list[Fitted | None] = []
+    if near is None:  # the other starts begin at the process that the first has found
+        near = search.over(search.likely(etas[0]))
+        assert near is not None  # noqa: S101  there is always a start
+        tried, etas = [near], etas[1:]
+    tried.append(search.over([attempt for eta in etas for attempt in search.like(near, eta)]))
+    best = min((one for one in tried if one is not None), key=search.score)
     if orders is None:
         best = search.improve(best)
     d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
@@ -201,11 +205,13 @@ class _Search:
         return LADDER if self.orders is None else (self.orders[:2],)
 
     def over(self, attempts: list[_Attempt]) -> Fitted | None:
-        """Best of the attempts; all are remembered."""
+        """Best of the attempts; all are remembered. After a few steps the hopeless are given up."""
         fits = [self._rough(*attempt) for attempt in attempts]
+        limit = min((criterion(fitted) for fitted in fits), default=0.0) + BEHIND
+        fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
-            self.seen.append((self._eta(fitted), self._score(fitted)))
-        return min(fits, key=self._score) if fits else None
+            self.seen.append((self._eta(fitted), self.score(fitted)))
+        return min(fits, key=self.score) if fits else None
 
     def likely(self, eta: FloatArray) -> list[_Attempt]:
         """The structures to try for one start of the actuator: best on the grid, the output error white or coloured."""
@@ -251,7 +257,7 @@ class _Search:
             attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
             self.tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
-            if challenger is None or self._score(challenger) > self._score(best) - 1.0:
+            if challenger is None or self.score(challenger) > self.score(best) - 1.0:
                 break
             best = challenger
         return best
@@ -298,7 +304,7 @@ class _Search:
             found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
         return found
 
-    def _score(self, fitted: Fitted) -> float:
+    def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         a = fitted.fit.theta[: fitted.problem.structure.na]
         possible = plausible(a) and fitted.problem.admissible(fitted.fit.theta)
@@ -334,7 +340,14 @@ class _Search:
         family = self.family.with_load(integrating)
         problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
-        return Fitted(problem, refine(problem, theta, most_steps=ROUGH_STEPS), problem.basis)
+        return Fitted(problem, refine(problem, theta, most_steps=FIRST_STEPS), problem.basis)
+
+
+def _further(fitted: Fitted) -> Fitted:
+    """More steps, where it has not converged."""
+    if fitted.fit.converged:
+        return fitted
+    return replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis, most_steps=ROUGH_STEPS))
 
 
 def _without_mode(v: FloatArray, decay: float) -> FloatArray:

@@ -39,6 +39,35 @@ def add_products(
 
 
 @njit(cache=True)
+def add_lagged_table(
+    y: FloatArray, outputs: int, x: FloatArray, delay: int, inputs: int, start: int, stop: int, table: FloatArray
+) -> None:
+    """Add to `table` (outputs + inputs + 2, inputs) the products with x(k-delay-j), summed over k in [start, stop).
+
+    Of 1, y(k-1) .. y(k-outputs), x(k-delay) .. x(k-delay-inputs+1) and y(k), in this order.
+    """
+    past = np.zeros((outputs + 1, inputs))
+    add_products(y, 0, outputs + 1, x, delay, inputs, start, stop, past)
+    table[-1] += past[0]
+    table[1 : outputs + 1] += past[1:]
+    sums = np.empty(inputs)
+    sums[0] = np.sum(x[start - delay : stop - delay])
+    gram = np.empty((inputs, inputs))
+    head = x[start - delay : stop - delay]
+    for j in range(inputs):
+        gram[0, j] = np.dot(head, x[start - delay - j : stop - delay - j])
+        gram[j, 0] = gram[0, j]
+    for i in range(1, inputs):
+        before, after = x[start - delay - i], x[stop - delay - i]
+        sums[i] = sums[i - 1] + before - after
+        for j in range(i, inputs):
+            gram[i, j] = gram[i - 1, j - 1] + before * x[start - delay - j] - after * x[stop - delay - j]
+            gram[j, i] = gram[i, j]
+    table[0] += sums
+    table[outputs + 1 : outputs + 1 + inputs] += gram
+
+
+@njit(cache=True)
 def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
     """Sum of squares that m columns explain beyond k columns that are always there.
 

@@ -181,11 +181,11 @@ def _kinds(diagnosis: Diagnosis) -> str:
     kinds = diagnosis.fit.kinds
     if kinds is None:
         return ""
-    ranked = sorted(((gain, kind) for kind, gain in kinds.gains.items() if kind != "none"), reverse=True)
-    said = ", ".join(f"{kind} {gain:+.1f} / {kinds.likelihoods[kind]:+.1f}" for gain, kind in ranked)
+    ranked = sorted(((gain, kind) for kind, gain in kinds.likelihoods.items() if kind != "none"), reverse=True)
+    said = ", ".join(f"{kind} {gain:+.1f} / {kinds.gains[kind]:+.1f}" for gain, kind in ranked)
     return "\n" + fill(
-        f"Actuators compared: log-likelihood of rows left out ({NEEDED:g} is needed) / of all rows, less what the "
-        f"parameters cost, over that of a linear process: {said or 'none was worth a fit'}."
+        f"Actuators compared: log-likelihood less what the parameters cost ({NEEDED:g} is needed) / of rows left out, "
+        f"over that of a linear process: {said or 'none was worth a fit'}."
     )
 
 

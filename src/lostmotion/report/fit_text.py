@@ -132,16 +132,18 @@ def _choice(fit: HammersteinFit) -> str:
     kinds = fit.kinds
     if kinds is None or kinds.best == kinds.runner_up:
         return ""
-    ahead = kinds.gains.get("stiction", -np.inf) - kinds.gains[kinds.best]
-    if kinds.best == "backlash" and ahead > 0:
-        return (
-            f" Stiction would predict better what it was not fitted to, by {ahead:.1f} in log-likelihood, but that "
-            "does not pay for its jump; backlash is the simpler of the two."
-        )
+    sure = f"confidence {100 * kinds.confidence:.0f} %"
+    if kinds.best == "none":
+        return f" The nearest fault, {kinds.runner_up}, does not pay for its parameters ({sure})."
+    ahead = kinds.likelihoods[kinds.best] - kinds.likelihoods[kinds.runner_up]
+    what = "the linear model" if kinds.runner_up == "none" else kinds.runner_up
+    if ahead <= 0.0:
+        return f" {what.capitalize()} is as likely, but {kinds.best} is the simpler of the two ({sure})."
+    left_out = kinds.gains[kinds.best]
     return (
-        f" Of the kinds, {kinds.best} predicts best what it was not fitted to; next is {kinds.runner_up}, "
-        f"{kinds.gains[kinds.best] - kinds.gains[kinds.runner_up]:.1f} behind in log-likelihood "
-        f"(confidence {100 * kinds.confidence:.0f} %)."
+        f" Of the kinds, {kinds.best} is the likeliest; next is {what}, {ahead:.1f} behind in log-likelihood ({sure}). "
+        f"Rows that were left out it predicts {'better' if left_out > 0 else 'worse'} than the linear model, by "
+        f"{abs(left_out):.1f}."
     )
 
 

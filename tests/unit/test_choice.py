@@ -1,0 +1,69 @@
+"""Which kind: equal slopes, a limit that looks like a dead zone, and how sure the choice is."""
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identify.kinds import fit_kind, seek
+from lostmotion.identify.search import ScaledData
+from lostmotion.identify.slopes import with_equal_slopes
+
+pytestmark = pytest.mark.statistics  # whole fits
+PROCESS = lm.LinearModel([-0.8], [0.3], 1, 1.0)
+
+
+def driven(valve, n=1200, seed=0, deviation=0.05):
+    """A command that wanders about zero, and what it does."""
+    rng = np.random.default_rng(seed)
+    u = np.zeros(n)
+    for k in range(1, n):
+        u[k] = 0.97 * u[k - 1] + rng.normal(scale=0.5)
+    return u, PROCESS.simulate(np.asarray(valve(u))) + rng.normal(scale=deviation, size=n)
+
+
+def dead_zone_fit(valve):
+    u, y = driven(valve)
+    data = ScaledData(u, y, np.array([[0, u.size]]))
+    return fit_kind(seek("dead zone", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
+
+
+def test_equal_slopes_cost_a_parameter_less():
+    free = dead_zone_fit(lm.DeadZone(-0.6, 0.6))
+    equal = with_equal_slopes(free)
+    ratio = equal.problem.eta_at + 2
+    assert equal.fit.theta[ratio] == 0.0
+    assert equal.parameters == free.parameters - 1
+    assert equal.fit.theta[ratio - 2 : ratio] == pytest.approx([-0.6, 0.6], abs=0.03)
+
+
+def test_slopes_that_differ_stay_free():
+    free = dead_zone_fit(lm.DeadZone(-0.6, 0.6, 1.0, 2.0))
+    assert with_equal_slopes(free) is free
+
+
+def test_other_kinds_have_no_slopes():
+    u, y = driven(lm.Backlash(1.0), n=300)
+    data = ScaledData(u, y, np.array([[0, u.size]]))
+    backlash = fit_kind(seek("backlash", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
+    assert with_equal_slopes(backlash) is backlash
+
+
+@pytest.mark.parametrize("limits", [(-9.0, 0.5), (-0.4, 9.0)])
+def test_a_dead_zone_that_is_left_on_one_side_only_is_a_limit(limits):
+    u, y = driven(lm.Saturation(*limits), seed=1)
+    fit = lm.identify(u, y, 1.0, nonlinearity="auto")
+    assert fit.kinds.best == "saturation"
+    near = fit.parameters["high" if limits[1] < 1.0 else "low"]
+    assert near == pytest.approx(min(limits, key=abs), abs=0.05)
+
+
+def test_the_more_evidence_the_surer():
+    confidence = []
+    for deviation in (1.0, 0.1):
+        u, y = driven(lm.Backlash(1.0), seed=2, deviation=deviation)
+        fit = lm.identify(u, y, 1.0, nonlinearity="auto")
+        assert fit.kinds.best == "backlash"
+        assert fit.kinds.runner_up in fit.kinds.gains
+        confidence.append(fit.kinds.confidence)
+    assert 0.5 < confidence[0] < confidence[1] <= 1.0
+    assert fit.kinds.gains["backlash"] > 100.0  # what was left out is predicted better as well
