@@ -6,7 +6,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.evaluate.random_faults import REST, FaultyLoop
-from lostmotion.identify.choice import NEEDED
+from lostmotion.identify.choice import NEEDED, likelihood_gain
 from lostmotion.identify.data import FEWEST_SAMPLES, collect
 from lostmotion.identify.evidence import gain_over_linear
 from lostmotion.identify.families import DeadZoneFamily, Family
@@ -34,7 +34,7 @@ def told(loop: FaultyLoop) -> bool:
         best = polished(best)
     best = with_own_loads(best)
     linear = max(linear, without_actuator(best), key=lambda one: gain_over_linear(one, linear))
-    return bool(0.5 * gain_over_linear(best, linear) > NEEDED)
+    return bool(likelihood_gain(best, linear) > NEEDED)
 
 
 def _truth(loop: FaultyLoop, scaled: ScaledData, centre: float, scale: float) -> tuple[Family, np.ndarray]:

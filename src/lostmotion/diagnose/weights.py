@@ -12,5 +12,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.08
-WEIGHTS = (0.81, 1.69, 1.34, -1.97, 8.71)
+CONSTANT = -1.05
+WEIGHTS = (1.33, 2.04, 1.37, -1.98, 8.60)

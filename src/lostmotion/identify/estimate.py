@@ -13,7 +13,7 @@ from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.choice import choose_kind
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.every_kind import fits_of_all
-from lostmotion.identify.evidence import SIZE, decide, gain_over_linear, weigh
+from lostmotion.identify.evidence import SIZE, decide, weigh
 from lostmotion.identify.families import Family
 from lostmotion.identify.kinds import KINDS, Sought, fit_kind, seek
 from lostmotion.identify.memory_families import StictionFamily
@@ -160,8 +160,7 @@ def identify(
     if linear is not plain:
         linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     simplest = {kind: with_equal_slopes(found) for kind, found in fits.items()}
-    seen = {kind: found for kind, found in simplest.items() if gain_over_linear(found, linear) > 0}
-    kinds = choose_kind(scaled, {"none": linear, **seen})
+    kinds = choose_kind(scaled, {"none": linear, **simplest})
     if kinds.best == "none":
         return replace(linear_result, kinds=kinds)
     chosen = replace(result(kinds.best, fits[kinds.best]), kinds=kinds)

@@ -13,13 +13,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import median_filter
 from scipy.signal import fftconvolve
 
 from lostmotion.identify.batch import refine
 from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
 from lostmotion.identify.parameters import information_inverse
 from lostmotion.identify.search import Fitted, ScaledData, criterion
+from lostmotion.identify.spectral_lines import (
+    FEWEST_PERIODS,
+    PADDING,
+    SHORTEST_PERIOD,
+    STANDS_OUT,
+    dominant,
+    lines,
+    share_of,
+)
 from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.linear import simulate
 from lostmotion.models._arguments import FloatArray
@@ -28,15 +36,9 @@ COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, se
 PROMISING = 0.9  # the same at the noise model of the fit, which has taken over a part of every load; then it is tried
 MOST_EVENTS = 20
 MOST_ROUNDS = 4
-PADDING = 16  # of the periodogram
-SHORTEST_PERIOD, FEWEST_PERIODS = 4.0, 6.0
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
-NEIGHBOURS = 41  # lines of the periodogram whose median is the level about a line
-MOST_LINES = 4
 SAME = 0.03  # relative difference of two periods that are one
 LEAST_SHARE = 0.1  # of the variance of PV
-MAIN_SHARE = 0.4  # the same, of the swing of the loop itself
-STANDS_OUT = 12.0  # times that level: an exponential variable does so once in 10^5
 
 
 def with_own_loads(fitted: Fitted) -> Fitted:
@@ -118,8 +120,8 @@ def swings_of(data: ScaledData) -> Loads | None:
     found = [
         _swing(data.y.size, period, start, stop, ratio)
         for start, stop in data.segments.tolist()
-        for period, ratio in _lines(data.y[start:stop])
-        if _share(data.y[start:stop], period) > LEAST_SHARE
+        for period, ratio in lines(data.y[start:stop])
+        if share_of(data.y[start:stop], period) > LEAST_SHARE
     ]
     if not found:
         return None
@@ -223,7 +225,7 @@ class _Errors:
         residuals = self.fitted.output_residual()
         best, gain = None, STANDS_OUT
         for (start, _, stop), residual in zip(self.segments, residuals, strict=True):
-            for period, ratio in _lines(residual)[:1]:
+            for period, ratio in lines(residual)[:1]:
                 if ratio > gain and not self._made_by_the_loop(np.array([period]), start, stop)[0]:
                     best, gain = _swing(self.errors.size, period, start, stop, 0.0), ratio
         if best is None:
@@ -236,7 +238,7 @@ class _Errors:
         What swings from outside does so at its own period first; harmonics alone are made by the actuator.
         """
         if (start, stop) not in self.dominant:
-            self.dominant[start, stop] = _dominant(self.fitted.problem.y[start:stop])
+            self.dominant[start, stop] = dominant(self.fitted.problem.y[start:stop])
         whole = self.dominant[start, stop]
         loads = self.fitted.problem.family.loads
         outside = [event.period for event in loads.events if isinstance(event, Swing)] if loads is not None else []
@@ -293,42 +295,3 @@ def _swing(rows: int, period: float, start: int, stop: int, gain: float) -> _Opt
     phase = 2.0 * np.pi / period * np.arange(stop - start)
     courses[0, start:stop], courses[1, start:stop] = np.sin(phase), np.cos(phase)
     return _Option(gain, Swing(float(period)), courses)
-
-
-def _lines(x: FloatArray) -> list[tuple[float, float]]:
-    """Periods of the lines of a signal that stand out from their neighbours, and how far, largest first."""
-    n = x.size
-    if n < 2 * NEIGHBOURS:
-        return []
-    power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(n))) ** 2
-    level = median_filter(power, NEIGHBOURS, mode="nearest") / np.log(2.0)
-    first = int(FEWEST_PERIODS)
-    ratio = power[first : int(n / SHORTEST_PERIOD)] / np.maximum(level[first : int(n / SHORTEST_PERIOD)], 1e-300)
-    found: list[tuple[int, float]] = []
-    for index in np.argsort(-ratio).tolist():
-        if not ratio[index] > STANDS_OUT:
-            break
-        if all(abs(index + first - line) > 2 for line, _ in found):
-            found.append((index + first, float(ratio[index])))
-    return [(1.0 / _finest(x, line), size) for line, size in found[:MOST_LINES]]
-
-
-def _dominant(x: FloatArray) -> float | None:
-    """Period of the line that is most of a signal; None where it does not swing so."""
-    shares = {period: _share(x, period) for period, _ in _lines(x)}
-    period = max(shares, key=lambda one: shares[one], default=None)
-    return period if period is not None and shares[period] > MAIN_SHARE else None
-
-
-def _share(x: FloatArray, period: float) -> float:
-    """Share of the variance of a signal that is a sine of this period."""
-    wave = np.exp(-2j * np.pi / period * np.arange(x.size))
-    return float(2.0 * np.abs(wave @ (x - x.mean())) ** 2 / (x.size**2 * max(float(x.var()), 1e-300)))
-
-
-def _finest(x: FloatArray, line: int) -> float:
-    """Frequency (1/samples) of the largest line within one of the grid of the periodogram."""
-    n = x.size
-    trials = (line + np.linspace(-1.0, 1.0, 2 * PADDING + 1)) / n
-    waves = np.exp(-2j * np.pi * np.outer(trials, np.arange(n)))
-    return float(trials[int(np.argmax(np.abs(waves @ (x - x.mean()))))])

@@ -1,0 +1,35 @@
+"""Lines of a periodogram: found where there are some, of the right period, and none in noise."""
+
+import numpy as np
+import pytest
+
+from lostmotion.identify.spectral_lines import dominant, lines, share_of
+
+
+def swinging(period, deviation, n=1500, seed=0):
+    return np.sin(2.0 * np.pi / period * np.arange(n) + 0.7) + np.random.default_rng(seed).normal(
+        scale=deviation, size=n
+    )
+
+
+@pytest.mark.parametrize("period", [7.3, 41.0, 160.7])
+def test_a_sine_behind_noise(period):
+    found = lines(3.0 + swinging(period, 1.0))
+    assert found[0][0] == pytest.approx(period, rel=5e-3)  # a sixteenth of a line
+    assert share_of(swinging(period, 1.0), period) == pytest.approx(1.0 / 3.0, abs=0.05)
+
+
+def test_noise_has_none():
+    assert not lines(np.random.default_rng(1).normal(size=2000))
+    assert not lines(np.zeros(20))  # too short to tell a line from its neighbours
+
+
+def test_two_sines_largest_first():
+    found = [period for period, _ in lines(swinging(50.0, 0.3) + 0.5 * swinging(13.0, 0.0))]
+    assert found[:2] == pytest.approx([50.0, 13.0], rel=2e-3)
+
+
+def test_what_a_loop_mostly_does():
+    assert dominant(swinging(50.0, 0.3)) == pytest.approx(50.0, rel=2e-3)
+    assert dominant(swinging(50.0, 1.5)) is None  # a line, but not most of it
+    assert dominant(np.zeros(500)) is None
