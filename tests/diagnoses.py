@@ -40,7 +40,7 @@ def example() -> lm.Diagnosis:
     """Dead zone of a fit with given orders; evidence and probabilities are made up."""
     record = loop_record()
     fit = lm.identify(record, raw=True, orders=(1, 0, 1), noise="white")
-    fit = replace(fit, kinds=KindChoice("stiction", GAINS, GAINS, 0.99, "backlash"))
+    fit = replace(fit, kinds=KindChoice("stiction", GAINS, GAINS, GAINS, 0.99, "backlash"))
     width = fit.parameters["width"]
     return lm.Diagnosis(
         verdict="dead zone",

@@ -34,7 +34,7 @@ def told(loop: FaultyLoop) -> bool:
         best = polished(best)
     best = with_own_loads(best)
     linear = max(linear, without_actuator(best), key=lambda one: gain_over_linear(one, linear))
-    return bool(likelihood_gain(best, linear) > NEEDED)
+    return bool(likelihood_gain(best, linear)[1] > NEEDED)
 
 
 def _truth(loop: FaultyLoop, scaled: ScaledData, centre: float, scale: float) -> tuple[Family, np.ndarray]:

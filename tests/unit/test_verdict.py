@@ -24,7 +24,7 @@ def measured(features, integrating=False, period=50.0, driven=False):
 
 def fit_of(actuator, gains, status=lm.Status.OK):
     fit = example().fit
-    kinds = KindChoice(max(gains, key=gains.get), gains, gains, 0.9, "none")
+    kinds = KindChoice(max(gains, key=gains.get), gains, gains, gains, 0.9, "none")
     return replace(fit, model=replace(fit.model, nonlinearity=actuator), kinds=kinds, status=status)
 
 

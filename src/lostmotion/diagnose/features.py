@@ -33,8 +33,8 @@ class Features:
     Attributes
     ----------
     dead_zone, memory, saturation : float
-        log(1 + gain / 3) of the kind that was found, the gain in log-likelihood over the linear model less what its
-        parameters cost, 3 being the least that counts; 0 for the other kinds. Memory: backlash or stiction.
+        log(1 + gain / 3) of the kind that was found, the firm gain in log-likelihood over the linear model, less what
+        its parameters cost, 3 being the least that counts; 0 for the other kinds. Memory: backlash or stiction.
     oscillating : float
         1 where OP or PV swings regularly and that is most of what it does; 0 where that comes from outside: SP swings
         so (the outer loop of a cascade), or the fault that was found does not explain the swing but has one of its
@@ -144,7 +144,7 @@ def _gains(fit: HammersteinFit) -> tuple[float, float, float]:
     kind = fit.nonlinearity.kind
     if fit.kinds is None or kind == "none":
         return 0.0, 0.0, 0.0
-    gain = float(np.log1p(max(fit.kinds.likelihoods[kind], 0.0) / NEEDED))
+    gain = float(np.log1p(max(fit.kinds.firm[kind], 0.0) / NEEDED))
     return (
         gain if kind == "dead zone" else 0.0,
         gain if kind in ("backlash", "stiction") else 0.0,
