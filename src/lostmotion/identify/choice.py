@@ -29,7 +29,8 @@ FEWEST = 20  # rows of a fold beside what its start needs
 SEARCHED = {"backlash": 2.5, "stiction": 7.5}
 NEEDED = 3.0  # of log-likelihood, by which a fault must beat the linear model: 20 to 1
 CONFIRMED = 12.0  # a smaller gain counts only where the rows left out are predicted better as well
-NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # by which stiction must beat backlash where its jump is such a share of it
+NEEDED_JUMP = 5.0  # by which stiction must beat backlash: the place of its jump was sought as well
+NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
 LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
 
 
@@ -94,8 +95,8 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
         if firm[kind] > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
     }
     scores["none"] = NEEDED
-    if "stiction" in scores and "backlash" in scores and _without_jump(candidates["stiction"]):
-        scores["stiction"] -= NEEDED_NO_JUMP
+    if "stiction" in scores and "backlash" in scores:
+        scores["stiction"] -= NEEDED_NO_JUMP if _without_jump(candidates["stiction"]) else NEEDED_JUMP
     if "dead zone" in scores and "saturation" in scores and _one_sided(candidates["dead zone"]):
         scores["dead zone"] = min(scores["dead zone"], scores["saturation"] - NEEDED)
     best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lostmotion.identify.evidence import gain_over_linear
-from lostmotion.identify.kinds import Sought, fit_kind, likely_kinds
+from lostmotion.identify.kinds import Sought, backlash_of, fit_kind, likely_kinds
 from lostmotion.identify.loads import (
     loaded,
     pruned,
@@ -48,6 +48,10 @@ def fits_of_all(
             other = with_own_loads(pruned(loaded(one, scaled.y, loads, sizes_of_loads(linear))))
             if kind not in found or gain_over_linear(other, found[kind]) > 0:
                 found[kind] = other
+    if "stiction" in found:
+        simpler = with_own_loads(backlash_of(found["stiction"]))
+        if "backlash" not in found or gain_over_linear(simpler, found["backlash"]) > 0:
+            found["backlash"] = simpler
     best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
     again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
     again = _cleaned(scaled, again, orders, noise, levels, best)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lostmotion.identify.batch import refine
 from lostmotion.identify.families import DeadZoneFamily, Family, LinearFamily
 from lostmotion.identify.memory_families import BacklashFamily, SaturationFamily, StictionFamily
 from lostmotion.identify.operator_profile import LaggedRegression, operator_profile
@@ -76,6 +77,24 @@ def fit_kind(
         return best_fit(data, LinearFamily(), [np.zeros(0)], orders, noise, levels)
     best = best_fit(data, sought.family, sought.etas, orders, noise, levels, near)
     return polished(best) if sought.family.kinks else best
+
+
+def backlash_of(stiction: Fitted) -> Fitted:
+    """Backlash begun at a stiction that was found, with its process, noise and loads.
+
+    Without its jump stiction is backlash, which must not look worse because of its own search.
+    """
+    problem, family = stiction.problem, stiction.problem.family
+    assert isinstance(family, StictionFamily)  # noqa: S101  of this kind only
+    simpler = BacklashFamily(family.widest, family.segments, family.rests, load=family.load, loads=family.loads)
+    problem = replace(problem, family=simpler)
+    band, jump = stiction.fit.theta[problem.eta_at : problem.eta_at + 2]
+    found = []
+    for width in (band, band - jump):
+        theta = np.delete(stiction.fit.theta, problem.eta_at + 1)
+        theta[problem.eta_at] = max(width, 0.0)
+        found.append(Fitted(problem, refine(problem, theta, problem.basis), problem.basis))
+    return polished(min(found, key=lambda one: one.fit.cost))
 
 
 def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[str, Sought]:
