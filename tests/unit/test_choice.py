@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identify.kinds import fit_kind, seek
+from lostmotion.identify.kinds import backlash_of, fit_kind, seek
 from lostmotion.identify.search import ScaledData
 from lostmotion.identify.slopes import with_equal_slopes
 
@@ -55,6 +55,17 @@ def test_a_dead_zone_that_is_left_on_one_side_only_is_a_limit(limits):
     assert fit.kinds.best == "saturation"
     near = fit.parameters["high" if limits[1] < 1.0 else "low"]
     assert near == pytest.approx(min(limits, key=abs), abs=0.05)
+
+
+def test_backlash_begun_at_a_stiction_without_jump():
+    u, y = driven(lm.Backlash(1.0), seed=3)
+    data = ScaledData(u, y, np.array([[0, u.size]]))
+    stiction = fit_kind(seek("stiction", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
+    backlash = backlash_of(stiction)
+    at = backlash.problem.eta_at
+    assert backlash.problem.family.kind == "backlash"
+    assert backlash.fit.theta[at] == pytest.approx(1.0, abs=0.03)
+    assert backlash.parameters == stiction.parameters - 1
 
 
 def test_the_more_evidence_the_surer():
