@@ -3,6 +3,7 @@
 Made by ``benchmarks/diagnosis.py --calibrate --cases 400``. Logistic regression with a ridge: log-odds = constant + sum
 of weight times feature. Tried and left out: Horch's correlation and Rossi and Scali's relay index, which on simulated
 loops say nothing that shape does not; log(1 + gain), the root and the cube root of the gain, which fit no better.
+How backlash and stiction are told apart (``identify/choice.py``) has changed a little since.
 """
 
 from __future__ import annotations
