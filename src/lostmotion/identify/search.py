@@ -205,9 +205,9 @@ class _Search:
         return LADDER if self.orders is None else (self.orders[:2],)
 
     def over(self, attempts: list[_Attempt]) -> Fitted | None:
-        """Best of the attempts; all are remembered. After a few steps the hopeless are given up."""
+        """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
         fits = [self._rough(*attempt) for attempt in attempts]
-        limit = min((criterion(fitted) for fitted in fits), default=0.0) + BEHIND
+        limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
         fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
             self.seen.append((self._eta(fitted), self.score(fitted)))
