@@ -3,7 +3,7 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import actuator, contrast, dead_zone, lagged, likelihood, linear, loop, stamps
+from lostmotion.kernels import actuator, contrast, dead_zone, lagged, likelihood, linear, loop, products, stamps
 from tests.naive import backlash as slow_backlash
 from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
@@ -130,15 +130,6 @@ def test_all_pole(order):
     likelihood.all_pole(a, x, out)
     expected = slow_linear.simulate(a, [1.0], 0, x)
     np.testing.assert_allclose(out, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("size", [0, 1, 3, 7])
-def test_add_lagged(size):
-    rng = np.random.default_rng(size)
-    coefficients, x, there = rng.normal(size=size), rng.normal(size=5), rng.normal(size=5)
-    out = there.copy()
-    likelihood.add_lagged(coefficients, x, out)
-    np.testing.assert_allclose(out, there + slow_linear.simulate([], coefficients, 0, x), rtol=1e-12, atol=1e-13)
 
 
 CASES = [
@@ -329,3 +320,23 @@ def test_contrast_without_information_is_as_wide_as_before():
     prior = np.array([0.25, 0.04, 1.0])
     settings = (theta, 1, 0, 0, 1, False, u, y, 1.0, np.eye(7), prior, CONTRASTS)
     np.testing.assert_allclose(contrast.variances(*settings), [4.0, 25.0, 29.0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("terms", range(10))
+@pytest.mark.parametrize("length", [0, 1, 3, 4, 5, 7, 8, 40])
+def test_add_lagged_of_any_number_of_terms(terms, length):
+    rng = np.random.default_rng(terms)
+    coefficients, x, out = rng.normal(size=terms), rng.normal(size=length), rng.normal(size=length)
+    expected = out + np.convolve(np.append(coefficients, 0.0), np.append(x, 0.0))[:length]
+    likelihood.add_lagged(coefficients, x, out)
+    np.testing.assert_allclose(out, expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("size", [*range(1, 12), 29])
+@pytest.mark.parametrize("length", [0, 1, 7, 1024])
+def test_add_gram(size, length):
+    rng = np.random.default_rng(size)
+    rows, out = rng.normal(size=(size, length)), rng.normal(size=(size, size))
+    expected = out + rows @ rows.T
+    products.add_gram(rows, out)
+    np.testing.assert_allclose(out, expected, atol=1e-11)

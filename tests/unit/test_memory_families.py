@@ -57,6 +57,14 @@ def test_derivatives_are_finite_differences_between_the_jumps(index, seed, load)
         np.testing.assert_allclose(dx[row][smooth], slope[smooth], atol=1e-6)
 
 
+@pytest.mark.parametrize("index", range(5))
+def test_path_is_what_evaluate_gives_without_derivatives(index):
+    family, eta = families(HALVES)[index]
+    u, x = commands(index), np.empty(300)
+    family.path(np.array(eta), u, x)
+    np.testing.assert_array_equal(x, evaluated(family, eta, u)[0])
+
+
 def test_positions_are_those_of_the_twins():
     u = commands(5)
     start = u[0] + 0.5 * 0.5 * 1.3

@@ -3,7 +3,6 @@
 Made by ``benchmarks/diagnosis.py --calibrate --cases 400``. Logistic regression with a ridge: log-odds = constant + sum
 of weight times feature. Tried and left out: Horch's correlation and Rossi and Scali's relay index, which on simulated
 loops say nothing that shape does not; log(1 + gain), the root and the cube root of the gain, which fit no better.
-How backlash and stiction are told apart (``identify/choice.py``) has changed a little since.
 """
 
 from __future__ import annotations
@@ -13,5 +12,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.05
-WEIGHTS = (1.33, 2.04, 1.37, -1.98, 8.60)
+CONSTANT = -1.04
+WEIGHTS = (1.29, 1.85, 1.33, -2.01, 7.93)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
@@ -81,7 +82,7 @@ class Family(ABC):
     kinks: ClassVar[bool] = False  # x jumps where eta moves: gradients alone do not end at the maximum
     own: ClassVar[tuple[str, ...]] = ()  # names of the actuator's parameters
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of eta."""
         others = () if self.loads is None else tuple(name for event in self.loads.events for name in event.names)
@@ -111,6 +112,10 @@ class Family(ABC):
         if self.loads is not None:
             x += eta[at:] @ self.loads.shapes
             dx[at:] = self.loads.shapes
+
+    def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
+        """Fill x (n,) for the actuator alone, without derivatives where that is cheaper."""
+        self.act(eta, u, x, np.empty((len(self.own), u.size)))
 
     def project(self, eta: FloatArray) -> FloatArray:
         """Nearest valid eta."""

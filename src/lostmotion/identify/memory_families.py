@@ -47,6 +47,11 @@ class BacklashFamily(Family):
             backlash.sensitivities(u[start:stop], eta[0], u[start] + 0.5 * rest * eta[0], part, slopes)
             x[start:stop], dx[0, start:stop] = part, slopes[0]
 
+    def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
+        """The play alone."""
+        for start, stop, rest in _begun(self.segments, self.rests):
+            x[start:stop] = backlash.run(u[start:stop], eta[0], u[start] + 0.5 * rest * eta[0])
+
     def valid(self, eta: FloatArray) -> FloatArray:
         """Width in its range."""
         return np.array([min(max(eta[0], 0.0), self.widest)])
@@ -71,6 +76,12 @@ class StictionFamily(Family):
             position = u[start] + 0.5 * rest * (eta[0] + eta[1])
             stiction.sensitivities(CODES[self.model], u[start:stop], eta[0], eta[1], position, part, slopes)
             x[start:stop], dx[:2, start:stop] = part, slopes
+
+    def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
+        """The position alone."""
+        for start, stop, rest in _begun(self.segments, self.rests):
+            position = u[start] + 0.5 * rest * (eta[0] + eta[1])
+            x[start:stop] = stiction.run(CODES[self.model], u[start:stop], eta[0], eta[1], position)
 
     def valid(self, eta: FloatArray) -> FloatArray:
         """Band and jump in their range."""

@@ -119,13 +119,13 @@ def operator_profile(
     low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
     span = high - low if high > low else float(np.ptp(u))  # OP may rest nearly always
     first, finer = GRIDS[family.kind](u, span, regression.samples)
-    x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
+    x = np.empty(u.size)
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
         found = []
         for eta in etas:
             valid = member.project(eta)
-            member.evaluate(valid, u, x, dx)
+            member.path(valid, u, x)
             found.append(Start(valid, regression.squares(x), member))
         return sorted(found, key=lambda start: start.squares)
 
@@ -168,10 +168,10 @@ def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, 
     """The family with the rest at the beginning of each segment that explains PV best; those without memory as is."""
     if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
         return family
-    x, dx = np.empty(u.size), np.empty((len(family.names), u.size))
+    x = np.empty(u.size)
 
     def squares(rests: list[float]) -> float:
-        replace(family, rests=tuple(rests)).evaluate(eta, u, x, dx)
+        replace(family, rests=tuple(rests)).path(eta, u, x)
         return regression.squares(x)
 
     rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]

@@ -60,22 +60,22 @@ class Problem:
     structure: Structure
     held: Held = FREE
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Length of the parameter vector."""
         return self.initial_at + self.structure.initial * len(self.segments)
 
-    @property
+    @cached_property
     def eta_at(self) -> int:
         """Index of the first actuator parameter; the offset stands before it."""
         return self.structure.na + self.structure.nb + 2
 
-    @property
+    @cached_property
     def noise_at(self) -> int:
         """Index of d1."""
         return self.eta_at + len(self.family.names)
 
-    @property
+    @cached_property
     def initial_at(self) -> int:
         """Index of the first initial condition."""
         return self.noise_at + self.structure.noise_order

@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.kernels.products import add_gram
 from lostmotion.kernels.types import FloatArray, IntArray
 
 BLOCK = 1024  # samples whose gradients are held at once
@@ -46,9 +47,19 @@ def all_pole(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
 def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Add sum c_i x(k-i), with zeros before the first sample, to `out`."""
     n = out.size
-    for i in range(coefficients.size):
+    done = 0
+    while done + 4 <= coefficients.size and done + 4 <= n:  # four at a time: fewer passes over memory
+        c0, c1, c2, c3 = coefficients[done], coefficients[done + 1], coefficients[done + 2], coefficients[done + 3]
+        out[done] += c0 * x[0]
+        out[done + 1] += c0 * x[1] + c1 * x[0]
+        out[done + 2] += c0 * x[2] + c1 * x[1] + c2 * x[0]
+        later, x0, x1, x2 = out[done + 3 :], x[3:], x[2:], x[1:]  # slices: the loop over them runs in lanes
+        for k in range(later.size):
+            later[k] += c0 * x0[k] + c1 * x1[k] + c2 * x2[k] + c3 * x[k]
+        done += 4
+    for i in range(done, coefficients.size):
         weight = coefficients[i]
-        later = out[i:]  # a slice: the loop over it runs in lanes
+        later = out[i:]
         for k in range(n - i):
             later[k] += weight * x[k]
 
@@ -193,7 +204,7 @@ def normal_equations(
             _fill_gradients(rows, k0, m, na, nb1, ne, p, nc, c_at, base, v, 1.0 + d.sum())
             block = rows if m == BLOCK else rows[:, :m].copy()
             part = errors[k0 : k0 + m]
-            hessian += np.dot(block, block.T)
+            add_gram(block, hessian)
             gradient += np.dot(block, part)
             cost += np.dot(part, part)
     return cost

@@ -132,24 +132,23 @@ def scan(
     """
     lags = high - low + orders
     first = high + orders + d.size
-    white = np.zeros(y.size)
+    white, drive, ones = np.zeros(y.size), np.zeros(y.size), np.ones(y.size)
     rows = 0
-    for start, stop in segments:
-        white[start:stop] = y[start:stop]
+    for start, stop in segments:  # from rest, D before 1/A is D behind it
+        white[start:stop], drive[start:stop] = y[start:stop], x[start:stop]
         add_lagged(d, y[start : stop - 1], white[start + 1 : stop])
+        add_lagged(d, x[start : stop - 1], drive[start + 1 : stop])
+        whole = ones[start:stop].copy()
+        add_lagged(d, whole[:-1], ones[start + 1 : stop])
         rows += max(stop - start - first, 0)
-    filtered, whitened, level, ones = np.zeros(y.size), np.zeros(y.size), np.zeros(y.size), np.ones(y.size)
+    whitened, level = np.zeros(y.size), np.zeros(y.size)
     for m in range(polynomials.shape[0]):
         gram = np.zeros((lags + 2, lags + 2))
         for start, stop in segments:
             if stop - start <= first:
                 continue
-            all_pole(polynomials[m], x[start:stop], filtered[start:stop])
-            whitened[start:stop] = filtered[start:stop]
-            add_lagged(d, filtered[start : stop - 1], whitened[start + 1 : stop])
-            all_pole(polynomials[m], ones[start:stop], filtered[start:stop])
-            level[start:stop] = filtered[start:stop]
-            add_lagged(d, filtered[start : stop - 1], level[start + 1 : stop])
+            all_pole(polynomials[m], drive[start:stop], whitened[start:stop])
+            all_pole(polynomials[m], ones[start:stop], level[start:stop])
             _add_segment(whitened[start:stop], white[start:stop], level[start:stop], decays[m], first, low, lags, gram)
         for order in range(orders):
             for delay in range(low, high + 1):
