@@ -32,8 +32,13 @@ def calibrated(rows: list[Row]) -> tuple[float, Array]:
     counts = {cause: sum(row.truth == cause for row in used) for cause in PREVALENCE}
     weight = np.array([PREVALENCE[row.truth] / counts[row.truth] for row in used]) * len(used)
     fault = np.array([row.truth not in SOUND for row in used], dtype=np.float64)
+    return logistic(features, fault, weight)
+
+
+def logistic(features: Array, fault: Array, weight: Array) -> tuple[float, Array]:
+    """Constant and weights: logistic regression of `fault` (0 or 1) with a ridge, loops weighted."""
     scale = np.where(features.std(axis=0) > 0, features.std(axis=0), 1.0)
-    design = np.column_stack([np.ones(len(used)), features / scale])
+    design = np.column_stack([np.ones(len(fault)), features / scale])
 
     def loss(theta: Array) -> tuple[float, Array]:
         odds = design @ theta

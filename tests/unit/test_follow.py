@@ -56,7 +56,7 @@ def test_reads_what_read_loop_reads(tmp_path):
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r", "\r\r\n"])
 @pytest.mark.parametrize(
     ("delimiter", "decimal", "quote"),
-    [(",", ".", ""), (";", ",", ""), ("\t", ",", ""), (",", ",", '"'), (",", ".", '"')],
+    [(",", ".", ""), (";", ",", ""), ("\t", ",", ""), ("  ", ",", ""), (",", ",", '"'), (",", ".", '"')],
 )
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
 def test_text_formats(end, delimiter, decimal, quote, encoding):

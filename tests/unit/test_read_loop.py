@@ -250,3 +250,47 @@ def test_mode_by_name_or_not_at_all(tmp_path):
     assert read(tmp_path, content, mode="state").mode.tolist() == ["3", "4"]
     assert read(tmp_path, content, mode=False).mode is None
     assert read(tmp_path, "time,OP,PV\n0,1,2\n1,2,3\n").mode is None
+
+
+@pytest.mark.parametrize("blanks", [" ", "   ", " \t "])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_columns_that_blanks_separate(tmp_path, blanks, decimal):
+    lines = ["time OP PV SP", *(" ".join(str(x).replace(".", decimal) for x in row) for row in ROWS)]
+    text = "".join(f"  {line.replace(' ', blanks)}\n" for line in lines)
+    record = read(tmp_path, text, name="loop.txt")
+    assert_rows(record)
+
+
+def test_blanks_do_not_separate_where_a_row_has_more_words(tmp_path):
+    with pytest.raises(DataError, match="tab or blanks"):
+        read(tmp_path, "time OP\n2024-01-01 10:00:00 1\n2024-01-01 10:00:01 2\n")
+    with pytest.raises(DataError, match="numbers in line 1"):
+        read(tmp_path, "0 1 2\n1 1 2\n2 1 2\n")
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@pytest.mark.parametrize(("date", "clock"), [("Date", "Time"), ("DATE", "TIME"), ("day", "Clock")])
+def test_dates_and_times_of_day_in_two_columns(tmp_path, delimiter, date, clock):
+    cells = [("31.01.2024", "23:59:58"), ("31.01.2024", "23:59:59"), ("01.02.2024", "00:00:00")]
+    lines = [(date, clock, "OP", "PV"), *((*cell, "1.5", str(row)) for row, cell in enumerate(cells))]
+    record = read(tmp_path, "\n".join(delimiter.join(line) for line in lines))
+    assert record.dt == 1.0
+    assert f"Times were read from {date!r} and {clock!r} together." in record.notes
+
+
+def test_dates_and_times_in_two_columns_of_a_frame_with_an_index_of_its_own():
+    frame = pd.DataFrame(
+        {"Date": ["2024-01-01"] * 3, "Time": ["10:00:00", "10:00:02", "10:00:04"], "OP": [1, 2, 3], "PV": [3, 4, 5]},
+        index=[7, 7, 9],
+    )
+    assert files.read_loop(frame).dt == 2.0
+
+
+def test_a_column_of_dates_stays_where_time_is_no_time_of_day_or_is_named(tmp_path):
+    rows = [("2024-01-01", 0.5 * row, 1, row) for row in range(4)]
+    lines = [("Date", "Time", "OP", "PV"), *rows]
+    record = read(tmp_path, "\n".join(",".join(map(str, line)) for line in lines))
+    assert (record.dt, record.notes) == (0.5, ())
+    lines = [("Date", "Time", "OP", "PV"), *(("2024-01-01", f"10:00:0{row}", 1, row) for row in range(4))]
+    named = read(tmp_path, "\n".join(",".join(map(str, line)) for line in lines), time="Time")
+    assert (named.dt, named.notes) == (1.0, ())

@@ -11,7 +11,7 @@ import typer
 from lostmotion.errors import FileAccessError
 
 File = Annotated[
-    Path, typer.Argument(help="CSV, text or Parquet file with the record of one loop.", show_default=False)
+    Path, typer.Argument(help="CSV, text, Parquet or MAT file with the record of one loop.", show_default=False)
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
 Pv = Annotated[str, typer.Option("--pv", help="Column of the measurement.")]

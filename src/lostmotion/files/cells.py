@@ -13,7 +13,7 @@ import polars as pl
 from lostmotion.files.dates import dates_in_order
 from lostmotion.files.layout import Layout
 from lostmotion.files.numbers import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
-from lostmotion.files.text import has_cells, split_line
+from lostmotion.files.text import BLANKS, has_cells, split_line, with_tabs
 from lostmotion.records.record import FloatArray
 
 Bools = npt.NDArray[np.bool_]
@@ -126,13 +126,14 @@ def _frame(rows: list[str], layout: Layout) -> tuple[pl.DataFrame, Bools]:
     broken[quoted] = True
     width = len(layout.names)
     places = [f"c{place}" for place in range(width + 1)]  # one field more than the header: lines that end with it
-    body = "\n".join([layout.delimiter.join(places), *(row or layout.delimiter for row in rows), ""])
+    delimiter = layout.delimiter
+    if delimiter == BLANKS:
+        rows, delimiter = with_tabs(rows), "\t"
+    body = "\n".join([delimiter.join(places), *(row or delimiter for row in rows), ""])
     try:
-        frame = pl.read_csv(
-            io.StringIO(body), separator=layout.delimiter, infer_schema=False, truncate_ragged_lines=True
-        )
+        frame = pl.read_csv(io.StringIO(body), separator=delimiter, infer_schema=False, truncate_ragged_lines=True)
     except pl.exceptions.PolarsError:
-        frame = _by_hand(rows, places, layout.delimiter)
+        frame = _by_hand(rows, places, delimiter)
     used = dict.fromkeys(name for name in (layout.op, layout.pv, layout.time, layout.mode) if name is not None)
     columns = {name: frame[places[layout.names.index(name)]].str.strip_chars() for name in used}
     spare = frame[places[-1]].fill_null("").str.strip_chars()

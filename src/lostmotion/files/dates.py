@@ -103,6 +103,19 @@ def date_orders(table: Table, name: str, cells: pl.Series) -> tuple[str, ...]:
     )
 
 
+def all_are(cells: pl.Series, *, dated: bool) -> bool:
+    """Whether every cell is a date without a time of day, or (not `dated`) a time of day without a date.
+
+    Examples
+    --------
+    >>> all_are(pl.Series(["1.2.2024", None]), dated=True), all_are(pl.Series(["1.2.2024 10:00"]), dated=True)
+    (True, False)
+    """
+    parts = cells.drop_nulls().str.extract_groups(_DATE).struct.unnest()
+    date, time = parts["a"].is_not_null(), parts["hour"].is_not_null()
+    return len(parts) > 0 and bool((date & ~time).all() if dated else (time & ~date).all())
+
+
 def dates_in_order(cells: pl.Series, order: str) -> FloatArray:
     """Seconds of dates in one order of day, month and year; NaN for every cell that is no such date.
 

@@ -1,4 +1,4 @@
-"""Any source -> Table: a path to text or Parquet, or a pandas, Polars or PyArrow frame."""
+"""Any source -> Table: a path to text, Parquet or MAT, or a pandas, Polars or PyArrow frame."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError
+from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
 
@@ -22,14 +23,14 @@ def load(source: Any) -> Table:
     Parameters
     ----------
     source : path or data frame
-        Path to delimited text or Parquet (told by its content), or an eager frame that narwhals knows.
+        Path to delimited text, Parquet or a MAT file (told by its content), or an eager frame that narwhals knows.
 
     Raises
     ------
     FileAccessError
         Absent, a directory or not readable.
     DataError
-        Empty, binary, or a damaged Parquet file.
+        Empty, binary, or a damaged Parquet or MAT file.
     InputError
         Neither a path nor a data frame.
 
@@ -53,6 +54,8 @@ def load(source: Any) -> Table:
 
 def _from_path(path: Path) -> Table:
     raw = read_bytes(path)
+    if raw.startswith((MAT, MAT_HDF5)):
+        return load_mat(raw, path.name)
     if not raw.startswith(_PARQUET):
         return parse_text(raw, path.name)
     try:

@@ -102,7 +102,7 @@ def decimal_mark(table: Table, names: list[str]) -> str:
         return "."
     if dot is not None:
         raise ColumnError.expected("one decimal mark", f"{comma} and {dot}", "export without thousands separators")
-    if not proven and table.delimiter not in (";", "\t"):
+    if not proven and table.delimiter not in (";", "\t", " "):
         raise ColumnError.expected(
             "numbers with one reading",
             f"{comma}, a decimal comma or a thousands separator",

@@ -13,6 +13,7 @@ from lostmotion.files.clock import find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
 from lostmotion.files.frames import load
+from lostmotion.files.moments import with_moments
 from lostmotion.files.numbers import decimal_mark, to_numbers
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
@@ -41,8 +42,8 @@ def read_loop(
     Parameters
     ----------
     source : path or data frame
-        CSV or text (``,`` ``;`` or tab, decimal point or comma), Parquet, or a pandas, Polars or
-        PyArrow frame.
+        CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
+        or vectors; ``save -v7``), or a pandas, Polars or PyArrow frame.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -51,7 +52,8 @@ def read_loop(
         False: do not read.
     time : str, None or False
         Time column: seconds, the unit in its name (t_ms), seconds or milliseconds since 1970, or dates.
-        None: by its usual names. False: ignore it; `dt` is then needed.
+        None: by its usual names; a column of dates and one of times of day are taken together. False: ignore it;
+        `dt` is then needed.
     dt : float, optional
         Sampling time in seconds. None: from the time column. Where both are there they must agree, except
         that `dt` wins over a column that counts samples.
@@ -94,7 +96,7 @@ def read_loop(
     ("OP was read from column 'CO'.",)
     """
     _check_settings(dt, missing)
-    table = load(source)
+    table = with_moments(load(source)) if time is None else load(source)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = sampling_column(table, (op, pv, sp, position, time, mode))

@@ -14,6 +14,7 @@ from lostmotion.errors import DataError
 from lostmotion.files.table import Table, unique_names
 
 DELIMITERS = (";", "\t", ",")
+BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _COMMENT = re.compile(r"\s*(#(?!N/A|VALUE|DIV/0|REF|NAME|NUM|NULL)|//)")
@@ -87,10 +88,12 @@ def decode(raw: bytes, source: str) -> str:
 def find_delimiter(header: str, body: list[str], source: str = "") -> str:
     r"""Find the delimiter that cuts the header and the rows into the same number of fields.
 
+    Blanks are one where nothing else is, and every row has as many words as the header.
+
     Raises
     ------
     DataError
-        None of ; tab , cuts the header.
+        Neither ; tab , nor blanks cut the header.
 
     Examples
     --------
@@ -106,9 +109,12 @@ def find_delimiter(header: str, body: list[str], source: str = "") -> str:
         score = (alike / max(len(body), 1), fields)
         if not delimiter or score > best:
             best, delimiter = score, candidate
+    words = len(header.split())
+    if words > 1 and best[0] < 1.0 and all(len(line.split()) == words for line in body):
+        return BLANKS
     if not delimiter:
         raise DataError.expected(
-            "a header with columns separated by ',' ';' or tab",
+            "a header with columns separated by ',' ';' tab or blanks",
             f"{header[:80]!r} in {source!r}",
             "export as CSV with one header line",
         )
@@ -157,19 +163,28 @@ def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:
 
 
 def _is_numeric(line: str) -> bool:
-    fields = [field.strip('" ') for field in re.split(r"[;\t]|,(?!\d)|(?<=\d),", line)]
+    fields = [field.strip('" ') for field in re.split(r"[;\t ]|,(?!\d)|(?<=\d),", line)]
     filled = [field for field in fields if field]
     return bool(filled) and all(_NUMBER.fullmatch(field) for field in filled)
 
 
 def split_line(line: str, delimiter: str) -> list[str]:
     """Fields of one line."""
+    if delimiter == BLANKS:
+        return line.split()
     return next(csv.reader([line], delimiter=delimiter), [])
+
+
+def with_tabs(lines: list[str]) -> list[str]:
+    """Rows that blanks separate, with tabs instead."""
+    return ["\t".join(line.split()) for line in lines]
 
 
 def _parse(body: list[str], names: list[str], delimiter: str, numbers: list[int], source: str) -> pl.DataFrame:
     while len(names) > 1 and not names[-1].strip():
         names = names[:-1]
+    if delimiter == BLANKS:
+        body, delimiter = with_tabs(body), "\t"
     spare = f"c{len(names)}"  # one field more than the header: lines that end with a delimiter
     places = delimiter.join(f"c{place}" for place in range(len(names) + 1))
     try:

@@ -19,6 +19,7 @@ from lostmotion.records.record import FloatArray
 EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0, "s"))
 # Spreadsheets count days from 1900: 36526 is 2000 and 55153 is 2051.
 EXCEL_DAYS = (36526.0, 55153.0)
+MATLAB_DAYS = (719529.0, 767011.0)  # datenum counts them from the year 0: 1970 to 2099
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +110,13 @@ def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str,
         note = f"Times in {name!r} were read as {label} since 1970."
         return _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
     middle = float(np.median(known)) if len(known) else 0.0
-    if _excel_days(known, middle):
-        raise TimeError.expected(
-            f"times in seconds or dates in column {name!r}",
-            f"{known[0]:g}, a day number of a spreadsheet",
-            "export it as date and time, or call the column time_s if it is in seconds",
-        )
+    for span, origin in ((EXCEL_DAYS, "a spreadsheet"), (MATLAB_DAYS, "MATLAB")):
+        if _counts_days(known, middle, span):
+            raise TimeError.expected(
+                f"times in seconds or dates in column {name!r}",
+                f"{known[0]:.10g}, a day number of {origin}",
+                "export it as date and time or in seconds, or call the column time_s if it is in seconds",
+            )
     return _stamps(table, name, values, plain=True, notes=notes)
 
 
@@ -136,9 +138,9 @@ def number_scale(name: str, known: FloatArray) -> tuple[float | None, str]:
     return None, ""
 
 
-def _excel_days(known: FloatArray, middle: float) -> bool:
+def _counts_days(known: FloatArray, middle: float, span: tuple[float, float]) -> bool:
     """Numbers of the size of today's day number that move by parts of a day."""
-    if not EXCEL_DAYS[0] < middle < EXCEL_DAYS[1] or len(known) < 2:
+    if not span[0] < middle < span[1] or len(known) < 2:
         return False
     return 0 < float(np.median(np.abs(np.diff(known)))) < 0.1
 

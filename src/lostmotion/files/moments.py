@@ -1,0 +1,43 @@
+"""A column of dates beside one of times of day -> one column of both."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import narwhals.stable.v2 as nw
+
+from lostmotion.files.dates import all_are
+from lostmotion.files.numbers import is_text, text_cells
+from lostmotion.files.table import Table
+
+DATES = ("date", "day")
+CLOCKS = ("time", "time of day", "clock")
+MOMENTS = "Date Time"
+
+
+def with_moments(table: Table) -> Table:
+    """The table with one column in place of its column of dates and its column of times of day, where it has both.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> frame = pl.DataFrame({"Date": ["1.2.2024", "1.2.2024"], "Time": ["09:00:00", "09:00:05"], "OP": ["1", "2"]})
+    >>> joined = with_moments(Table(nw.from_native(frame, eager_only=True), "a"))
+    >>> joined.names, joined.column("Date Time")[0]
+    (['OP', 'Date Time'], '1.2.2024 09:00:00')
+    """
+    dates, clocks = (_called(table, names) for names in (DATES, CLOCKS))
+    if len(dates) != 1 or len(clocks) != 1 or MOMENTS in table.names:
+        return table
+    date, clock = dates[0], clocks[0]
+    if not all_are(text_cells(table.column(date)), dated=True) or not all_are(
+        text_cells(table.column(clock)), dated=False
+    ):
+        return table
+    both = nw.concat_str(nw.col(date), nw.col(clock), separator=" ").alias(MOMENTS)
+    note = f"Times were read from {date!r} and {clock!r} together."
+    return replace(table, frame=table.frame.with_columns(both).drop(date, clock), notes=(*table.notes, note))
+
+
+def _called(table: Table, names: tuple[str, ...]) -> list[str]:
+    return [name for name in table.names if name.strip().lower() in names and is_text(table.column(name))]
