@@ -332,3 +332,28 @@ def test_the_shown_dead_zone_is_one(pinned):
         assert -1.0 <= shown[3] <= shown[4] <= 1.0
         assert abs(shown[5]) <= state[kernel.RATIO_LIMIT]
         assert pinned or shown[2] != 0.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_factor_stays_finite_where_information_spans_more_digits_than_numbers_have(seed):
+    rng = np.random.default_rng(seed)
+    n = 12
+    jacobian = rng.normal(size=(40, n)) @ np.diag(np.geomspace(1e8, 1e-3, n)) @ rng.normal(size=(n, n))
+    h = jacobian.T @ jacobian
+    h -= np.outer(*[rng.normal(size=n)] * 2) * 1e-9 * np.trace(h)  # rounding: no longer positive
+    root = np.zeros((n, n))
+    kernel.factor(h, root)
+    step = rng.normal(size=n)
+    kernel.solve(root, step)
+    assert np.isfinite(root).all()
+    assert np.isfinite(step).all()
+    scale = np.sqrt(np.diag(h))
+    assert np.abs(root / scale[:, None]).max() < 10.0
+
+
+def test_factor_is_that_of_cholesky_where_all_is_known():
+    rng = np.random.default_rng(3)
+    jacobian = rng.normal(size=(40, 9))
+    h, root = jacobian.T @ jacobian, np.zeros((9, 9))
+    kernel.factor(h, root)
+    np.testing.assert_allclose(root, np.linalg.cholesky(h), rtol=1e-7, atol=1e-8)

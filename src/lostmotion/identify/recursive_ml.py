@@ -19,7 +19,16 @@ from lostmotion.identify.change import NEVER, ChangeEvent, Memory, forget, react
 from lostmotion.identify.offset import without_column
 from lostmotion.identify.parameters import Scaling, information_inverse, named_values
 from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
-from lostmotion.identify.recursive_start import GOOD, Tuning, Window, allocate, fit_window, is_clear, start
+from lostmotion.identify.recursive_start import (
+    GOOD,
+    Tuning,
+    Window,
+    allocate,
+    fit_window,
+    is_anchored,
+    is_clear,
+    start,
+)
 from lostmotion.kernels import recursive_ml as kernel
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
@@ -286,7 +295,8 @@ class RecursiveML:
             accepted = (*accepted, Status.ONE_SIDED)
         integrating = fit is not None and fit.settings["chosen"]["integrating"]
         clear = fit is not None and (self._seen >= 2 * first or is_clear(fit))
-        if fit is not None and fit.status in accepted and clear and not integrating:
+        anchored = fit is not None and (longest or is_anchored(fit))
+        if fit is not None and fit.status in accepted and clear and anchored and not integrating:
             good = np.isfinite(window.u) & np.isfinite(window.y)
             self._scales = (float(window.u[good].std()), float(window.y[good].std()))
             self._state, self._layout = start(fit, window, self._scales, self._tuning)

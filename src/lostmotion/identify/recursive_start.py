@@ -79,6 +79,14 @@ def is_clear(fit: HammersteinFit) -> bool:
     return bool(wide and errors["slope_ratio"] < CLEAR_RATIO * values["slope_ratio"])
 
 
+def is_anchored(fit: HammersteinFit) -> bool:
+    """Whether the static gain is known at all.
+
+    Where it is not, poles stand next to 1, and what was linearised there counts as certainty for good.
+    """
+    return bool(fit.standard_errors["gain"] < abs(fit.parameters["gain"]))
+
+
 def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
     """The same y with outliers drawn in to what still passes for noise; None where there are none."""
     errors = fit.residuals

@@ -157,8 +157,13 @@ def influence(error: float, limit: float) -> float:
 
 @njit(cache=True, nogil=True)
 def factor(h: FloatArray, root: FloatArray) -> None:
-    """Cholesky factor of h + ridge in `root` (lower); a direction without any information gets a unit."""
+    """Cholesky factor of h + ridge in `root` (lower); a direction without any information gets a unit.
+
+    What is left of a pivot below the ridge is rounding, and so is the rest of its column: divided by the pivot it
+    would grow from row to row, beyond all numbers where h spans more digits than they have.
+    """
     n = h.shape[0]
+    told = np.ones(n, dtype=np.bool_)
     for i in range(n):
         for j in range(i + 1):
             total = h[i, j]
@@ -168,9 +173,10 @@ def factor(h: FloatArray, root: FloatArray) -> None:
                 total -= root[i, k] * root[j, k]
             if i == j:
                 floor = RIDGE * h[i, i] if h[i, i] > SMALLEST else 1.0
+                told[i] = total >= floor
                 root[i, i] = np.sqrt(max(total, floor))
             else:
-                root[i, j] = total / root[j, j]
+                root[i, j] = total / root[j, j] if told[j] else 0.0
 
 
 @njit(cache=True, nogil=True)
