@@ -1,7 +1,7 @@
 """The diagnosis: calibration of its weights on simulated loops, and what it reaches on simulated and real ones.
 
-Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 16 minutes on two cores); writes docs/diagnosis.md.
-``--calibrate`` simulates other loops (about 10 minutes), prints the table of ``diagnose/weights.py``, writes nothing.
+Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 13 minutes on two cores); writes docs/diagnosis.md.
+``--calibrate`` simulates other loops (about 6 minutes), prints the table of ``diagnose/weights.py``, writes nothing.
 Options: ``--cases N``, ``--data FOLDER``, ``--workers N``.
 """
 

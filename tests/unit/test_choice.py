@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.evaluate import random_faulty_loop
 from lostmotion.identify.kinds import backlash_of, fit_kind, seek
 from lostmotion.identify.search import ScaledData
 from lostmotion.identify.slopes import with_equal_slopes
@@ -66,6 +67,16 @@ def test_backlash_begun_at_a_stiction_without_jump():
     assert backlash.problem.family.kind == "backlash"
     assert backlash.fit.theta[at] == pytest.approx(1.0, abs=0.03)
     assert backlash.parameters == stiction.parameters - 1
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("seed", [357, 400])
+def test_stiction_begun_at_a_backlash_whose_jump_the_profile_passes_by(seed):
+    loop = random_faulty_loop(seed)
+    fit = lm.identify(loop.op, loop.pv, loop.dt, nonlinearity="auto")
+    assert loop.cause == fit.kinds.best == "stiction"
+    assert fit.parameters["band"] == pytest.approx(loop.actuator.band, rel=0.02)
+    assert fit.parameters["jump"] == pytest.approx(loop.actuator.jump, rel=0.05)
 
 
 def test_the_more_evidence_the_surer():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lostmotion.identify.evidence import gain_over_linear
-from lostmotion.identify.kinds import Sought, backlash_of, fit_kind, likely_kinds
+from lostmotion.identify.kinds import Sought, backlash_of, fit_kind, likely_kinds, stiction_of
 from lostmotion.identify.loads import (
     loaded,
     pruned,
@@ -19,6 +19,8 @@ from lostmotion.identify.loads import (
     without_their_effect,
 )
 from lostmotion.identify.search import Fitted, ScaledData
+
+FOUND = 60.0  # of BIC: stiction so far ahead of backlash has its jump
 
 
 def fits_of_all(
@@ -52,11 +54,21 @@ def fits_of_all(
         simpler = with_own_loads(backlash_of(found["stiction"]))
         if "backlash" not in found or gain_over_linear(simpler, found["backlash"]) > 0:
             found["backlash"] = simpler
+    if "backlash" in found and _is_open(found, linear):
+        richer = with_own_loads(stiction_of(found["backlash"]))
+        if "stiction" not in found or gain_over_linear(richer, found["stiction"]) > 0:
+            found["stiction"] = richer
     best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
     again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
     again = _cleaned(scaled, again, orders, noise, levels, best)
     rivals = [linear, again, *(without_actuator(one) for one in found.values())]
     return max(rivals, key=lambda one: gain_over_linear(one, linear)), found  # what a fault must beat
+
+
+def _is_open(found: dict[str, Fitted], linear: Fitted) -> bool:
+    """Whether backlash explains something, and stiction not so much more that its jump was surely found."""
+    gain = gain_over_linear(found["backlash"], linear)
+    return gain > 0 and ("stiction" not in found or gain_over_linear(found["stiction"], linear) < gain + FOUND)
 
 
 def _cleaned(

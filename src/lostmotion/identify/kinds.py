@@ -19,6 +19,7 @@ KINDS = ("none", "dead zone", "backlash", "stiction", "saturation")
 STICTION_MODELS = ("kano", "he")
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 MOST_STARTS = 2
+JUMPS = (0.25, 0.5, 0.8)  # shares of the band
 HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
 WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
 
@@ -95,6 +96,27 @@ def backlash_of(stiction: Fitted) -> Fitted:
         theta[problem.eta_at] = max(width, 0.0)
         found.append(Fitted(problem, refine(problem, theta, problem.basis), problem.basis))
     return polished(min(found, key=lambda one: one.fit.cost))
+
+
+def stiction_of(backlash: Fitted) -> Fitted:
+    """Stiction begun at a backlash that was found, with its process, noise and loads, and jumps of several sizes.
+
+    The likelihood of a jump is a needle, which the profile, with a process of its own at every point, can pass by;
+    from the process that a backlash has found the pattern search reaches it.
+    """
+    problem, family = backlash.problem, backlash.problem.family
+    assert isinstance(family, BacklashFamily)  # noqa: S101  of this kind only
+    width = float(backlash.fit.theta[problem.eta_at])
+    found = []
+    for model in STICTION_MODELS:
+        sticking = StictionFamily(
+            family.widest, family.segments, family.rests, model, load=family.load, loads=family.loads
+        )
+        richer = replace(problem, family=sticking)
+        for share in JUMPS:
+            theta = np.insert(backlash.fit.theta, problem.eta_at + 1, share * width)
+            found.append(polished(Fitted(richer, refine(richer, theta, richer.basis), richer.basis)))
+    return min(found, key=lambda one: one.fit.cost)
 
 
 def likely_kinds(data: ScaledData, orders: tuple[int, int, int] | None) -> dict[str, Sought]:
