@@ -20,6 +20,7 @@ from lostmotion.identify.loads import (
 )
 from lostmotion.identify.search import Fitted, ScaledData
 
+SEEN = 6.0  # of BIC, by which backlash must beat the linear model before a jump is sought beside it
 FOUND = 60.0  # of BIC: stiction so far ahead of backlash has its jump
 
 
@@ -54,21 +55,35 @@ def fits_of_all(
         simpler = with_own_loads(backlash_of(found["stiction"]))
         if "backlash" not in found or gain_over_linear(simpler, found["backlash"]) > 0:
             found["backlash"] = simpler
+    linear = _best_linear(scaled, orders, noise, levels, linear, found)
     if "backlash" in found and _is_open(found, linear):
         richer = with_own_loads(stiction_of(found["backlash"]))
         if "stiction" not in found or gain_over_linear(richer, found["stiction"]) > 0:
             found["stiction"] = richer
+            linear = _best_linear(scaled, orders, noise, levels, linear, found)
+    return linear, found
+
+
+def _best_linear(
+    scaled: ScaledData,
+    orders: tuple[int, int, int] | None,
+    noise: int | None,
+    levels: bool,
+    linear: Fitted,
+    found: dict[str, Fitted],
+) -> Fitted:
+    """What a fault must beat: the best linear model, also sought from the best fault and in the structure of each."""
     best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
     again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
     again = _cleaned(scaled, again, orders, noise, levels, best)
     rivals = [linear, again, *(without_actuator(one) for one in found.values())]
-    return max(rivals, key=lambda one: gain_over_linear(one, linear)), found  # what a fault must beat
+    return max(rivals, key=lambda one: gain_over_linear(one, linear))
 
 
 def _is_open(found: dict[str, Fitted], linear: Fitted) -> bool:
-    """Whether backlash explains something, and stiction not so much more that its jump was surely found."""
+    """Whether backlash is seen, and stiction not so much more that its jump was surely found."""
     gain = gain_over_linear(found["backlash"], linear)
-    return gain > 0 and ("stiction" not in found or gain_over_linear(found["stiction"], linear) < gain + FOUND)
+    return gain > SEEN and ("stiction" not in found or gain_over_linear(found["stiction"], linear) < gain + FOUND)
 
 
 def _cleaned(
