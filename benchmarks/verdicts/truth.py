@@ -28,8 +28,8 @@ def told(loop: FaultyLoop) -> bool:
     data = collect(prepare(record), None, None, False, FEWEST_SAMPLES)
     scaled = ScaledData((data.u - data.u_centre) / data.u_scale, (data.y - data.y_centre) / data.y_scale, data.segments)
     family, eta = _truth(loop, scaled, data.u_centre, data.u_scale)
-    linear = with_own_loads(fit_kind(None, scaled, None, None, levels=True, patient=False))
-    best = best_fit(scaled, family, [family.project(eta)], None, None, patient=False)
+    linear = with_own_loads(fit_kind(None, scaled, None, None, levels=True))
+    best = best_fit(scaled, family, [family.project(eta)], None, None)
     if family.kinks:
         best = polished(best)
     best = with_own_loads(best)

@@ -140,8 +140,7 @@ def identify(
         (data.y - scaling.y_centre) / scaling.y_scale,
         data.segments,
     )
-    patient = nonlinearity != "auto"
-    linear = fit_kind(None, scaled, orders_given, noise_given, levels=gain is None, patient=patient)
+    linear = fit_kind(None, scaled, orders_given, noise_given, levels=gain is None)
     linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
     if nonlinearity == "none":
         return linear_result
@@ -152,7 +151,7 @@ def identify(
         return replace(packed, linear_alternative=linear_result)
 
     def fitted(on: ScaledData, kind: str, sought: Sought, near: Fitted | None = None) -> Fitted:
-        found = fit_kind(sought, on, orders_given, noise_given, gain is None, near, patient=patient)
+        found = fit_kind(sought, on, orders_given, noise_given, gain is None, near)
         return settle_offset(found, scaling, offset) if kind == "dead zone" else found
 
     if nonlinearity != "auto":

@@ -40,7 +40,7 @@ def fits_of_all(
     linear = _cleaned(scaled, with_own_loads(linear), orders, noise, levels)
     swings = swings_of(scaled)
     if swings is not None:  # the process may have taken the place of a swing
-        other = fit_kind(None, without_swings(scaled, swings), orders, noise, levels, patient=False)
+        other = fit_kind(None, without_swings(scaled, swings), orders, noise, levels)
         other = with_loads(other, scaled, swings)
         linear = other if gain_over_linear(other, linear) > 0 else linear
     found = {kind: with_own_loads(one) for kind, one in _of_likely(scaled, orders, without_loads(linear), fit).items()}
@@ -74,7 +74,7 @@ def _best_linear(
 ) -> Fitted:
     """What a fault must beat: the best linear model, also sought from the best fault and in the structure of each."""
     best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
-    again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best), patient=False))
+    again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
     again = _cleaned(scaled, again, orders, noise, levels, best)
     rivals = [linear, again, *(without_actuator(one) for one in found.values())]
     return max(rivals, key=lambda one: gain_over_linear(one, linear))
@@ -99,7 +99,7 @@ def _cleaned(
     if loads is None:
         return linear
     clean = without_their_effect(linear, scaled)
-    again = fit_kind(None, clean, orders, noise, levels, near, patient=False)
+    again = fit_kind(None, clean, orders, noise, levels, near)
     again = with_own_loads(pruned(loaded(again, scaled.y, loads, sizes_of_loads(linear))))
     return again if gain_over_linear(again, linear) > 0 else linear
 

@@ -59,8 +59,6 @@ def fit_kind(
     noise: int | None,
     levels: bool,
     near: Fitted | None = None,
-    *,
-    patient: bool = True,
 ) -> Fitted:
     """Global maximum of the likelihood of one kind.
 
@@ -73,12 +71,12 @@ def fit_kind(
         As in ``best_fit``.
     levels : bool
         Whether the process may integrate.
-    near, patient
+    near : Fitted or None
         As in ``best_fit``.
     """
     if sought is None:
-        return best_fit(data, LinearFamily(), [np.zeros(0)], orders, noise, levels, patient=patient)
-    best = best_fit(data, sought.family, sought.etas, orders, noise, levels, near, patient=patient)
+        return best_fit(data, LinearFamily(), [np.zeros(0)], orders, noise, levels)
+    best = best_fit(data, sought.family, sought.etas, orders, noise, levels, near)
     return polished(best) if sought.family.kinks else best
 
 

@@ -96,8 +96,6 @@ def best_fit(
     noise: int | None,
     levels: bool = True,
     near: Fitted | None = None,
-    *,
-    patient: bool = True,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -115,10 +113,8 @@ def best_fit(
         Whether the process may integrate.
     near : Fitted or None
         Fit of another kind of actuator to the same data: its process and noise are where the search begins.
-    patient : bool
-        False: starts far behind after a few steps are given up, as where all kinds are compared and time is short.
     """
-    search = _Search.on(data, family, orders, noise, levels, patient)
+    search = _Search.on(data, family, orders, noise, levels)
     tried: list[Fitted | None] = []
     if near is None:  # the other starts begin at the process that the first has found
         near = search.over(search.likely(etas[0]))
@@ -181,7 +177,6 @@ class _Search:
     noise: int | None
     delays: tuple[int, int]
     levels: bool
-    patient: bool
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
     tried: set[_Key] = field(default_factory=set)
@@ -194,16 +189,15 @@ class _Search:
         orders: tuple[int, int, int] | None,
         noise: int | None,
         levels: bool,
-        patient: bool,
     ) -> _Search:
         """Search over the orders given, or over the ladder and all delays that the record can show."""
         if orders is not None:
-            return cls(data, family, orders, noise, (orders[2], orders[2]), levels, patient)
+            return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
         # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
         loop = feedback(data.u, data.y, data.segments)
         first = 1 if loop.closed else 0
-        return cls(data, family, None, noise, (first, latest), levels, patient, Held(loop.closed, loop.direction))
+        return cls(data, family, None, noise, (first, latest), levels, Held(loop.closed, loop.direction))
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:
@@ -211,10 +205,9 @@ class _Search:
         return LADDER if self.orders is None else (self.orders[:2],)
 
     def over(self, attempts: list[_Attempt]) -> Fitted | None:
-        """Best of the attempts; all are remembered. In haste those far behind a plausible fit are given up."""
+        """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
         fits = [self._rough(*attempt) for attempt in attempts]
-        reach = np.inf if self.patient else BEHIND
-        limit = min((self.score(fitted) for fitted in fits), default=0.0) + reach
+        limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
         fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
             self.seen.append((self._eta(fitted), self.score(fitted)))
