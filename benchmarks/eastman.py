@@ -1,6 +1,6 @@
 """Tennessee Eastman plant with sticking valves: is the valve found, and its lost motion, and nothing in a normal run?
 
-Run: ``.venv/bin/python benchmarks/eastman.py`` (about 7 minutes on one thread); writes docs/eastman.md. The plant,
+Run: ``.venv/bin/python benchmarks/eastman.py`` (about 15 minutes on one thread); writes docs/eastman.md. The plant,
 ``tep-studio`` from PyPI, is installed into ``.venv-tep`` on the first run and compiled there: it needs a C compiler.
 Option: ``--quick`` for one seed of 2 hours, which writes nothing.
 """
