@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.design.plausible import drawn_around_guess
+from lostmotion.design.plausible_plants import drawn_around_guess
 from lostmotion.kernels.threads import one_thread
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "design.md"

@@ -129,7 +129,7 @@ def speed_rows(yardstick: float) -> tuple[str, float]:
 def many_rows() -> str:
     """Lines of the table of many loops; empty while there is no ``run_many``."""
     try:
-        from lostmotion.identify.many import run_many  # noqa: PLC0415
+        from lostmotion.identify.recursive.many import run_many  # noqa: PLC0415
     except ImportError:
         return ""
     bare = speeds.two_threads()

@@ -1,6 +1,6 @@
 """Every real record in ../shared/data through read, check, prepare and identify; nothing is skipped silently.
 
-Run: ``.venv/bin/python benchmarks/shared_data.py`` (about two minutes); writes docs/shared-data.md.
+Run: ``.venv/bin/python benchmarks/shared_data.py`` (about five minutes); writes docs/shared-data.md.
 Options: ``--data FOLDER``, ``--only PART`` of a name (writes nothing), ``--report`` to print the whole reports.
 """
 
@@ -36,18 +36,23 @@ SACAC_DT = {
     "sensor-F-oilgas-thornhill": 20.0,
     "stiction-L-chemicals-thornhill": 20.0,
 }
-ISDB_DT = {"CHEM10": 30.0, "CHEM11": 30.0, "CHEM12": 30.0}  # labels.csv says 1 s, the time column 30 s
+# labels.csv says 1 s, the time column 30 s
+ISDB_DT = {"CHEM10": 30.0, "CHEM11": 30.0, "CHEM12": 30.0, "CHEM8": 30.0}
+HALF = {"BAS8": 0.5, "CHEM37": 0.4}  # the recorder of one stops again and again, the clock of the other jitters
+WEEK = {"FIC-211": ("FV_211", "FT_211"), "LIC-106": ("LV_106", "FT_115")}
 GLUED = "tuning-L-paper-horch"  # two recordings in one file; its times jump
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One record: what it is called, what is known of it, how it is read."""
+    """One record: what it is called, what is known of it, how it is read, and why the reader refuses it."""
 
     name: str
     label: str
     path: Path
     options: dict[str, Any] = field(default_factory=dict)
+    refusal: str = ""
+    used: float = 0.6  # share of the rows that can be used, at least
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,32 @@ def entries(data: Path) -> Iterator[Entry]:
     for kind in ("Est", "Val"):
         tanks = data / "cascaded_tanks" / "dataBenchmark.csv"
         yield Entry(f"cascaded tanks, {kind}", "no dead zone", tanks, {"op": f"u{kind}", "pv": f"y{kind}"})
+    yield from _isdb_more(data)
+    yield from _refinery(data)
+    for tag, (op, pv) in WEEK.items():
+        path = data / "historian_week" / f"{tag}.csv"
+        yield Entry(f"historian week, {tag}", "not known", path, {"op": op, "pv": pv}, "times in ascending order")
+
+
+def _isdb_more(data: Path) -> Iterator[Entry]:
+    """The loops of the International Stiction Data Base that are not in the comparison set."""
+    with (data / "isdb_more" / "labels.csv").open(newline="", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream):
+            dt = ISDB_DT.get(row["loop"], float(row["dt_s"]))
+            yield Entry(
+                row["loop"],
+                row["label"],
+                data / "isdb_more" / f"{row['loop']}.csv",
+                {"dt": dt},
+                used=HALF.get(row["loop"], 0.6),
+            )
+
+
+def _refinery(data: Path) -> Iterator[Entry]:
+    """Two hours each of the loops of a refinery."""
+    with (data / "refinery" / "labels.csv").open(newline="", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream):
+            yield Entry(Path(row["file"]).stem, row["label"], data / "refinery" / row["file"], {"mode": "mode"})
 
 
 def run(entry: Entry) -> Outcome:

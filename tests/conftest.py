@@ -14,7 +14,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "desk")
 SLOW_DOCTESTS = {
     "lostmotion.diagnose.diagnose.diagnose",
     "lostmotion.identify.estimate.identify",
-    "lostmotion.identify.recursive_ml.RecursiveML",
+    "lostmotion.identify.recursive.ml.RecursiveML",
 }
 
 

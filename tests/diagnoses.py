@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.diagnose.controller import LoopStability
+from lostmotion.diagnose.diagnosis import Item
 from lostmotion.diagnose.features import measure
+from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.performance import Performance
-from lostmotion.diagnose.result import Item
-from lostmotion.identify.choice import KindChoice
+from lostmotion.identify.actuators.choice import KindChoice
 
 KINDS = {  # where each verdict can come from
     "none": ("none",),

@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from lostmotion.diagnose.result import ACTUATOR, VERDICTS
+from lostmotion.diagnose.diagnosis import ACTUATOR, VERDICTS
 from lostmotion.evaluate.random_faults import CAUSES
 from verdicts.calibrate import SOUND
 from verdicts.cases import Row

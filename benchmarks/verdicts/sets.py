@@ -6,7 +6,7 @@ import csv
 from collections import Counter, defaultdict
 from pathlib import Path
 
-from lostmotion.diagnose.result import ACTUATOR
+from lostmotion.diagnose.diagnosis import ACTUATOR
 from shared_data import entries
 from verdicts.cases import Row, real
 

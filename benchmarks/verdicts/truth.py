@@ -6,14 +6,14 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.evaluate.random_faults import REST, FaultyLoop
-from lostmotion.identify.choice import NEEDED, likelihood_gain
+from lostmotion.identify.actuators.choice import NEEDED, likelihood_gain
+from lostmotion.identify.actuators.kinds import families, fit_kind
+from lostmotion.identify.actuators.loads import with_own_loads, without_actuator
+from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.data import FEWEST_SAMPLES, collect
 from lostmotion.identify.evidence import gain_over_linear
-from lostmotion.identify.families import DeadZoneFamily, Family
-from lostmotion.identify.kinds import families, fit_kind
-from lostmotion.identify.loads import with_own_loads, without_actuator
-from lostmotion.identify.polish import polished
-from lostmotion.identify.search import ScaledData, best_fit
+from lostmotion.identify.likelihood.family import DeadZoneFamily, Family
+from lostmotion.identify.likelihood.search import ScaledData, best_fit
 from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
 from lostmotion.records import prepare
 

@@ -10,7 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli import main
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.result import VERDICTS
+from lostmotion.diagnose.diagnosis import VERDICTS
 from lostmotion.files import write_columns
 from tests.diagnoses import CASES, example, loop_record, variant
 

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from lostmotion.diagnose.advice import advise, severity_of
-from lostmotion.diagnose.result import ACTUATOR, VERDICTS
+from lostmotion.diagnose.diagnosis import ACTUATOR, VERDICTS
 from tests.diagnoses import CASES
 
 

@@ -5,9 +5,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.evaluate import random_faulty_loop
-from lostmotion.identify.kinds import backlash_of, fit_kind, seek
-from lostmotion.identify.search import ScaledData
-from lostmotion.identify.slopes import with_equal_slopes
+from lostmotion.identify.actuators.kinds import backlash_of, fit_kind, seek
+from lostmotion.identify.actuators.slopes import with_equal_slopes
+from lostmotion.identify.likelihood.search import ScaledData
 
 pytestmark = pytest.mark.statistics  # whole fits
 PROCESS = lm.LinearModel([-0.8], [0.3], 1, 1.0)

@@ -7,9 +7,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.evaluate.study.known import Known, known
 from lostmotion.evaluate.study.mistakes import GROUPS, mistakes
-from lostmotion.evaluate.study.plant import StudyPlant, noise_samples
+from lostmotion.evaluate.study.studied_loop import Known, known
+from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from tests.refusals import refusal
 
 TANK = lm.platforms.level_tank()

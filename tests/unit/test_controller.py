@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.controller import EXACT, LIGHTLY_DAMPED, LoopStability, loop_stability
+from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED, LoopStability, loop_stability
 from lostmotion.identify.data import collect
 
 LAG = lm.LinearModel([-0.8], [0.4], 2)

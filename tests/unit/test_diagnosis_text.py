@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.diagnose.controller import LoopStability
+from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.report import diagnosis_line, diagnosis_table
 from lostmotion.report.diagnosis_text import bar, probability, signed, verdict_sentence

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
-from lostmotion.identify.kinds import fit_kind
-from lostmotion.identify.loads import (
+from lostmotion.identify.actuators.kinds import fit_kind
+from lostmotion.identify.actuators.loads import (
     loaded,
     pruned,
     sizes_of_loads,
@@ -17,7 +16,8 @@ from lostmotion.identify.loads import (
     without_swings,
     without_their_effect,
 )
-from lostmotion.identify.search import ScaledData, criterion
+from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.likelihood.search import ScaledData, criterion
 
 pytestmark = pytest.mark.statistics  # whole fits: minutes without the JIT
 N = 1500

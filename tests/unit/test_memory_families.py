@@ -5,8 +5,8 @@ import pytest
 
 import lostmotion as lm
 from lostmotion import _verbs
-from lostmotion.identify.families import LinearFamily, Loads, Step, Swing
-from lostmotion.identify.memory_families import BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.identify.actuators.memory_families import BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
 from lostmotion.models.stiction import CODES
 from tests.naive import backlash as slow_backlash
 from tests.naive import stiction as slow_stiction

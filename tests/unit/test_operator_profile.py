@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identify import kinds
-from lostmotion.identify.operator_profile import LaggedRegression, operator_profile
-from lostmotion.identify.profile import Lags
-from lostmotion.identify.search import ScaledData
+from lostmotion.identify.actuators import kinds
+from lostmotion.identify.actuators.operator_profile import LaggedRegression, operator_profile
+from lostmotion.identify.actuators.static_profile import Lags
+from lostmotion.identify.likelihood.search import ScaledData
 from lostmotion.kernels.products import add_lagged_table, add_products, damped_step
 
 SEGMENTS = np.array([[0, 250], [250, 600]])

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lostmotion as lm
-from lostmotion.identify.feedback import feedback
-from lostmotion.identify.plausible import FREE, LARGEST_INVERSE, LATE, LEAST_LASTING, Held, plausible
+from lostmotion.identify.likelihood.feedback import feedback
+from lostmotion.identify.likelihood.plausible import FREE, LARGEST_INVERSE, LATE, LEAST_LASTING, Held, plausible
 from tests.naive.linear import simulate
 
 HELD = Held(True, 0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lostmotion.identify.recursive_covariance import covariance_of_theta
+from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
 from lostmotion.kernels import iv_state as iv
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.change import Memory
+from lostmotion.identify.recursive.change import Memory
 from lostmotion.kernels import recursive_ml as kernel
 from tests.refusals import refusal
 

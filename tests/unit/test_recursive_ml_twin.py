@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lostmotion.identify.change import Memory, Stretch, relinearise
-from lostmotion.identify.recursive_start import Tuning, allocate
+from lostmotion.identify.recursive.change import Memory, Stretch, relinearise
+from lostmotion.identify.recursive.ml_start import Tuning, allocate
 from lostmotion.kernels import recursive_ml as kernel
 from lostmotion.kernels.linear import is_stable
 from tests.naive import recursive_ml as naive

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lostmotion.identify.spectral_lines import dominant, lines, share_of
+from lostmotion.identify.actuators.spectral_lines import dominant, lines, share_of
 
 
 def swinging(period, deviation, n=1500, seed=0):

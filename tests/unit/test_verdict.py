@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.controller import LoopStability
 from lostmotion.diagnose.features import SILENT, Features, Measured
+from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.verdict import LIMITED, SURE, decide, fault_probability
 from lostmotion.diagnose.weights import NAMES, WEIGHTS
-from lostmotion.identify.choice import KindChoice
+from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example
 
 SWING = Features(oscillating=1.0)

@@ -2,9 +2,9 @@
 
 from lostmotion import _verbs
 from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
-from lostmotion.compensate.backlash import BacklashCompensator
+from lostmotion.compensate.backlash_inverse import BacklashCompensator
 from lostmotion.compensate.block import BlockResponse, CompensatorBlock
-from lostmotion.compensate.dead_zone import DeadZoneCompensator
+from lostmotion.compensate.dead_zone_inverse import DeadZoneCompensator
 from lostmotion.compensate.derive import block_from_fit, block_from_model
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.variables import Variable

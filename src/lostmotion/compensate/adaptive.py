@@ -13,10 +13,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from lostmotion.arguments import finite, positive, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.identify import RecursiveML
-from lostmotion.models._arguments import FloatArray, finite, positive, whole
 
 QUANTILE = 1.96
 

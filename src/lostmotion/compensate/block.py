@@ -10,10 +10,11 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import numbers, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate.specification import SPECIFICATIONS, Reals, Specification
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels import block as kernel
-from lostmotion.models._arguments import FloatArray, numbers, positive
 
 REFUSED = {
     1.0: ("low <= high, ramp >= 0, all finite", "low, high, ramp, safe"),

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arguments import finite, not_negative, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.models import Backlash, DeadZone, LinearModel, Nonlinearity, Stiction
-from lostmotion.models._arguments import FloatArray, finite, not_negative, positive
 
 HOLD = 2.0  # shape of the dead-zone inverse, chosen by the figures of docs/compensation.md
 ZONE_IN_DEVIATIONS = 3.0  # hold: OP noise does not carry OP_IN back across the centre

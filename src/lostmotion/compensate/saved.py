@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from lostmotion.arguments import positive
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.compensate.derive import SIZE, _process_time, block_from_model
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.models import LinearModel
-from lostmotion.models._arguments import positive
 from lostmotion.models.series import actuator_from_dict
 
 

@@ -10,16 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion import _verbs
+from lostmotion.arguments import finite_signal
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.design.bound import half_widths
-from lostmotion.design.known import known
-from lostmotion.design.plant import IntArray, Plant
-from lostmotion.design.plausible import SPREAD
+from lostmotion.design.plausible_plants import SPREAD
+from lostmotion.design.prior import known
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.data import FEWEST_SAMPLES
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.records import LoopRecord
 
 PLANTS = 16

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arguments import finite, positive
 from lostmotion.design.criterion import CONTRASTS
-from lostmotion.design.known import Known
-from lostmotion.design.limits import EVERYTHING, Limits, Range
-from lostmotion.design.plant import Plant
+from lostmotion.design.operating_limits import EVERYTHING, Limits, Range
+from lostmotion.design.prior import Known
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.task import dominant
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import finite, positive
 from lostmotion.simulate import PI
 
 FEWEST_SAMPLES, FEWEST_HOLDS = 60, 12  # below this identify has nothing to work on

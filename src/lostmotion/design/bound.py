@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.design.criterion import Z95
-from lostmotion.design.plant import IntArray, Plant
-from lostmotion.identify.parameters import Scaling, named_values
-from lostmotion.identify.problem import Problem
-from lostmotion.models._arguments import FloatArray
+from lostmotion.design.simulated_plant import Plant
+from lostmotion.identify.likelihood.parameters import Scaling, named_values
+from lostmotion.identify.likelihood.problem import Problem
 
 NAMES = ("left", "right", "width", "slope_ratio", "gain")
 SEED_STEP = 100_000  # between realisations, so that plants and realisations do not share one

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
-from lostmotion.design.plant import Plant
+from lostmotion.arrays import FloatArray
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.models import LinearModel, NoiseModel
-from lostmotion.models._arguments import FloatArray
 
 TINY = 1e-9  # coefficients of B this small beside the largest are rounding
 

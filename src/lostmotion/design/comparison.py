@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.design.bound import expected
-from lostmotion.design.limits import Limits
-from lostmotion.design.plant import Plant
+from lostmotion.design.operating_limits import Limits
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
-from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import signals
 
 SEEDS = 6

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
-from lostmotion.design.plant import Plant
+from lostmotion.arrays import FloatArray
+from lostmotion.design.simulated_plant import Plant
+from lostmotion.distributions import normal_quantile
 from lostmotion.kernels import contrast as kernel
-from lostmotion.models._arguments import FloatArray
 
-Z95 = float(stats.norm.ppf(0.975))
+Z95 = normal_quantile(0.975)
 RATIO_PRIOR = 30.0  # deviation of the logarithm of the slope ratio before the test: as good as nothing
 CONTRASTS = {"left": (1.0, 0.0), "right": (0.0, 1.0), "width": (-1.0, 1.0)}
 

@@ -8,24 +8,25 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arguments import finite, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.design.asked import FEWEST_SAMPLES, TARGETS, Asked, check
 from lostmotion.design.bound import expected
 from lostmotion.design.comparison import prs_by_hold
 from lostmotion.design.criterion import Criterion
-from lostmotion.design.known import Known, known
+from lostmotion.design.designed import Prediction, TestDesign
 from lostmotion.design.length import shortest
-from lostmotion.design.limits import NOISE_MARGIN, Range
-from lostmotion.design.plant import Plant
-from lostmotion.design.plausible import SPREAD
+from lostmotion.design.operating_limits import NOISE_MARGIN, Range
+from lostmotion.design.plausible_plants import SPREAD
+from lostmotion.design.prior import Known, known
 from lostmotion.design.relax import advice
-from lostmotion.design.result import Prediction, TestDesign
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 from lostmotion.design.task import ASSURED, Task
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray, finite, whole
 from lostmotion.simulate import PI
 
 PLANTS, FRESH = 8, 16  # plausible plants of the search, and of the judgement

@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.models._arguments import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from lostmotion.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.design.coarse import coarser
 from lostmotion.design.criterion import Criterion
-from lostmotion.design.limits import EVERYTHING, Limits
-from lostmotion.design.plant import Plant
-from lostmotion.design.search import Scene, search
+from lostmotion.design.operating_limits import EVERYTHING, Limits
+from lostmotion.design.schedule_search import Scene, search
+from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
-from lostmotion.models._arguments import FloatArray
 
 MOST_HOLDS = 30  # usual holds of one block; longer tests repeat it
 WORK = 3.0e7  # samples times plants that the search may look at

@@ -5,9 +5,9 @@ from __future__ import annotations
 from enum import StrEnum
 from types import MappingProxyType
 
+from lostmotion.arguments import finite
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import finite
 
 
 class AuditClass(StrEnum):

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import checked_period, standard_signal
 from lostmotion.errors import DataError
-from lostmotion.models._arguments import FloatArray
 
 SEGMENT = 64  # samples, as published; overlapping by half, Hann window
 PERIODS = 4  # in a segment at least: of a slower oscillation a segment sees a ramp, whose phases are all coupled

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.fft
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import checked_period, standard_signal, without_trend
 from lostmotion.errors import DataError
-from lostmotion.models._arguments import FloatArray
 
 
 @dataclass(frozen=True)

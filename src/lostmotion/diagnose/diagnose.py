@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.controller import LoopStability, loop_stability
+from lostmotion.diagnose.diagnosis import ACTUATOR, Diagnosis, Item
+from lostmotion.diagnose.evidence_words import LABEL, looks_percent
 from lostmotion.diagnose.features import Measured, measure
+from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.movement import PERCENT
 from lostmotion.diagnose.performance import measure_performance
-from lostmotion.diagnose.result import ACTUATOR, Diagnosis, Item
 from lostmotion.diagnose.verdict import Verdict, decide
-from lostmotion.diagnose.words import LABEL, looks_percent
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.evidence import SIZE
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models._arguments import FloatArray
 from lostmotion.records import LoopRecord, check, prepare
 from lostmotion.records.modes import rows_of
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import checked_period, high_pass, low_pass, standard_signal, without_line
 from lostmotion.errors import DataError
-from lostmotion.models._arguments import FloatArray
 
 SLOWEST = 2.0  # periods kept in the figure
 FASTEST = 3.5  # harmonics kept in the figure

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.bicoherence import bicoherence_indices
 from lostmotion.diagnose.cross_correlation import cross_correlation_index
 from lostmotion.diagnose.ellipse import apparent_stiction
@@ -14,8 +15,7 @@ from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.choice import NEEDED
-from lostmotion.models._arguments import FloatArray
+from lostmotion.identify.actuators.choice import NEEDED
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop

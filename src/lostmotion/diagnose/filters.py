@@ -7,8 +7,9 @@ import math
 import numpy as np
 import scipy.fft
 
+from lostmotion.arguments import finite, finite_signal
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, finite, finite_signal
 
 
 def standard_signal(name: str, values: FloatArray, least: int) -> FloatArray:

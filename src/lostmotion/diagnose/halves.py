@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import checked_period, crossings, low_pass, standard_signal, without_trend
 from lostmotion.errors import DataError
-from lostmotion.models._arguments import FloatArray
 
 HARMONICS = 7.0  # kept; noise above them is none of the wave form's
 SHORTEST, LONGEST = 0.5, 2.0  # of half a period: zero crossings nearer or farther are noise or a missing crossing

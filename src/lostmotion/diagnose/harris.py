@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite_signal, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, finite_signal, whole
 
 ORDER = 15  # of the autoregression
 ROWS_PER_PARAMETER = 4

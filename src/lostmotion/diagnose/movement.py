@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite, finite_signal, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive
 
 PERCENT = (0.0, 100.0)
 TOLERANCE = 0.001  # of the span

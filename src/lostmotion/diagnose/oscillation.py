@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.fft
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import crossings, high_pass, low_pass, standard_signal, without_line
-from lostmotion.models._arguments import FloatArray
 
 LEAST = 32  # samples
 LEAST_CYCLES = 3.0

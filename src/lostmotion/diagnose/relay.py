@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.halves import cut_halves, relay_answer, sine, triangle
-from lostmotion.models._arguments import FloatArray
 
 LAGS = np.geomspace(0.03, 2.0, 16)  # time constant of the process, in half periods
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.halves import cut_halves, sine, triangle
-from lostmotion.models._arguments import FloatArray
 
 APEXES = np.linspace(0.05, 0.95, 37)  # where the triangle may have its tip; a saw tooth has it near an end
 

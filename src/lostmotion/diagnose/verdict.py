@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.controller import LoopStability
 from lostmotion.diagnose.features import Features, Measured
+from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit

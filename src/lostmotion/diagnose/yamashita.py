@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.filters import checked_period, low_pass, standard_signal
 from lostmotion.errors import DataError
-from lostmotion.models._arguments import FloatArray
 
 THIRDS = 0.4307  # of a standard deviation: a Gaussian move is down, steady or up in a third of the cases each
 STEPS = 24  # in a period: noise that is faster counts for nothing

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite_signal, signal
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.batch import LocalFit
-from lostmotion.identify.families import DeadZoneFamily
-from lostmotion.identify.offset import without_column
-from lostmotion.identify.parameters import Scaling, name_parameters
-from lostmotion.identify.problem import Problem, Structure
-from lostmotion.identify.search import Fitted
+from lostmotion.identify.likelihood.family import DeadZoneFamily
+from lostmotion.identify.likelihood.offset import without_column
+from lostmotion.identify.likelihood.parameters import Scaling, name_parameters
+from lostmotion.identify.likelihood.problem import Problem, Structure
+from lostmotion.identify.likelihood.refinement import LocalFit
+from lostmotion.identify.likelihood.search import Fitted
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
-from lostmotion.models._arguments import FloatArray, finite_signal, signal
 
 HAIR = 1e-9  # a pole this near to the unit circle integrates
 

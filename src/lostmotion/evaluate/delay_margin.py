@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.batch import refine
-from lostmotion.identify.families import DeadZoneFamily
-from lostmotion.identify.problem import Problem, Structure
+from lostmotion.identify.likelihood.family import DeadZoneFamily
+from lostmotion.identify.likelihood.problem import Problem, Structure
+from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray
 
 INSIDE = 1e-5  # an integrator starts this far inside the unit circle: an output-error predictor needs a stable A
 MOST_STEPS = 200

@@ -6,9 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion import _verbs
+from lostmotion.arguments import finite_signal
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.movement import reversals, travel
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate import LoopResponse
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.models import LinearModel
-from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import PI
 
 ComplexArray = npt.NDArray[np.complex128]

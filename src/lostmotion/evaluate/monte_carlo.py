@@ -10,12 +10,13 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from lostmotion import _verbs
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.random_loops import SAMPLES, RandomLoop, random_loop
 from lostmotion.evaluate.scores import BREAK_POINTS, GROUPS, CaseResult, Score, score
 from lostmotion.evaluate.workers import Progress, run_all
 from lostmotion.identify import identify
-from lostmotion.models._arguments import FloatArray, whole
 
 if TYPE_CHECKING:
     import polars as pl

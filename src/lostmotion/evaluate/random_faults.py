@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.models import (
     Backlash,
     DeadZone,
@@ -21,7 +23,6 @@ from lostmotion.models import (
     Saturation,
     Stiction,
 )
-from lostmotion.models._arguments import FloatArray, whole
 from lostmotion.simulate import PI, LoopResponse, simulate_loop
 
 FAULTS = ("none", "dead zone", "backlash", "stiction", "saturation")

@@ -8,12 +8,13 @@ from functools import cached_property
 import numpy as np
 from scipy.signal import lfilter
 
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import LostMotionError
 from lostmotion.evaluate.cramer_rao import cramer_rao
 from lostmotion.evaluate.delay_margin import delay_margin
 from lostmotion.evaluate.random_processes import Process, draw_noise, draw_pi, draw_process, noise_power
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray, whole
 from lostmotion.simulate import PI, LoopResponse, simulate_loop
 
 SAMPLES = 3000

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
+from lostmotion.arrays import FloatArray
 from lostmotion.models import LinearModel
-from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import PI
 
 SLOWEST = (5.0, 50.0)  # samples: the time constant that dominates

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.models._arguments import FloatArray
+from lostmotion.arrays import FloatArray
 
 BREAK_POINTS = ("left", "right")
 WITHIN = 3.0  # expected standard errors: what counts as found

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arguments import positive
 from lostmotion.errors import ParameterError
 from lostmotion.models import LinearModel
-from lostmotion.models._arguments import positive
 from lostmotion.simulate import PI
 
 AT_ONE = 1e-6  # distance of a pole from 1 below which the process integrates

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.export.reader import Program
 from lostmotion.export.restore import restore
 from lostmotion.export.scenarios import Stretch, scenario
 from lostmotion.export.source import Source
 
 TOLERANCE = {"lreal": 1e-12, "real": 1e-5}
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import Specification
 
-FloatArray = npt.NDArray[np.float64]
 ODD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e308, -1e308, 1e-310, -0.0)
 ODD_SHARE = 0.02
 COLD_SHARE = 0.05

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lostmotion.errors import ParameterError
-from lostmotion.export import kinds
+from lostmotion.export import types as kinds
 from lostmotion.export.assigned import check_assigned
 from lostmotion.export.tree import Assign, Block, Expression, If, Name, Number, Operation, Remark, Statement
 

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 import polars as pl
 
+from lostmotion.arrays import FloatArray
 from lostmotion.files.dates import dates_in_order
 from lostmotion.files.layout import Layout
 from lostmotion.files.numbers import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
 from lostmotion.files.text import BLANKS, has_cells, split_line, with_tabs
-from lostmotion.records.record import FloatArray
 
 Bools = npt.NDArray[np.bool_]
 

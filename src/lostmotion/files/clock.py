@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.rates import (
     GAP_SHARE,
@@ -20,7 +21,6 @@ from lostmotion.files.rates import (
     uniform,
 )
 from lostmotion.files.times import Stamps
-from lostmotion.records.record import FloatArray
 
 COARSE_SHARE = 0.1  # more repeated stamps than this mean stamps too coarse for the sampling, not faults
 

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import polars as pl
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import TimeError
 from lostmotion.files.table import Table
-from lostmotion.records.record import FloatArray
 
 # A reading of the dates whose longest step is this many times another's is wrong: its days became months.
 LONGEST_STEP = 20.0
@@ -21,7 +21,6 @@ _DATE = (
     r"[ \t]*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?[ \t]*(?P<zone>Z|UTC|[+-][0-9]{2}:?[0-9]{2})?$"
 )
 _ORDERS = {"day first": "dmy", "month first": "mdy", "year first": "ymd"}
-IntArray = npt.NDArray[np.int64]
 
 
 class AmbiguousDatesError(TimeError):

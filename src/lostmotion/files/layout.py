@@ -7,6 +7,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError, DataError, ParameterError, TimeError
 from lostmotion.files.clock import COARSE_SHARE, counts_samples, find_clock
 from lostmotion.files.columns import Wanted, named, resolve
@@ -16,7 +17,6 @@ from lostmotion.files.read import sampling_column, sampling_time
 from lostmotion.files.table import Table
 from lostmotion.files.text import find_rows, parse_text
 from lostmotion.files.times import Stamps, number_scale, read_times
-from lostmotion.records.record import FloatArray
 
 HEAD_ROWS = 60  # rows that the sampling time and the decimal mark are read from
 FEWEST_ROWS = 3

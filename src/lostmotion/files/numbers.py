@@ -9,9 +9,9 @@ import narwhals.stable.v2 as nw
 import numpy as np
 import polars as pl
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError
 from lostmotion.files.table import Table
-from lostmotion.records.record import FloatArray
 
 # What historians and spreadsheets write in place of a number; compared in lower case.
 BAD_WORDS = frozenset({

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.records.record import FloatArray
+from lostmotion.arrays import FloatArray
 
 JITTER = 0.01  # steps within 1 % of a multiple of the median are one clock
 GIVEN_TOLERANCE = 0.05  # a given dt may differ this much from rounded or irregular stamps: plant clocks drift

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.clock import find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
@@ -17,7 +18,7 @@ from lostmotion.files.moments import with_moments
 from lostmotion.files.numbers import decimal_mark, to_numbers
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
-from lostmotion.records.record import FloatArray, LoopRecord, StringArray
+from lostmotion.records.record import LoopRecord, StringArray
 
 Span = tuple[float, float]
 _SHOWN = 5

@@ -8,12 +8,12 @@ from typing import Any
 import narwhals.stable.v2 as nw
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.columns import time_unit
 from lostmotion.files.dates import looks_numeric, parse_dates
 from lostmotion.files.numbers import BAD_WORDS, is_text, text_cells, to_numbers
 from lostmotion.files.table import Table
-from lostmotion.records.record import FloatArray
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
 EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0, "s"))

@@ -1,12 +1,12 @@
 """Identification: record -> Hammerstein model with uncertainty."""
 
-from lostmotion.identify.change import ChangeEvent
 from lostmotion.identify.estimate import identify
-from lostmotion.identify.many import run_many
-from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
-from lostmotion.identify.recursive_iv import RecursiveIV
-from lostmotion.identify.recursive_ml import RecursiveML
-from lostmotion.identify.result import HammersteinFit
+from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.recursive.change import ChangeEvent
+from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.iv import RecursiveIV
+from lostmotion.identify.recursive.many import run_many
+from lostmotion.identify.recursive.ml import RecursiveML
 
 __all__ = [
     "ChangeEvent",

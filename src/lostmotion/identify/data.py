@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import positive, signal
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.models._arguments import FloatArray, positive, signal
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.quantum import quantum
 

@@ -9,22 +9,24 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.choice import choose_kind
+from lostmotion.identify.actuators.choice import choose_kind
+from lostmotion.identify.actuators.every_kind import fits_of_all
+from lostmotion.identify.actuators.kinds import KINDS, Sought, fit_kind, seek
+from lostmotion.identify.actuators.memory_families import StictionFamily
+from lostmotion.identify.actuators.polish import profile_intervals
+from lostmotion.identify.actuators.slopes import with_equal_slopes
+from lostmotion.identify.actuators.width_bound import width_bound
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
-from lostmotion.identify.every_kind import fits_of_all
 from lostmotion.identify.evidence import SIZE, decide, weigh
-from lostmotion.identify.families import Family
-from lostmotion.identify.kinds import KINDS, Sought, fit_kind, seek
-from lostmotion.identify.memory_families import StictionFamily
-from lostmotion.identify.misfit import residual_tests
-from lostmotion.identify.offset import settle_offset
-from lostmotion.identify.parameters import Scaling, name_parameters, with_profiled
-from lostmotion.identify.polish import profile_intervals
-from lostmotion.identify.result import HammersteinFit
-from lostmotion.identify.search import Fitted, ScaledData
-from lostmotion.identify.slopes import with_equal_slopes
-from lostmotion.identify.width_bound import width_bound
+from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.misfit import residual_tests
+from lostmotion.identify.likelihood.offset import settle_offset
+from lostmotion.identify.likelihood.parameters import Scaling, name_parameters, with_profiled
+from lostmotion.identify.likelihood.search import Fitted, ScaledData
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import (
     Backlash,
@@ -37,7 +39,6 @@ from lostmotion.models import (
     Saturation,
     Stiction,
 )
-from lostmotion.models._arguments import FloatArray, finite, whole
 from lostmotion.records import LoopRecord, Prepared
 
 DEFAULT_ORDERS = (3, 2, 1)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify.data import IdentificationData
-from lostmotion.identify.feedback import feedback
-from lostmotion.identify.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
-from lostmotion.identify.result import Evidence
-from lostmotion.identify.search import Fitted, ScaledData
-from lostmotion.models._arguments import FloatArray
+from lostmotion.identify.fit import Evidence
+from lostmotion.identify.likelihood.feedback import feedback
+from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
+from lostmotion.identify.likelihood.search import Fitted, ScaledData
 
 SIZE = {"dead zone": "width", "backlash": "width", "stiction": "band"}  # the parameter that says how bad it is
 FLOOR = 1e-26  # variance of scaled residuals that is rounding

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import stats
 
+from lostmotion.arrays import FloatArray
+from lostmotion.distributions import normal_quantile
 from lostmotion.errors import ParameterError
 from lostmotion.models import Hammerstein, LinearModel, Nonlinearity
-from lostmotion.models._arguments import FloatArray
 
 
 class NamedEstimate:
@@ -52,5 +52,5 @@ class NamedEstimate:
             raise ParameterError.expected(f"one of {list(self.parameters)}", repr(name), "see fit.parameters")
         if not 0 < level < 1:
             raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
-        reach = float(stats.norm.ppf(0.5 + level / 2)) * self.standard_errors[name]
+        reach = normal_quantile(0.5 + level / 2) * self.standard_errors[name]
         return self.parameters[name] - reach, self.parameters[name] + reach

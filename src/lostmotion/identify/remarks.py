@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lostmotion.models._arguments import FloatArray
+from lostmotion.arrays import FloatArray
 
 if TYPE_CHECKING:
-    from lostmotion.identify.result import HammersteinFit
+    from lostmotion.identify.fit import HammersteinFit
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
 FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from numba import njit
 
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels import backlash, dead_zone, saturation, stiction
-from lostmotion.kernels.types import FloatArray
 
 NONE, DEAD_ZONE, BACKLASH, SATURATION, STICTION = 0, 1, 2, 3, 4  # stiction: plus the number of its model
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels import actuator, block, block_backlash, block_dead_zone, block_knocker, block_two_moves
 from lostmotion.kernels.block import Reals
 from lostmotion.kernels.loop import pi_step
-from lostmotion.kernels.types import FloatArray
 
 DEAD_ZONE, BACKLASH, KNOCKER, TWO_MOVES = 1, 2, 3, 4
 CONTROL, COMMAND, CLEAN, MEASURED = range(4)  # rows of the signals of a loop

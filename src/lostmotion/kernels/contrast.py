@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels import dead_zone, likelihood
-from lostmotion.kernels.types import FloatArray
 
 RIDGE = 1e-12  # relative; keeps the solution finite where a direction has no information at all
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDTH
-from lostmotion.kernels.types import FloatArray, IntArray
 
 LEAST_SQUARES = 0
 MODEL_OUTPUT = 1

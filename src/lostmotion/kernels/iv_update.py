@@ -6,10 +6,10 @@ import math
 
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import iv_state as iv
 from lostmotion.kernels.lanes import load, plus_product, spread, store, times, total
 from lostmotion.kernels.linear import inside_circle, three_inside_circle
-from lostmotion.kernels.types import FloatArray, IntArray
 
 LARGEST_RATIO = 10.0
 MOST_COVARIANCE = 1e9

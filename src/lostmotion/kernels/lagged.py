@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.types import FloatArray
+from lostmotion.arrays import FloatArray
 
 
 @njit(cache=True)

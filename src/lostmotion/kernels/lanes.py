@@ -12,8 +12,8 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import lanes_llvm as machine
-from lostmotion.kernels.types import FloatArray, IntArray
 
 Quad: TypeAlias = FloatArray
 AnyArray = TypeVar("AnyArray", FloatArray, IntArray)

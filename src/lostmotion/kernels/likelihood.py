@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.products import add_gram
-from lostmotion.kernels.types import FloatArray, IntArray
 
 BLOCK = 1024  # samples whose gradients are held at once
 

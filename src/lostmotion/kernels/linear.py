@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.types import FloatArray, IntArray
+from lostmotion.arrays import FloatArray, IntArray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels import actuator, dead_zone
-from lostmotion.kernels.types import FloatArray
 
 
 @njit(cache=True)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.likelihood import add_lagged, all_pole
-from lostmotion.kernels.types import FloatArray, IntArray
 
 RIDGE = 1e-12
 

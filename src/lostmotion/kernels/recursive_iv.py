@@ -14,11 +14,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import iv_state as iv
 from lostmotion.kernels.iv_spread import gather
 from lostmotion.kernels.iv_update import correct, hold_if_stable, separate, separate_safely
 from lostmotion.kernels.lanes import address, dot, load, store
-from lostmotion.kernels.types import FloatArray, IntArray
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)

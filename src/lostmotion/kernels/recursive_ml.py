@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.linear import is_stable
-from lostmotion.kernels.types import FloatArray, IntArray
 
 # `layout`: sizes, offsets into `state`, counters
 NA, NB1, DELAY, P, N, BLOCK, RING, FILTERS = range(8)

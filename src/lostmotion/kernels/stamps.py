@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.types import FloatArray, IntArray
+from lostmotion.arrays import FloatArray, IntArray
 
 LEAK = 0.9  # share of the phase error that the next row inherits: jitter averages out, a wrong dt does not pile up
 BACK = 7200.0  # s: further back is a new recording; less is a repeated stretch, such as the change to winter time

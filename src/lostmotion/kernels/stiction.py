@@ -37,7 +37,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.kernels.types import FloatArray
+from lostmotion.arrays import FloatArray
 
 CHOUDHURY, KANO, HE = 0, 1, 2
 

@@ -9,10 +9,11 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import along_time, finite, not_negative, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import backlash as kernel
-from lostmotion.models._arguments import FloatArray, along_time, finite, not_negative, positive
-from lostmotion.models._fundamentals import gliding_sine
+from lostmotion.models.fundamentals import gliding_sine
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,11 @@ from typing import Any, Self
 
 import numpy.typing as npt
 
+from lostmotion.arguments import elementwise, finite, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import dead_zone as kernel
-from lostmotion.models._arguments import FloatArray, elementwise, finite, positive
-from lostmotion.models._fundamentals import clipped_sine
+from lostmotion.models.fundamentals import clipped_sine
 
 
 @dataclass(frozen=True)

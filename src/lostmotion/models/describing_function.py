@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.models._arguments import finite, positive, whole
+from lostmotion.arguments import finite, positive, whole
 from lostmotion.models.hammerstein import Nonlinearity
 
 

@@ -8,7 +8,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.models._arguments import FloatArray, finite, signal
+from lostmotion.arguments import finite, signal
+from lostmotion.arrays import FloatArray
 from lostmotion.models.linear import LinearModel
 
 

@@ -8,7 +8,8 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.models._arguments import FloatArray, elementwise
+from lostmotion.arguments import elementwise
+from lostmotion.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy import linalg, signal
 
+from lostmotion.arguments import coefficients, positive, whole
+from lostmotion.arguments import signal as as_signal
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import InputError, ParameterError
 from lostmotion.kernels import linear as kernel
-from lostmotion.models._arguments import FloatArray, coefficients, positive, whole
-from lostmotion.models._arguments import signal as as_signal
 
 
 @dataclass(frozen=True)

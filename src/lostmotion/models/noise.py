@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from lostmotion.arguments import coefficients, finite
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import coefficients, finite
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import Any, Self
 
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import FloatArray
 from lostmotion.models.backlash import Backlash
 from lostmotion.models.dead_zone import DeadZone
 from lostmotion.models.hammerstein import Nonlinearity

@@ -8,10 +8,11 @@ from typing import Any, Self
 
 import numpy.typing as npt
 
+from lostmotion.arguments import along_time, finite, not_negative, positive
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import stiction as kernel
-from lostmotion.models._arguments import FloatArray, along_time, finite, not_negative, positive
-from lostmotion.models._fundamentals import gliding_sine
+from lostmotion.models.fundamentals import gliding_sine
 
 CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE}
 

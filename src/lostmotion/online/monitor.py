@@ -8,12 +8,12 @@ from typing import Any, Protocol, Self
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import positive, whole
 from lostmotion.errors import ParameterError
 from lostmotion.files.grid import Rows
 from lostmotion.identify import RecursiveML
-from lostmotion.identify.change import ChangeEvent
-from lostmotion.identify.recursive import RecursiveEstimate, Trajectory
-from lostmotion.models._arguments import positive, whole
+from lostmotion.identify.recursive.change import ChangeEvent
+from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.online import messages
 from lostmotion.online.masks import Masks
 from lostmotion.online.packing import pack, unpack

@@ -9,12 +9,12 @@ from pathlib import Path
 from threading import Event
 from typing import Any, BinaryIO, Self
 
+from lostmotion.arguments import positive
 from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
 from lostmotion.files.results import lock_file, write_bytes
-from lostmotion.models._arguments import positive
 from lostmotion.online.monitor import OnlineMonitor
 from lostmotion.online.packing import pack, unpack
 

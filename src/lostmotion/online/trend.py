@@ -8,8 +8,8 @@ from typing import Any, Self
 import numpy as np
 from scipy import special
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.records.record import FloatArray
 
 MOST_POINTS = 64
 FEWEST_POINTS = 4  # two degrees of freedom for the check that a line fits

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.evaluate import control_variance, mean_absolute_error
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel
-from lostmotion.models._arguments import FloatArray, whole
 from lostmotion.paper.published import TABLE_1
 from lostmotion.simulate import PI, LoopResponse, platforms, simulate_loop
 from lostmotion.simulate.platforms.level_tank import DT, NOISE_VARIANCE

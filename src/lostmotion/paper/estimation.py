@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.workers import run_all
 from lostmotion.identify import RecursiveIV, identify
-from lostmotion.identify.voros import voros
-from lostmotion.models._arguments import FloatArray, whole
 from lostmotion.paper.published import GAIN, TABLE_1
+from lostmotion.paper.voros import voros
 from lostmotion.simulate import platforms, signals
 from lostmotion.simulate.platforms.level_tank import DT, NOISE_VARIANCE
 

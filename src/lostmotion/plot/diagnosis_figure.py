@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.words import LABEL, balance, cause, of_what
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
 from lostmotion.models import DeadZone
-from lostmotion.models._arguments import FloatArray
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
 from lostmotion.records import LoopRecord, prepare
 

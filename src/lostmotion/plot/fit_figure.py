@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.misfit import autocorrelation
+from lostmotion.identify.likelihood.misfit import autocorrelation
 from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
-from lostmotion.models._arguments import FloatArray
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
 
 if TYPE_CHECKING:

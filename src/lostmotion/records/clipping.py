@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
-from lostmotion.records.record import FloatArray
 from lostmotion.records.sampling import Bools, runs
 
 Span = tuple[float, float]

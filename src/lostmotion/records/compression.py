@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lines import knots
 from lostmotion.records import limits
 from lostmotion.records.quantum import quantum
-from lostmotion.records.record import FloatArray, LoopRecord
+from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, neighbours, runs
 from lostmotion.records.standstill import is_live
 

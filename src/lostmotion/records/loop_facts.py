@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records.limits import (
     FINE_STEP,
     FLAT_SHARE,
@@ -14,7 +15,7 @@ from lostmotion.records.limits import (
     SATURATED_RUN,
     SPAN_MARGIN,
 )
-from lostmotion.records.record import FloatArray, LoopRecord
+from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, runs
 from lostmotion.records.signal_facts import SignalFacts
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
-from lostmotion.records.record import FloatArray
 from lostmotion.records.sampling import Bools, runs
 
 MAD = 1.4826  # deviation of a normal variable per median absolute deviation

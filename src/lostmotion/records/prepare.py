@@ -12,13 +12,13 @@ import numpy.typing as npt
 from lostmotion.records import limits
 from lostmotion.records.clipping import clipped
 from lostmotion.records.compression import compression, scan_factor
+from lostmotion.records.findings_words import about_compression, about_drift, about_limits, about_operation, refusal
 from lostmotion.records.modes import rows_of
 from lostmotion.records.outliers import wild
 from lostmotion.records.pieces import Rows, bridge, clip_to_span, longest_side, pieces
 from lostmotion.records.prepared import LeftOut, Prepared, sentences
 from lostmotion.records.quantum import quantum
 from lostmotion.records.record import LoopRecord
-from lostmotion.records.remarks import about_compression, about_drift, about_limits, about_operation, refusal
 from lostmotion.records.resample import pick
 from lostmotion.records.sampling import runs
 from lostmotion.records.splices import splices

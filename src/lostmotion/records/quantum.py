@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records.limits import FINE_STEP
-from lostmotion.records.record import FloatArray
 
 ON_GRID = 0.18  # of a step: nearer than this to a multiple is on the grid (0.06 and 0.07 for 0.0625 are); chance: 0.36
 MOST_MULTIPLE = 10  # steps between neighbouring levels; longer distances do not tell

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
-FloatArray = npt.NDArray[np.float64]
 StringArray = npt.NDArray[np.str_]
 _SIGNALS = ("op", "pv", "sp", "position")
 

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.records.record import FloatArray, LoopRecord
+from lostmotion.records.record import LoopRecord
 
 
 def resample(record: LoopRecord, factor: int) -> LoopRecord:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records.limits import (
     FINE_STEP,
     FLAT_RUN,
@@ -13,7 +14,6 @@ from lostmotion.records.limits import (
     LINEAR_TOLERANCE,
     OUTLIER_Z,
 )
-from lostmotion.records.record import FloatArray
 from lostmotion.records.sampling import Bools, runs
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
-from lostmotion.records.record import FloatArray, LoopRecord
+from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, neighbours, runs
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.result import VERDICTS
+from lostmotion.diagnose.diagnosis import VERDICTS
 from lostmotion.report.diagnosis_text import probability, size_text
 
 NAME = 20

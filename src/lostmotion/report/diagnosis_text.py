@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.controller import EXACT, LIGHTLY_DAMPED
+from lostmotion.diagnose.diagnosis import Item
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
+from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
 from lostmotion.diagnose.oscillation import Oscillation
-from lostmotion.diagnose.result import Item
 from lostmotion.diagnose.verdict import SURE
-from lostmotion.diagnose.words import LABEL, balance, cause, of_what
-from lostmotion.identify.choice import NEEDED
+from lostmotion.identify.actuators.choice import NEEDED
 from lostmotion.identify.evidence import SIZE
+from lostmotion.report.digits import digits, plain, span
 from lostmotion.report.fit_text import fill, head
-from lostmotion.report.numbers import digits, plain, span
 
 MEASURE = {"stiction": "dead band and stick band together"}
 FINEST = 0.02

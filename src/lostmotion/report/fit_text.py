@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.evidence import SIZE
-from lostmotion.report.numbers import digits, span
+from lostmotion.report.digits import digits, span
 
 WIDTH = 96
 MEANING = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lostmotion.report.numbers import digits
+from lostmotion.report.digits import digits
 
 
 def online_line(message: dict[str, Any]) -> str:

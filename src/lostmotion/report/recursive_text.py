@@ -8,8 +8,8 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify import RecursiveEstimate
+from lostmotion.report.digits import digits, span
 from lostmotion.report.fit_text import MEANING, WIDTH
-from lostmotion.report.numbers import digits, span
 
 
 def recursive_summary(estimate: RecursiveEstimate) -> str:

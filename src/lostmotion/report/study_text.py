@@ -7,9 +7,9 @@ import math
 from lostmotion.evaluate import CompensationStudy
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.mistakes import GROUPS
-from lostmotion.evaluate.study.result import LoopCase, MistakeCase
+from lostmotion.evaluate.study.study_result import LoopCase, MistakeCase
+from lostmotion.report.digits import plain
 from lostmotion.report.fit_text import WIDTH, fill
-from lostmotion.report.numbers import plain
 
 ROWS = {
     "without": "as it is",

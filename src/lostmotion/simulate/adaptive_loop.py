@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite_signal
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import AdaptiveCompensator
 from lostmotion.models import Hammerstein, Nonlinearity
-from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate.block_loop import BlockLoop
 from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse

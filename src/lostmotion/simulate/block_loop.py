@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import actuator as kernel
 from lostmotion.kernels import blocks
 from lostmotion.models import Backlash, DeadZone, Hammerstein, Identity, Nonlinearity, Saturation, Stiction
-from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse
 

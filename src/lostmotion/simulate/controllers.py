@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from lostmotion.arguments import finite
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import finite
 
 
 @dataclass(frozen=True)

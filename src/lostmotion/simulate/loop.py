@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite_signal
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import BacklashCompensator, CompensatorBlock, DeadZoneCompensator
 from lostmotion.errors import ParameterError
 from lostmotion.kernels.loop import closed_loop
 from lostmotion.models import BacklashInverse, DeadZoneInverse, Hammerstein, Identity, LinearModel
-from lostmotion.models._arguments import FloatArray, finite_signal
 from lostmotion.simulate.block_loop import BlockLoop, actuator_code
 from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse

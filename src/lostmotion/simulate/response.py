@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lostmotion import _verbs
-from lostmotion.models._arguments import FloatArray
+from lostmotion.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

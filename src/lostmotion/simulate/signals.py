@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.arguments import whole
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.models._arguments import FloatArray, whole
 
 
 def prs(n: int, low: float, high: float, hold: int, seed: int | np.random.Generator | None) -> FloatArray:

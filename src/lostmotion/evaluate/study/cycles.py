@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle, measure_limit_cycle, predict_limit_cycles
-from lostmotion.evaluate.study.plant import StudyPlant, lost_motion
+from lostmotion.evaluate.study.study_plant import StudyPlant, lost_motion
 from lostmotion.evaluate.tuning import integrates
 from lostmotion.models import DeadZone, Nonlinearity
-from lostmotion.models._arguments import FloatArray
 from lostmotion.simulate import PI
 
 AMPLITUDES = 40

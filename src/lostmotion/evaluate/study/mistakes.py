@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lostmotion.evaluate.study.known import OWN, Known, valve_of
-from lostmotion.evaluate.study.plant import StudyPlant
+from lostmotion.evaluate.study.studied_loop import OWN, Known, valve_of
+from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.evaluate.tuning import integrates
 from lostmotion.models import Backlash, DeadZone, Hammerstein, Nonlinearity, Stiction
 

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arguments import finite, finite_signal, positive, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
 from lostmotion.compensate.derive import _process_time, noise_of
 from lostmotion.compensate.saved import block_from_saved
 from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
-from lostmotion.evaluate.study.controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.cycles import (
     MOST_SAMPLES as MOST_CYCLE_SAMPLES,
 )
@@ -26,17 +27,17 @@ from lostmotion.evaluate.study.cycles import (
     predicted_cycle,
     simulated_cycle,
 )
-from lostmotion.evaluate.study.known import Known, known
 from lostmotion.evaluate.study.mistakes import mistakes
-from lostmotion.evaluate.study.plant import StudyPlant, noise_samples, without_fault
-from lostmotion.evaluate.study.result import CompensationStudy, LoopCase, MistakeCase
+from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.scenario import NAMES, Scenario, steps
+from lostmotion.evaluate.study.studied_loop import Known, known
+from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples, without_fault
+from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
 from lostmotion.evaluate.study.worth import decide
 from lostmotion.evaluate.tuning import integrates, simc
 from lostmotion.identify import HammersteinFit
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
-from lostmotion.models._arguments import FloatArray, finite, finite_signal, positive, whole
 from lostmotion.records import LoopRecord
 from lostmotion.simulate import PI, LoopResponse
 

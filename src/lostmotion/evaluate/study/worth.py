@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle
-from lostmotion.evaluate.study.result import CYCLE_TOLERANCE, LoopCase, MistakeCase
+from lostmotion.evaluate.study.study_result import CYCLE_TOLERANCE, LoopCase, MistakeCase
 
 WORTH = 0.05  # of the IAE: less is not worth a change
 SURE = 2.0  # standard errors by which a gain must be above nothing

@@ -1,0 +1,129 @@
+"""Diagnosis: what is wrong with a loop, how sure that is, why, and what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lostmotion import _verbs
+from lostmotion.diagnose.features import Measured
+from lostmotion.diagnose.loop_stability import LoopStability
+from lostmotion.diagnose.performance import Performance
+from lostmotion.identify import HammersteinFit
+from lostmotion.records import LoopRecord
+
+VERDICTS = ("none", "dead zone", "backlash", "stiction", "saturation", "other oscillation", "cannot tell")
+ACTUATOR = ("dead zone", "backlash", "stiction", "saturation")
+
+
+@dataclass(frozen=True)
+class Item:
+    """One piece of evidence.
+
+    Attributes
+    ----------
+    name : str
+    value : float
+        As measured.
+    weight : float
+        What it adds to the log-odds of the verdict against no actuator fault; 0: only shown.
+    meaning : str
+        In words.
+    """
+
+    name: str
+    value: float
+    weight: float
+    meaning: str
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Result of :func:`diagnose`. Frozen; prints, draws and writes itself.
+
+    Attributes
+    ----------
+    verdict : str
+        Of VERDICTS.
+    kind : str
+        Where it comes from: "actuator", "tuning", "disturbance", "sensor", "unknown", or "none".
+    severity : str
+        "none", "low" (up to 1 % of span), "moderate" (2 %), "high" (4 %), "severe", or "unknown".
+    size : float
+        Width or band of the lost motion in units of OP; NaN where there is none or it is not known.
+    interval : (float, float)
+        95 % interval of it.
+    size_percent : float
+        Of the OP span.
+    confidence : float
+        Probability of a fault of the actuator, or of none, as the verdict says; calibrated on simulated loops.
+    probabilities : dict of float
+        Of "none" and "actuator", a fault of the actuator.
+    evidence : tuple of Item
+        What speaks for and against, strongest first.
+    advice : tuple of str
+        What to do.
+    notes : tuple of str
+        What was assumed or left out.
+    """
+
+    verdict: str
+    kind: str
+    severity: str
+    size: float
+    interval: tuple[float, float]
+    size_percent: float
+    confidence: float
+    probabilities: dict[str, float]
+    evidence: tuple[Item, ...]
+    advice: tuple[str, ...]
+    notes: tuple[str, ...]
+    measured: Measured
+    stability: LoopStability | None
+    performance: Performance
+    fit: HammersteinFit = field(repr=False)
+    record: LoopRecord = field(repr=False)
+
+    def summary(self) -> str:
+        """Report as text: verdict, evidence, advice."""
+        return _verbs.summary(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Figure: trend, PV over OP, evidence, verdict. Needs the extra ``lostmotion[plot]``."""
+        return _verbs.plot(self, **options)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready: everything but the signals. Unknown numbers become None."""
+        return {
+            "verdict": self.verdict,
+            "kind": self.kind,
+            "severity": self.severity,
+            "size": _finite(self.size),
+            "interval_95": [_finite(end) for end in self.interval],
+            "size_percent": _finite(self.size_percent),
+            "confidence": self.confidence,
+            "probabilities": dict(self.probabilities),
+            "evidence": [{**vars(item), "value": _finite(item.value)} for item in self.evidence],
+            "advice": list(self.advice),
+            "notes": list(self.notes),
+            "oscillation": {
+                name: {key: _finite(value) for key, value in vars(one).items()}
+                for name, one in (("op", self.measured.op), ("pv", self.measured.pv))
+            },
+            "indices": dict(self.measured.indices),
+            "integrating": self.measured.integrating,
+            "stability": None
+            if self.stability is None
+            else {name: _finite(value) for name, value in vars(self.stability).items()},
+            "performance": self.performance.to_dict(),
+            "fit": self.fit.to_dict(),
+        }
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

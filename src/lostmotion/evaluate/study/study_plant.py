@@ -1,0 +1,114 @@
+"""The loop that is studied: an identified plant at rest where the record was, with controller, load and noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from lostmotion.arrays import FloatArray
+from lostmotion.compensate import CompensatorBlock
+from lostmotion.errors import ParameterError
+from lostmotion.evaluate.tuning import integrates
+from lostmotion.models import Backlash, DeadZone, Hammerstein, Identity, NoiseModel, Nonlinearity, Stiction
+from lostmotion.simulate import PI, LoopResponse, simulate_loop
+
+MOST_MEMORY = 5000  # samples for which the noise runs before it counts
+
+
+@dataclass(frozen=True)
+class StudyPlant:
+    """A plant with what it rests against.
+
+    Attributes
+    ----------
+    model : Hammerstein
+    load : float
+        Of an integrating process, in units of x: what the actuator must balance.
+    """
+
+    model: Hammerstein
+    load: float = 0.0
+
+    @property
+    def valve(self) -> Nonlinearity:
+        """Actuator."""
+        return self.model.nonlinearity
+
+    def with_valve(self, valve: Nonlinearity) -> StudyPlant:
+        """The same process behind another actuator."""
+        return replace(self, model=Hammerstein(valve, self.model.linear, self.model.offset))
+
+    def rest(self, set_point: float) -> tuple[float, float]:
+        """Command and internal variable at rest at a set point."""
+        linear = self.model.linear
+        x = -self.load if integrates(linear) else (set_point - self.model.offset) / linear.gain
+        if not isinstance(self.valve, DeadZone):
+            return x, x
+        if x == 0.0:
+            return 0.5 * (self.valve.left + self.valve.right), 0.0
+        return float(self.valve.inverse()(x)), x
+
+    def set_point_at(self, command: float) -> float:
+        """Set point that needs this command at rest; an integrating process rests anywhere."""
+        linear = self.model.linear
+        if integrates(linear):
+            return self.model.offset
+        return self.model.offset + linear.gain * float(self.valve(command))
+
+    def run(
+        self, controller: PI, block: CompensatorBlock | None, reference: FloatArray, noise: FloatArray
+    ) -> LoopResponse:
+        """Loop from rest at the first set point; what rests is taken out of the recursion as a disturbance."""
+        linear, n = self.model.linear, reference.size
+        command, x = self.rest(float(reference[0]))
+        command = min(max(command, controller.low), controller.high)
+        level = reference[0] - self.model.offset - linear.simulate(np.full(n, x))
+        start = replace(controller, bias=command)
+        return simulate_loop(
+            self.model, start, reference, compensator=block, disturbance=level, noise=noise, allow_unstable=True
+        )
+
+
+def without_fault(valve: Nonlinearity, block: CompensatorBlock) -> Nonlinearity:
+    """What a perfect inverse would make of the actuator: no lost motion, the gain that the block gives the loop."""
+    if isinstance(valve, DeadZone):
+        middle, inverse = 0.5 * (valve.left + valve.right), block.settings
+        slopes = (valve.left_slope, valve.right_slope)
+        if block.kind == "dead zone":
+            middle = inverse["centre"]
+            slopes = (slopes[0] / inverse["left_slope"], slopes[1] / inverse["right_slope"])
+        return DeadZone(middle, middle, *slopes)
+    if isinstance(valve, Backlash | Stiction):
+        return Identity()
+    raise ParameterError.expected(
+        "an actuator with a dead zone, backlash or stiction", valve.kind, "other faults have no block: mend them"
+    )
+
+
+def lost_motion(valve: Nonlinearity) -> float:
+    """Width of what is lost, in units of x."""
+    if isinstance(valve, DeadZone):
+        return valve.width * max(valve.left_slope, valve.right_slope)
+    if isinstance(valve, Stiction):
+        return max(valve.band, valve.jump)
+    return float(getattr(valve, "width", 0.0))
+
+
+def noise_samples(noise: NoiseModel, n: int, seed: int) -> FloatArray:
+    """Samples of the output noise, in its steady state.
+
+    Raises
+    ------
+    ParameterError
+        Noise that is not stationary.
+    """
+    if noise.variance == 0.0:
+        return np.zeros(n)
+    radius = float(np.max(np.abs(np.roots([1.0, *noise.d])), initial=0.0))
+    if radius >= 1.0:
+        raise ParameterError.expected("stationary noise", f"a pole of modulus {radius:.4f}", "check the fit")
+    before = 0 if radius == 0.0 else min(int(10.0 / -np.log(radius)) + 1, MOST_MEMORY)
+    shocks = np.random.default_rng(seed).normal(scale=np.sqrt(noise.variance), size=n + before)
+    return np.asarray(lfilter([1.0], [1.0, *noise.d], shocks), dtype=np.float64)[before:]

@@ -1,0 +1,227 @@
+"""Which kind of actuator? The gain in likelihood, less what the parameters cost, and how sure that comparison is.
+
+As a second opinion every kind is fitted again without a quarter of the record at a time, from its fit to everything,
+and predicts that quarter one step ahead. A small gain must be confirmed there. It does not decide more: a quarter of a
+routine record often holds all that one parameter can be learned from, and on loops of known fault the likelihood names
+more of them rightly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.evidence import FLOOR
+from lostmotion.identify.likelihood.noise_order import PENALTY
+from lostmotion.identify.likelihood.problem import Problem, Structure
+from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.search import Fitted, ScaledData
+
+FOLDS = 4
+STEPS = 6  # of each refit: it starts at the fit to everything
+FEWEST = 20  # rows of a fold beside what its start needs
+# of log density, for parameters that are held at the best place found: about the logarithm of the number of places
+SEARCHED = {"backlash": 2.5, "stiction": 7.5}
+NEEDED = 3.0  # of log-likelihood, by which a fault must beat the linear model: 20 to 1
+CONFIRMED = 12.0  # a smaller gain counts only where the rows left out are predicted better as well
+NEEDED_JUMP = 5.0  # by which stiction must beat backlash: the place of its jump was sought as well
+NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
+LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
+
+
+@dataclass(frozen=True)
+class KindChoice:
+    """Comparison of the kinds.
+
+    Attributes
+    ----------
+    best : str
+        Kind with the largest likelihood; "none" unless a fault beats the linear model firmly by 3, and by 12 or in what
+        was left out.
+    gains : dict of float
+        What was left out: log predictive density of each kind minus that of the linear model, all rows together.
+    likelihoods : dict of float
+        Gain in log-likelihood of each kind over the linear model, all rows that both predict, less what its parameters
+        cost (information criterion).
+    firm : dict of float
+        The same, less where it rests on a few rows.
+    confidence : float
+        Probability that `best` is right rather than the runner-up.
+    runner_up : str
+    """
+
+    best: str
+    gains: dict[str, float]
+    likelihoods: dict[str, float]
+    firm: dict[str, float]
+    confidence: float
+    runner_up: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {
+            "best": self.best,
+            "gains": dict(self.gains),
+            "likelihoods": dict(self.likelihoods),
+            "firm": dict(self.firm),
+            "confidence": self.confidence,
+            "runner_up": self.runner_up,
+        }
+
+
+def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
+    """Compare fits of several kinds, "none" among them; those that gain nothing drop out.
+
+    Raises
+    ------
+    KeyError
+        No linear model among the candidates.
+    """
+    linear = candidates["none"]
+    compared = {kind: likelihood_gain(fitted, linear) for kind, fitted in candidates.items()}
+    likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == "none" or gain > 0.0}
+    firm = {kind: compared[kind][1] for kind in likelihoods}
+    start = max(candidates[kind].problem.structure.start for kind in likelihoods)
+    densities = {kind: _left_out(data, candidates[kind], start) for kind in likelihoods}
+    gains = {kind: float((values - densities["none"]).sum()) for kind, values in densities.items()}
+    scores = {
+        kind: gain
+        for kind, gain in likelihoods.items()
+        if firm[kind] > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
+    }
+    scores["none"] = NEEDED
+    if "stiction" in scores and "backlash" in scores:
+        scores["stiction"] -= NEEDED_NO_JUMP if _without_jump(candidates["stiction"]) else NEEDED_JUMP
+    if "dead zone" in scores and "saturation" in scores and _one_sided(candidates["dead zone"]):
+        scores["dead zone"] = min(scores["dead zone"], scores["saturation"] - NEEDED)
+    best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)
+    runner_up = others[0] if others else best
+    return KindChoice(best, gains, likelihoods, firm, _confidence(scores[best] - scores[runner_up]), runner_up)
+
+
+def likelihood_gain(fitted: Fitted, linear: Fitted) -> tuple[float, float]:
+    """Gain in log-likelihood over the linear model, less what the parameters cost; and what of it is firm.
+
+    The gains of the rows of a model that is better by g in Gaussian noise have the sum g and the deviation sqrt(2 g).
+    Where noise has long tails, or a disturbance struck a few times, theirs is larger, and g counts that much less
+    (in the spirit of Vuong, 1989, Econometrica 57; at equal false alarms it names more than g itself, or than the
+    square of the sum over its deviation).
+    """
+    gained = _log_densities(fitted) - _log_densities(linear)
+    gained = gained[np.isfinite(gained)]
+    total = float(gained.sum())
+    cost = _cost(fitted, gained.size) - _cost(linear, gained.size)
+    share = 1.0
+    if total > 0.0:
+        share = min(1.0, float(np.sqrt(2.0 * total / max(gained.size * gained.var(), 1e-300))))
+    return total - cost, share * total - cost
+
+
+def _log_densities(fitted: Fitted) -> FloatArray:
+    """Of every row, up to a constant; NaN where a segment begins."""
+    problem, variance = fitted.problem, max(fitted.variance, FLOOR)
+    found = np.full(problem.u.size, np.nan)
+    parts = problem.predict(fitted.fit.theta)[1]
+    for (start, stop), errors in zip(problem.segments.tolist(), parts, strict=True):
+        found[start + problem.structure.start : stop] = -0.5 * (np.log(variance) + errors**2 / variance)
+    return found
+
+
+def _cost(fitted: Fitted, rows: int) -> float:
+    """Half of what an information criterion takes; noise coefficients count as where their number is chosen."""
+    p = fitted.problem.structure.noise_order
+    return 0.5 * float((fitted.parameters - p) * np.log(rows) + PENALTY * p)
+
+
+def _confidence(ahead: float) -> float:
+    """Probability of the better of two kinds.
+
+    Two models of equal prior would give 1 / (1 + exp(-ahead)). But the best of many places and structures was taken
+    for each; on loops of known fault half of the difference is what it is worth.
+    """
+    return float(1.0 / (1.0 + np.exp(-0.5 * ahead)))
+
+
+def _one_sided(fitted: Fitted) -> bool:
+    """Whether a dead zone was found that OP hardly leaves on one of its sides: then it is the limit of a saturation."""
+    left, right = fitted.fit.theta[fitted.problem.eta_at :][:2]
+    u = fitted.problem.u
+    return bool(min(np.mean(u < left), np.mean(u > right)) < LEAST_BEYOND)
+
+
+def _without_jump(fitted: Fitted) -> bool:
+    """Whether stiction was fitted that is backlash to all purposes."""
+    band, jump = fitted.fit.theta[fitted.problem.eta_at :][:2]
+    return bool(jump < SMALLEST_JUMP * band)
+
+
+def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
+    """Log predictive density of every row that is left out once."""
+    s = fitted.problem.structure
+    structure = Structure(s.na, s.nb, s.delay, s.noise_order, max(start, s.delay + s.noise_order), s.integrating)
+    pieces = _pieces(data.segments, structure.start + FEWEST)
+    found = []
+    for fold in range(FOLDS):
+        mine = np.arange(len(pieces)) % FOLDS == fold
+        if not mine.any() or mine.all():
+            continue
+        theta, variance = _refitted(fitted, structure, pieces[~mine])
+        errors = _predicted(fitted, structure, pieces[mine], theta)
+        found.append(-0.5 * (np.log(variance) + errors**2 / variance))
+    densities = np.concatenate(found)
+    family = fitted.problem.family
+    held = len(family.names) - len(family.own) * (not family.kinks)
+    paid = SEARCHED.get(family.kind, 0.0) + held + family.sought
+    return np.asarray(densities - paid / densities.size)
+
+
+def _pieces(segments: npt.NDArray[np.int64], shortest: int) -> npt.NDArray[np.int64]:
+    """Segments cut into pieces, FOLDS or more in all."""
+    longest = max(int((segments[:, 1] - segments[:, 0]).sum()) // FOLDS, 2 * shortest)
+    cuts = []
+    for start, stop in segments:
+        number = max(round((stop - start) / longest), 1)
+        edges = np.linspace(start, stop, number + 1).astype(np.int64)
+        cuts += [(a, b) for a, b in pairwise(edges) if b - a >= shortest]
+    return np.array(cuts)
+
+
+def _on(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> Problem:
+    problem = fitted.problem
+    return replace(problem, segments=pieces, structure=structure)
+
+
+def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> tuple[FloatArray, float]:
+    """Shared parameters without the fold, and the residual variance there."""
+    problem = _on(fitted, structure, pieces)
+    shared = fitted.fit.theta[: problem.initial_at]
+    theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
+    theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
+    basis = np.eye(problem.size) if problem.basis is None else problem.basis
+    # what is known, an offset of zero or a ratio of slopes of one,
+    held = [] if fitted.basis is None else np.flatnonzero(~fitted.basis[: problem.initial_at].any(axis=1)).tolist()
+    # and what would be caught between jumps in a few steps, or acts in one fold only: held, and paid for in `_left_out`
+    held += range(problem.eta_at + len(problem.family.own) * (not problem.family.kinks), problem.noise_at)
+    basis = basis[:, ~np.any(basis[held] != 0.0, axis=0)]
+    fit = refine(problem, theta, basis, most_steps=STEPS, tied=True)
+    return fit.theta[: problem.initial_at], fit.cost / problem.errors
+
+
+def _predicted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64], shared: FloatArray) -> FloatArray:
+    """Prediction errors of the fold; only its initial states are fitted, and its level: disturbances drift."""
+    problem = _on(fitted, structure, pieces)
+    theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
+    states = list(range(problem.initial_at, problem.size))
+    if not structure.integrating:
+        states.append(problem.eta_at - 1)
+    theta = refine(problem, theta, np.eye(problem.size)[:, states], most_steps=2, tied=True).theta
+    return np.concatenate(problem.predict(theta)[1])
+
+
+def _initial_only(problem: Problem) -> FloatArray:
+    return np.eye(problem.size)[:, problem.initial_at :]

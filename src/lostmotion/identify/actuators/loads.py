@@ -1,0 +1,297 @@
+"""What acts on the process beside the actuator: swings of known period, and steps, found in what a model leaves over.
+
+Without them a model of the wrong kind fills the gap: the memory of a backlash in front of the inverse of the controller
+is also a filter of PV that keeps steps, and an autoregression of low order does not foretell a sine behind noise. Every
+kind of actuator may have its own loads, and pays for each (information criterion), so that a fault which makes
+slips and swings by itself is cheaper than the loads that would imitate it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.signal import fftconvolve
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.spectral_lines import (
+    FEWEST_PERIODS,
+    PADDING,
+    SHORTEST_PERIOD,
+    STANDS_OUT,
+    dominant,
+    lines,
+    share_of,
+)
+from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.likelihood.parameters import information_inverse
+from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.search import Fitted, ScaledData, criterion
+from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.linear import simulate
+
+COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, search for its time included
+PROMISING = 0.9  # the same at the noise model of the fit, which has taken over a part of every load; then it is tried
+MOST_EVENTS = 20
+MOST_ROUNDS = 4
+EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
+SAME = 0.03  # relative difference of two periods that are one
+LEAST_SHARE = 0.1  # of the variance of PV
+
+
+def with_own_loads(fitted: Fitted) -> Fitted:
+    """The same model with the loads that its own errors show, where they pay."""
+    best = fitted
+    for _ in range(MOST_ROUNDS):
+        errors = _Errors(best)
+        found = errors.loads() or errors.hidden_swing()
+        if found is None:
+            break
+        trial = pruned(loaded(best, best.problem.y, *found))
+        if criterion(trial) >= criterion(best) - 1.0:
+            break
+        best = trial
+    return best
+
+
+def loaded(fitted: Fitted, y: FloatArray, loads: Loads, sizes: FloatArray) -> Fitted:
+    """The model with further loads, everything refined on PV `y`."""
+    problem, at = fitted.problem, fitted.problem.noise_at
+    family = problem.family.with_loads(loads if problem.family.loads is None else problem.family.loads.joined(loads))
+    start = np.insert(fitted.fit.theta, at, sizes)
+    basis = None
+    if fitted.basis is not None:
+        rows = np.insert(fitted.basis, [at] * sizes.size, 0.0, axis=0)
+        basis = np.hstack([rows, np.eye(start.size)[:, at : at + sizes.size]])
+    problem = replace(problem, y=y, family=family)
+    return Fitted(problem, refine(problem, start, basis), basis, fitted.rivals)
+
+
+def pruned(fitted: Fitted) -> Fitted:
+    """Without the loads that do not pay."""
+    loads = fitted.problem.family.loads
+    if loads is None:
+        return fitted
+    inverse, _ = information_inverse(fitted.fit.hessian, fitted.basis)
+    limit = COST * np.log(fitted.problem.errors)
+    kept = []
+    for index, rows in enumerate(_rows(fitted)):
+        size = fitted.fit.theta[rows]
+        spread = fitted.variance * inverse[np.ix_(rows, rows)]
+        if 0.5 * float(size @ np.linalg.lstsq(spread, size, rcond=1e-12)[0]) > limit:
+            kept.append(index)
+    return fitted if len(kept) == len(loads.events) else _with_only(fitted, kept)
+
+
+def without_loads(fitted: Fitted, y: FloatArray | None = None) -> Fitted:
+    """Without any of its loads, refined; on another PV where given."""
+    if y is not None:
+        fitted = replace(fitted, problem=replace(fitted.problem, y=y))
+    return fitted if fitted.problem.family.loads is None else _with_only(fitted, [])
+
+
+def without_actuator(fitted: Fitted) -> Fitted:
+    """The linear model of the same structure with the same loads."""
+    problem = fitted.problem
+    family = LinearFamily(load=problem.family.load, loads=problem.family.loads)
+    dropped = list(range(problem.eta_at, problem.eta_at + len(problem.family.own)))
+    problem = replace(problem, family=family)
+    start = np.delete(fitted.fit.theta, dropped)
+    return Fitted(problem, refine(problem, start, problem.basis), problem.basis)
+
+
+def without_their_effect(fitted: Fitted, data: ScaledData) -> ScaledData:
+    """PV without what the loads of a model do to it."""
+    problem, loads = fitted.problem, fitted.problem.family.loads
+    if loads is None:
+        return data
+    a, b = _process(fitted)
+    course = sizes_of_loads(fitted) @ loads.shapes
+    y = data.y.copy()
+    for start, stop in data.segments:
+        y[start:stop] -= simulate(a, b, problem.structure.delay, course[start:stop])
+    return replace(data, y=y)
+
+
+def swings_of(data: ScaledData) -> Loads | None:
+    """Swings that stand out in PV and are a good part of it: smaller ones do not bend the process."""
+    found = [
+        _swing(data.y.size, period, start, stop, ratio)
+        for start, stop in data.segments.tolist()
+        for period, ratio in lines(data.y[start:stop])
+        if share_of(data.y[start:stop], period) > LEAST_SHARE
+    ]
+    if not found:
+        return None
+    return Loads(np.concatenate([one.courses for one in found]), tuple(one.event for one in found))
+
+
+def without_swings(data: ScaledData, loads: Loads) -> ScaledData:
+    """OP and PV without their parts at these periods: what a linear process does to the rest is the same."""
+    columns = np.column_stack([loads.shapes.T, np.ones(data.u.size)])
+    both = np.column_stack([data.u, data.y])
+    left = both - columns[:, :-1] @ np.linalg.lstsq(columns, both, rcond=1e-10)[0][:-1]
+    return replace(data, u=np.ascontiguousarray(left[:, 0]), y=np.ascontiguousarray(left[:, 1]))
+
+
+def with_loads(fitted: Fitted, data: ScaledData, loads: Loads) -> Fitted:
+    """A model of other signals, refined on these with given loads, and with its own."""
+    on_data = replace(fitted, problem=replace(fitted.problem, u=data.u, y=data.y))
+    return with_own_loads(pruned(loaded(on_data, data.y, loads, _Errors(on_data).sizes(loads.shapes))))
+
+
+def sizes_of_loads(fitted: Fitted) -> FloatArray:
+    """Sizes of the shapes of its loads."""
+    return fitted.fit.theta[[row for rows in _rows(fitted) for row in rows]]
+
+
+def _rows(fitted: Fitted) -> list[list[int]]:
+    """Places of the sizes of every event in the parameter vector."""
+    loads, at = fitted.problem.family.loads, fitted.problem.noise_at
+    counts = [] if loads is None else [len(event.names) for event in loads.events]
+    ends = at - sum(counts) + np.cumsum(counts)
+    return [list(range(end - count, end)) for end, count in zip(ends.tolist(), counts, strict=True)]
+
+
+def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
+    problem, loads = fitted.problem, fitted.problem.family.loads
+    assert loads is not None  # noqa: S101  asked only of models with loads
+    dropped = [row for index, rows in enumerate(_rows(fitted)) if index not in kept for row in rows]
+    start = np.delete(fitted.fit.theta, dropped)
+    basis = None
+    if fitted.basis is not None:
+        inside = ~np.any(fitted.basis[dropped] != 0.0, axis=0)
+        basis = np.delete(fitted.basis[:, inside], dropped, axis=0)
+    problem = replace(problem, family=problem.family.with_loads(loads.kept(kept)))
+    return Fitted(problem, refine(problem, start, basis), basis, fitted.rivals)
+
+
+def _process(fitted: Fitted) -> tuple[FloatArray, FloatArray]:
+    s, theta = fitted.problem.structure, fitted.fit.theta
+    return np.ascontiguousarray(theta[: s.na]), np.ascontiguousarray(theta[s.na : s.na + s.nb + 1])
+
+
+@dataclass(frozen=True)
+class _Option:
+    """An event, what it explains (sum of squares), and its courses."""
+
+    gain: float
+    event: Step | Swing
+    courses: FloatArray
+
+
+class _Errors:
+    """Prediction errors of a model, and what loads would do to them."""
+
+    def __init__(self, fitted: Fitted) -> None:
+        problem = fitted.problem
+        s, n = problem.structure, problem.u.size
+        self.fitted = fitted
+        self.room = MOST_EVENTS - problem.family.sought
+        self.limit = 2.0 * PROMISING * float(np.log(problem.errors)) * fitted.variance
+        self.segments = [(start, start + s.start, stop) for start, stop in problem.segments.tolist()]
+        self.dominant: dict[tuple[int, int], float | None] = {}
+        self.errors = np.zeros(n)
+        for (_, first, stop), part in zip(self.segments, problem.predict(fitted.fit.theta)[1], strict=True):
+            self.errors[first:stop] = part
+
+    def loads(self) -> tuple[Loads, FloatArray] | None:
+        """Loads by orthogonal matching pursuit, and their sizes."""
+        left, sizes = self.errors, np.zeros(0)
+        columns: list[FloatArray] = []
+        options: list[_Option] = []
+        response = self._effect(np.ones(self.errors.size), 0, self.errors.size)
+        while len(options) < self.room:
+            trials = [option for each in self.segments for option in self._options(left, response, *each)]
+            best = max(trials, key=lambda option: option.gain, default=None)
+            if best is None or not best.gain > self.limit:
+                break
+            options.append(best)
+            columns += [self._column(course) for course in best.courses]
+            table = np.column_stack(columns)
+            sizes = np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
+            left = self.errors - table @ sizes
+        if not options:
+            return None
+        shapes = np.concatenate([option.courses for option in options])
+        return Loads(shapes, tuple(option.event for option in options)), sizes
+
+    def hidden_swing(self) -> tuple[Loads, FloatArray] | None:
+        """The line that stands out most from what the model leaves of PV: an AR of high order may hide it in part."""
+        if self.room < 1:
+            return None
+        residuals = self.fitted.output_residual()
+        best, gain = None, STANDS_OUT
+        for (start, _, stop), residual in zip(self.segments, residuals, strict=True):
+            for period, ratio in lines(residual)[:1]:
+                if ratio > gain and not self._made_by_the_loop(np.array([period]), start, stop)[0]:
+                    best, gain = _swing(self.errors.size, period, start, stop, 0.0), ratio
+        if best is None:
+            return None
+        return Loads(best.courses, (best.event,)), self.sizes(best.courses)
+
+    def _made_by_the_loop(self, periods: FloatArray, start: int, stop: int) -> npt.NDArray[np.bool_]:
+        """Which periods are harmonics of the swing of PV, where that is not a load itself.
+
+        What swings from outside does so at its own period first; harmonics alone are made by the actuator.
+        """
+        if (start, stop) not in self.dominant:
+            self.dominant[start, stop] = dominant(self.fitted.problem.y[start:stop])
+        whole = self.dominant[start, stop]
+        loads = self.fitted.problem.family.loads
+        outside = [event.period for event in loads.events if isinstance(event, Swing)] if loads is not None else []
+        if whole is None or any(abs(period / whole - 1.0) < SAME for period in outside):
+            return np.zeros(periods.size, bool)
+        order = whole / periods
+        return np.asarray((order > 1.5) & (np.abs(order - np.round(order)) < SAME * order))
+
+    def sizes(self, courses: FloatArray) -> FloatArray:
+        """Sizes of loads of given courses, by least squares."""
+        table = np.column_stack([self._column(course) for course in courses])
+        return np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
+
+    def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
+        """Best step and best swing of a segment."""
+        part, skipped = left[start:stop], first - start
+        if part.size - skipped > 4 * EDGE:
+            w = response[: part.size]
+            energy = np.cumsum(w**2)
+            norms = energy[::-1].copy()
+            if skipped:
+                norms[:skipped] -= energy[skipped - 1 - np.arange(skipped)]
+            scores = fftconvolve(part, w[::-1])[part.size - 1 :] ** 2 / np.maximum(norms, 1e-9 * energy[-1])
+            row = EDGE + int(np.argmax(scores[EDGE:-EDGE]))
+            course = np.zeros((1, left.size))
+            course[0, start + row : stop] = 1.0
+            yield _Option(float(scores[row]), Step(start + row), course)
+        n = stop - first
+        if n > 2 * FEWEST_PERIODS * SHORTEST_PERIOD:
+            size = PADDING * n
+            power = np.abs(np.fft.rfft(left[first:stop], size)) ** 2 * 2.0 / n
+            low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
+            power[low:high][self._made_by_the_loop(size / np.arange(low, high), start, stop)] = 0.0
+            index = low + int(np.argmax(power[low:high]))
+            yield _swing(left.size, size / index, start, stop, float(power[index]))
+
+    def _column(self, course: FloatArray) -> FloatArray:
+        """What a load does to the prediction errors."""
+        column = np.zeros(course.size)
+        for start, first, stop in self.segments:
+            column[first:stop] = self._effect(course, start, stop)[first - start :]
+        return column
+
+    def _effect(self, course: FloatArray, start: int, stop: int) -> FloatArray:
+        problem = self.fitted.problem
+        z = simulate(*_process(self.fitted), problem.structure.delay, np.ascontiguousarray(course[start:stop]))
+        result = z.copy()
+        add_lagged(self.fitted.fit.theta[problem.noise_at : problem.initial_at], z[:-1], result[1:])
+        return result
+
+
+def _swing(rows: int, period: float, start: int, stop: int, gain: float) -> _Option:
+    courses = np.zeros((2, rows))
+    phase = 2.0 * np.pi / period * np.arange(stop - start)
+    courses[0, start:stop], courses[1, start:stop] = np.sin(phase), np.cos(phase)
+    return _Option(gain, Swing(float(period)), courses)

@@ -1,0 +1,233 @@
+"""Profile of the residual variance over the parameters of any actuator, by high-order ARX.
+
+The past of PV and a constant are projected out once; every candidate is then one small regression on its own lagged
+internal variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.memory_families import BacklashFamily, StictionFamily
+from lostmotion.identify.actuators.static_profile import Lags
+from lostmotion.identify.likelihood.family import Family
+from lostmotion.kernels.products import add_lagged_table, explained
+
+MOST_ROWS = 6000  # of the profile: it only makes starts
+RIDGE = 1e-9
+SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
+GRID, ZOOM = 18, 6
+SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
+FINE_GRID = 130  # bands of stiction, 3.5 % apart: a break-away must be in its sample
+GRID_ROWS = 2000  # of a record for which that is enough; the more break-aways, the narrower the peak
+FIRST_SHARES = (0.15, 0.5, 1.0)  # jump over band
+SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
+FIRST_REACH, SMALLEST_REACH = 0.04, 0.004  # of the pattern search, relative
+LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
+TAIL = 0.005  # on either side of the range
+FIRST_RESTS, LONG_RESTS = (-0.6, 0.6), (-0.6, 0.6, 0.0)
+RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
+MOST_SEGMENTS = 10  # whose rests are sought
+MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
+
+
+@dataclass(frozen=True)
+class LaggedRegression:
+    """PV without what its own past explains.
+
+    Attributes
+    ----------
+    blocks : list of (int, int)
+        Start and stop of the predicted rows, one for each segment.
+    basis : ndarray, shape (k, m)
+        Takes the constant and the lags of PV to orthonormal columns.
+    explained : ndarray, shape (m,)
+        Products of these columns with PV.
+    alone : float
+        Sum of squares without any actuator.
+    """
+
+    lags: Lags
+    y: FloatArray
+    blocks: list[tuple[int, int]]
+    basis: FloatArray
+    explained: FloatArray
+    alone: float
+
+    @classmethod
+    def on(cls, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, most: int = MOST_ROWS) -> LaggedRegression:
+        """Project out constant and past of y."""
+        blocks = _blocks(segments, lags.head, most)
+        rows = np.concatenate([np.arange(start, stop) for start, stop in blocks])
+        past = np.column_stack([np.ones(rows.size), y[rows[:, None] - 1 - np.arange(lags.outputs)]])
+        scale = np.sqrt((past**2).mean(axis=0))
+        scale[scale == 0] = 1.0
+        left, sizes, right = np.linalg.svd(past / scale, full_matrices=False)
+        kept = sizes > SMALLEST_DIRECTION * sizes[0]
+        left = left[:, kept]
+        explained = left.T @ y[rows]
+        target = y[rows] - left @ explained
+        basis = (right[kept] / sizes[kept, None] / scale).T
+        return cls(lags, y, blocks, basis, explained, float(target @ target))
+
+    @property
+    def samples(self) -> int:
+        """Predicted rows."""
+        return sum(stop - start for start, stop in self.blocks)
+
+    def squares(self, x: FloatArray) -> float:
+        """Sum of squares with the lagged internal variable x (n,)."""
+        outputs, inputs = self.lags.outputs, self.lags.inputs
+        table = np.zeros((outputs + inputs + 2, inputs))
+        for start, stop in self.blocks:
+            add_lagged_table(self.y, outputs, x, self.lags.delay, inputs, start, stop, table)
+        return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
+
+
+def _blocks(segments: npt.NDArray[np.int64], head: int, most: int) -> list[tuple[int, int]]:
+    """Rows with a complete past, `most` at most."""
+    blocks, room = [], most
+    for start, stop in segments.tolist():
+        end = min(stop, start + head + room)
+        if end > start + head:
+            blocks.append((start + head, end))
+            room -= end - start - head
+    return blocks
+
+
+@dataclass(frozen=True)
+class Start:
+    """A minimum of the profile."""
+
+    eta: FloatArray
+    squares: float
+    family: Family
+
+
+def operator_profile(
+    regression: LaggedRegression, family: Family, u: FloatArray, most: int
+) -> tuple[Family, list[Start]]:
+    """Best parameters of one kind of actuator, best first: a grid, then a finer one about its best points.
+
+    The family comes back with the rests of the best point of the grid.
+    """
+    low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
+    span = high - low if high > low else float(np.ptp(u))  # OP may rest nearly always
+    first, finer = GRIDS[family.kind](u, span, regression.samples)
+    x = np.empty(u.size)
+
+    def score(etas: list[FloatArray], member: Family) -> list[Start]:
+        found = []
+        for eta in etas:
+            valid = member.project(eta)
+            member.path(valid, u, x)
+            found.append(Start(valid, regression.squares(x), member))
+        return sorted(found, key=lambda start: start.squares)
+
+    members = _at_rests(family, FIRST_RESTS if regression.samples <= GRID_ROWS else LONG_RESTS)
+    coarse = score(first, members[0])
+    for member in members[1:]:  # where it rests at first matters little to most: only the better half once more
+        coarse += score([start.eta for start in coarse[: len(first) // 2]], member)
+    coarse = _apart(sorted(coarse, key=lambda start: start.squares), regression.samples, 3 * most, np.inf)
+    fine = [start for each in coarse for start in score(finer(each.eta), each.family)[:1]]
+    settled = [settle_rests(regression, start.family, start.eta, u) for start in fine]
+    best = [start for each, member in zip(fine, settled, strict=True) for start in score([each.eta], member)]
+    best = sorted(best, key=lambda start: start.squares)[:most]
+    best = sorted((_climbed(start, score) for start in best), key=lambda start: start.squares)
+    return best[0].family, _apart(best, regression.samples, most)
+
+
+def _at_rests(family: Family, rests: tuple[float, ...]) -> list[Family]:
+    """The family from several places in its band, the same in all segments."""
+    if not isinstance(family, BacklashFamily | StictionFamily):
+        return [family]
+    return [replace(family, rests=(rest,) * len(family.segments)) for rest in rests]
+
+
+def _climbed(start: Start, score: Callable[[list[FloatArray], Family], list[Start]]) -> Start:
+    """Pattern search on the profile from one start."""
+    size = len(start.eta)
+    moves = [sign * move for move in (*np.eye(size), *_DIAGONALS.get(size, [])) for sign in (1.0, -1.0)]
+    reach = FIRST_REACH
+    while reach > SMALLEST_REACH:
+        scale = reach * float(np.abs(start.eta).max())
+        best = score([start.eta + scale * move for move in moves], start.family)[0]
+        if best.squares < start.squares:
+            start = best
+        else:
+            reach *= 0.5
+    return start
+
+
+def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, u: FloatArray) -> Family:
+    """The family with the rest at the beginning of each segment that explains PV best; those without memory as is."""
+    if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
+        return family
+    x = np.empty(u.size)
+
+    def squares(rests: list[float]) -> float:
+        replace(family, rests=tuple(rests)).path(eta, u, x)
+        return regression.squares(x)
+
+    rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]
+    for index in range(len(rests)):
+        trials = [[*rests[:index], rest, *rests[index + 1 :]] for rest in RESTS]
+        rests = min(trials, key=squares)
+    return replace(family, rests=tuple(rests))
+
+
+def _apart(starts: list[Start], samples: int, most: int, margin: float = MARGIN) -> list[Start]:
+    """Starts that differ by more than an eighth of the largest parameter, near the best."""
+    limit = starts[0].squares * (1.0 + 2.0 * margin / samples)
+    kept: list[Start] = []
+    for start in starts:
+        if len(kept) == most or start.squares > limit:
+            break
+        size = 0.125 * float(np.abs(start.eta).max())
+        if all(np.abs(start.eta - other.eta).max() > size for other in kept):
+            kept.append(start)
+    return kept
+
+
+_DIAGONALS = {2: [np.array([1.0, 1.0]), np.array([1.0, -1.0])]}  # of stiction
+_Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
+
+
+def _backlash(_: FloatArray, span: float, rows: int) -> _Grid:
+    del rows
+    widths = span * np.geomspace(SMALLEST, LARGEST, GRID)
+    ratio = (widths[1] / widths[0]) ** np.linspace(-1, 1, 2 * ZOOM + 1)
+    return [np.array([width]) for width in widths], lambda eta: [np.array([eta[0] * step]) for step in ratio]
+
+
+def _stiction(_: FloatArray, span: float, rows: int) -> _Grid:
+    """By the band, which sets the samples of the break-aways after a turn, and the jump, which sets how far they go."""
+    bands = span * np.geomspace(SMALLEST, LARGEST, round(FINE_GRID * max(rows / GRID_ROWS, 1.0) ** 1.5))
+    ratio = (bands[1] / bands[0]) ** np.linspace(-1.0, 1.0, 5)
+
+    def finer(eta: FloatArray) -> list[FloatArray]:
+        return [step * eta[0] * np.array([1.0, share]) for step in ratio for share in SHARES]
+
+    return [band * np.array([1.0, share]) for band in bands for share in FIRST_SHARES], finer
+
+
+def _saturation(u: FloatArray, span: float, rows: int) -> _Grid:
+    del rows
+    shares = np.array(LIMITS)
+    lows = [float(u.min()), *np.quantile(u, shares)]
+    highs = [float(u.max()), *np.quantile(u, 1.0 - shares)]
+    steps = 0.03 * span * np.linspace(-1, 1, 3)
+    pairs = [np.array([low, high]) for low in lows for high in highs if low < high][1:]
+    return pairs, lambda eta: [eta + np.array([down, up]) for down in steps for up in steps]
+
+
+GRIDS: dict[str, Callable[[FloatArray, float, int], _Grid]] = {
+    "backlash": _backlash,
+    "stiction": _stiction,
+    "saturation": _saturation,
+}

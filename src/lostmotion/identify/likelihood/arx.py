@@ -1,0 +1,108 @@
+"""Start values of A, B and D from a high-order ARX, without iterations on the data.
+
+The ARX gives A_n(q) y = B_n(q) x + e with A_n near D and B_n near D B/A, so A B_n = B A_n is linear in A and B. It
+is solved by weighted least squares with the covariance of the ARX coefficients (weighted null-space fitting:
+Galrinho, Rojas, Hjalmarsson, IEEE Trans. Automatic Control 64, 2019, 2798-2813).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.static_profile import RIDGE, Lags, arx_gram
+from lostmotion.kernels.linear import is_stable
+
+START_LAGS = 25
+REWEIGHTINGS = 3
+START_RADIUS = 0.998  # unstable or integrating starts are pulled inside this
+
+
+@dataclass(frozen=True)
+class HighOrderArx:
+    """y(k) = -sum a_i y(k-i) + sum b_i x(k-delay-i) + constant, with the covariance of [a, b] up to sigma^2."""
+
+    a: FloatArray
+    b: FloatArray
+    covariance: FloatArray
+    variance: float
+    samples: int
+    delay: int
+
+
+def fit_arx(
+    x: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], delay: int, lags: int = START_LAGS
+) -> HighOrderArx:
+    """High-order ARX by least squares."""
+    shortest = int((segments[:, 1] - segments[:, 0]).min())
+    past = Lags.for_record(shortest, delay, lags, lags)
+    gram, samples = arx_gram(lambda start, stop: x[start:stop, None], y, segments, past)
+    columns = np.concatenate(
+        [3 * np.arange(1, past.outputs + 1), 3 * np.arange(past.inputs) + 2, [1]]
+    )  # signals are y, 1, x
+    block = gram[np.ix_(columns, columns)]
+    scale = np.sqrt(np.diag(block)) + np.finfo(float).tiny
+    scaled = block / np.outer(scale, scale) + RIDGE * np.eye(columns.size)
+    inverse = np.linalg.inv(scaled) / np.outer(scale, scale)
+    solution = inverse @ gram[columns, 0]
+    rss = max(float(gram[0, 0] - solution @ gram[columns, 0]), 0.0)
+    n = past.outputs
+    sign = np.concatenate([-np.ones(n), np.ones(past.inputs)])
+    covariance = inverse[:-1, :-1] * np.outer(sign, sign)
+    return HighOrderArx(-solution[:n], solution[n:-1], covariance, rss / max(samples - columns.size, 1), samples, delay)
+
+
+def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[FloatArray, FloatArray, float]:
+    """A (na,), B (nb+1,) and the misfit in units of the ARX covariance (chi-squared where the orders suffice)."""
+    n, m = arx.a.size, arx.b.size
+    shift = delay - arx.delay
+    length = min(n, m)
+    a_high = np.concatenate([[1.0], arx.a])[: length + 1]
+    b_high = arx.b[:length]
+    regressors = np.zeros((length, na + nb + 1))
+    for i in range(na):
+        regressors[i + 1 :, i] = b_high[: length - i - 1]
+    for j in range(nb + 1):
+        lag = shift + j
+        if lag < length:
+            regressors[lag:, na + j] = -a_high[: length - lag]
+    root: FloatArray = np.eye(length)
+    theta = np.zeros(na + nb + 1)
+    misfit = np.inf
+    for _ in range(REWEIGHTINGS + 1):
+        left, right = root @ regressors, -(root @ b_high)
+        theta[:] = np.linalg.lstsq(left, right, rcond=1e-12)[0]
+        misfit = float(np.sum((left @ theta - right) ** 2))
+        root = _whitening(arx, _inside(theta[:na]), theta[na:], shift, length)
+    return _inside(theta[:na]), theta[na:], misfit
+
+
+def _whitening(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length: int) -> FloatArray:
+    """Inverse square root of the covariance of A B_n - B A_n, from the covariance of the ARX coefficients."""
+    n, m = arx.a.size, arx.b.size
+    transfer = np.zeros((length, n + m))
+    for lag, value in enumerate([1.0, *a]):
+        for row in range(lag, length):
+            transfer[row, n + row - lag] += value
+    for lag, value in enumerate(b):
+        for row in range(shift + lag + 1, length):
+            transfer[row, row - shift - lag - 1] -= value
+    spread = arx.variance * (transfer @ arx.covariance @ transfer.T)
+    values, vectors = np.linalg.eigh(spread)
+    floor = max(float(values[-1]) * 1e-9, 1e-300)
+    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
+
+
+def _inside(a: FloatArray) -> FloatArray:
+    """A with its unstable roots reflected and all roots pulled inside START_RADIUS."""
+    if a.size == 0 or is_stable(np.ascontiguousarray(a), START_RADIUS):
+        return a
+    roots = np.roots(np.concatenate([[1.0], a]))
+    size = np.abs(roots)
+    roots = np.where(size > 1.0, roots / np.maximum(size, 1e-12) ** 2, roots)
+    size = np.abs(roots)
+    roots = np.where(size > START_RADIUS, roots * START_RADIUS / np.maximum(size, 1e-12), roots)
+    return np.asarray(np.real(np.poly(roots))[1:])

@@ -1,0 +1,127 @@
+"""What the residuals still hold: correlation in time, or a shape that the model does not have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.distributions import chi2_tail
+from lostmotion.identify.likelihood.search import Fitted
+from lostmotion.kernels import likelihood as kernel
+
+WHITENESS_LAGS = 25
+SHAPE_KNOTS = 4
+LEVEL = 1e-3  # of both tests: a report is read daily, so a false alarm must be rare
+STATIC_SHARE = 0.1  # of the output residual; reported where the residuals are not white, so a test is not valid
+SHARE = 0.01  # a misfit that explains less of the residual variance is real but without consequence
+
+
+@dataclass(frozen=True)
+class ResidualTests:
+    """What the residuals still hold.
+
+    Attributes
+    ----------
+    whiteness_p, shape_p : float
+        p-values: white residuals; no better static shape of the actuator.
+    shape_share : float
+        Share of the variance of the prediction errors that a better static shape would explain.
+    static_share : float
+        The same for the output residual (measured minus simulated), without prewhitening: a size, not a test.
+    """
+
+    whiteness_p: float
+    shape_p: float
+    shape_share: float
+    static_share: float
+
+    @property
+    def coloured(self) -> bool:
+        """Residuals are not white."""
+        return self.whiteness_p < LEVEL
+
+    @property
+    def misfit(self) -> bool:
+        """The actuator has another shape, and it matters."""
+        tested = self.shape_p < LEVEL and self.shape_share > SHARE
+        return tested or (self.coloured and self.static_share > STATIC_SHARE)
+
+
+def autocorrelation(errors: list[FloatArray], lags: int) -> FloatArray:
+    """Residual autocorrelation at lags 0 .. lags, pooled over segments."""
+    sums = np.zeros(lags + 1)
+    for part in errors:
+        for lag in range(min(lags, part.size - 1) + 1):
+            sums[lag] += part[lag:] @ part[: part.size - lag]
+    return np.asarray(sums / max(sums[0], 1e-300))
+
+
+def whiteness(errors: list[FloatArray], fitted_orders: int) -> float:
+    """p-value of the Ljung-Box test."""
+    n = sum(part.size for part in errors)
+    lags = min(WHITENESS_LAGS + fitted_orders, n // 4)
+    r = autocorrelation(errors, lags)[1:]
+    statistic = n * (n + 2) * float(np.sum(r**2 / (n - np.arange(1, lags + 1))))
+    return chi2_tail(statistic, max(lags - fitted_orders, 1))
+
+
+def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
+    """Score test against other static shapes: p-value, and share of the residual variance explained.
+
+    The alternatives are hinges at quantiles of u and jumps at the break points, each seen through the fitted
+    dynamics (Rao's score test; the model is not fitted again).
+    """
+    problem, theta = fitted.problem, fitted.fit.theta
+    s = problem.structure
+    order, first = (s.noise_order, s.first) if prewhitened else (0, s.start)
+    if not prewhitened:
+        theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
+    eta = theta[problem.eta_at : problem.noise_at]
+    knots, jumps = _other_shapes(problem.u, eta if problem.family.kind == "dead zone" else eta[:0])
+    added = len(knots) + len(jumps)
+    wide = np.empty((eta.size + added, problem.u.size))
+    x = np.empty(problem.u.size)
+    problem.family.evaluate(eta, problem.u, x, wide[: eta.size])
+    for row, knot in enumerate(knots, eta.size):
+        np.maximum(problem.u - knot, 0.0, out=wide[row])
+    for row, edge in enumerate(jumps, eta.size + len(knots)):
+        wide[row] = problem.u > edge
+    longer = np.concatenate([theta[: problem.noise_at], np.zeros(added), theta[problem.noise_at :]])
+    hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
+    cost = kernel.normal_equations(
+        longer, s.na, s.nb, wide.shape[0], order, s.delay, first, problem.segments, x, wide,
+        problem.y, hessian, gradient,
+    )  # fmt: skip
+    index = np.arange(longer.size)
+    new = (index >= problem.noise_at) & (index < problem.noise_at + added)
+    scale = np.sqrt(np.diag(hessian))
+    scale[scale == 0] = 1.0
+    hessian, gradient = hessian / np.outer(scale, scale), gradient / scale
+    old = hessian[np.ix_(~new, ~new)] + 1e-11 * np.eye(int((~new).sum()))
+    cross = hessian[np.ix_(new, ~new)] @ np.linalg.inv(old)
+    block = hessian[np.ix_(new, new)] - cross @ hessian[np.ix_(~new, new)]
+    score = gradient[new] - cross @ gradient[~new]
+    values, vectors = np.linalg.eigh(block)
+    seen = values > 1e-8
+    explained = float(np.sum((vectors[:, seen].T @ score) ** 2 / values[seen]))
+    statistic = explained / max(cost / problem.errors, 1e-300)
+    share = explained / max(cost, 1e-300)
+    return chi2_tail(statistic, max(int(seen.sum()), 1)), min(share, 1.0)
+
+
+def _other_shapes(u: FloatArray, eta: FloatArray) -> tuple[list[float], list[float]]:
+    """Knots of the hinges, and edges of the jumps."""
+    levels = np.unique(u)  # not the samples: a staircase that rests at zero has its shape elsewhere
+    knots = np.unique(np.quantile(levels, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
+    return knots.tolist(), [float(edge) for edge in eta[:2]]
+
+
+def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
+    """Both tests, given the prediction errors of each segment."""
+    if fitted.fit.cost <= 1e-20 * float(fitted.problem.y @ fitted.problem.y):
+        return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
+    s = fitted.problem.structure
+    p_shape, share = shape(fitted)
+    return ResidualTests(whiteness(errors, s.noise_order), p_shape, share, shape(fitted, prewhitened=False)[1])

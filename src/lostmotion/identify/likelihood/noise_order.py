@@ -1,0 +1,41 @@
+"""Order of the AR noise model from the output residual."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.kernels.lagged import lagged_gram
+
+MOST_NOISE_LAGS = 20
+ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
+PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
+
+
+def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[list[FloatArray], FloatArray, int]:
+    """AR(0) .. AR(most) of the segments v on common rows: coefficients d, residual variances, rows."""
+    usable = [part for part in v if part.size > 2 * (most + 1)]
+    if not usable:
+        return [np.zeros(0)], np.array([float(np.mean(np.concatenate(v) ** 2))]), sum(p.size for p in v)
+    gram = np.zeros((most + 1, most + 1))
+    rows = 0
+    for part in usable:
+        gram += lagged_gram(np.ascontiguousarray(part[:, None]), most + 1, most, part.size)
+        rows += part.size - most
+    scale = gram[0, 0] + np.finfo(float).tiny
+    models, variances = [np.zeros(0)], [gram[0, 0] / rows]
+    for order in range(1, most + 1):
+        block = gram[1 : order + 1, 1 : order + 1] + 1e-12 * scale * np.eye(order)
+        d = -np.linalg.solve(block, gram[1 : order + 1, 0])
+        models.append(d)
+        variances.append(max(float(gram[0, 0] + d @ gram[1 : order + 1, 0]) / rows, 1e-300))
+    return models, np.array(variances), rows
+
+
+def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
+    """Coefficients d of the AR model that an information criterion prefers; empty for white noise."""
+    models, variances, rows = autoregressions(v, most)
+    if variances[0] < ROUNDING:
+        return models[0]
+    score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
+    return models[int(np.argmin(score))]

@@ -1,0 +1,76 @@
+"""What a sampled process under a PI controller can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.kernels import linear as kernel
+
+LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
+LATE = np.array([100, 300])  # samples; a slow ramp must not make up for what is lost soon
+LEAST_LASTING = 0.5  # of the peak of the step response that is there on average in the later half of this time
+LARGEST_INVERSE = 0.3  # of that peak: how far the response goes the other way at first
+TRIES = 30  # candidates that are looked at for one that is allowed
+SLOWEST_RINGING = 0.5  # largest negative real pole; a sampled continuous process has none
+
+
+@dataclass(frozen=True)
+class Held:
+    """What is known of a process because a controller with integral action holds it.
+
+    Without moves of the set point the inverse of the controller, -(1 - q^-1) / (kp + ki - kp q^-1), explains PV as well
+    as the process does (Ljung, 2nd ed., section 13.4), and with a memory in front of it, better: it then is a filter of
+    PV that keeps steps and drops noise. But hardly anything is left of its response to a step, and it is negative
+    where the process must be positive.
+
+    Attributes
+    ----------
+    closed : bool
+        Whether a controller is at work. If not, anything is allowed.
+    direction : int
+        Sign of its answer to PV; 0 where that is not sure.
+    """
+
+    closed: bool = False
+    direction: int = 0
+
+    def allows(self, a: FloatArray, b: FloatArray) -> bool:
+        """Whether such a process can be B / A."""
+        if not self.closed:
+            return True
+        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
+        return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
+
+    def best_allowed(
+        self, rss: FloatArray, chosen: npt.NDArray[np.int64], polynomials: FloatArray, b: FloatArray
+    ) -> npt.NDArray[np.int64]:
+        """For every column of `rss` (m, columns) the best of the rows `chosen` that is allowed; -1 where none is.
+
+        `polynomials` is (m, na), `b` (m, columns, nb + 1).
+        """
+        if not self.closed:
+            return np.asarray(chosen[np.argmin(rss[chosen], axis=0)])
+        best = np.empty(rss.shape[1], np.int64)
+        rules = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
+        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *rules, TRIES, best)
+        return best
+
+
+FREE = Held()
+
+
+def plausible(a: FloatArray) -> bool:
+    """Whether a sampled process can have these poles: no ringing at half the sampling rate, some damping.
+
+    Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
+    """
+    poles = np.roots(np.concatenate([[1.0], a]))
+    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
+    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
+    real = np.abs(log_poles.imag) < 1e-9
+    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
+    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))

@@ -1,0 +1,143 @@
+"""Starts of the linear part: a grid of pole patterns, with the best B and delay for each by least squares.
+
+The likelihood of a slow process of order two or three has many local maxima in its poles, and a high-order ARX with
+some tens of lags does not see far enough to start it. From a start on the grid the refinement reached the global
+maximum wherever it did from the true poles.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.plausible import FREE, Held
+from lostmotion.kernels import pole_grid as kernel
+
+TIME_CONSTANTS = (0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 100.0, 400.0)  # samples; and an integrator
+COARSE = (1.0, 3.0, 8.0, 20.0, 50.0, 150.0)
+DAMPING = (0.15, 0.35, 0.65)
+OTHER_POLE = 0.2  # of orders above three
+FASTEST_RINGING = 2.6  # radians a sample
+MOST_ROWS = 6000  # enough to tell poles apart
+_SCAN: Any = kernel.scan
+
+
+@dataclass(frozen=True)
+class GridStart:
+    """One start: orders, delay, A, B, its score n log(rss) + k log n, and its slowest mode."""
+
+    na: int
+    nb: int
+    delay: int
+    a: FloatArray
+    b: FloatArray
+    score: float
+    decay: float  # 1: integrating
+
+    @property
+    def key(self) -> tuple[int, int, int, bool]:
+        """What tells structures apart."""
+        return self.na, self.nb, self.delay, self.decay == 1.0
+
+
+@functools.cache
+def patterns(na: int) -> tuple[FloatArray, FloatArray]:
+    """Polynomials A (m, na) of sampled processes with na poles, and the slowest mode of each (m,)."""
+    fine, coarse = ((*(float(np.exp(-1.0 / tau)) for tau in taus), 1.0) for taus in (TIME_CONSTANTS, COARSE))
+    pairs = [(pair, np.conj(pair)) for pair in _oscillations()]
+    sets: list[tuple[complex, ...]]
+    if na <= 1:
+        sets = [()] if na == 0 else [(pole,) for pole in fine]
+    elif na == 2:
+        real = itertools.combinations_with_replacement(fine, 2)
+        sets = [*(poles for poles in real if poles[0] < 1.0), *pairs]
+    else:
+        rest = (OTHER_POLE,) * (na - 3)
+        triples = itertools.combinations_with_replacement(coarse, 3)
+        sets = [(*poles, *rest) for poles in triples if poles[1] < 1.0]
+        sets += [(*pair, pole, *rest) for pair in pairs for pole in coarse]
+    polynomials = np.array([np.real(np.poly(poles))[1:] if poles else np.zeros(0) for poles in sets])
+    return polynomials, np.array([max((abs(pole) for pole in poles), default=0.0) for poles in sets])
+
+
+def _oscillations() -> list[complex]:
+    """Poles of underdamped pairs."""
+    pairs = [
+        complex(np.exp((-zeta + 1j * np.sqrt(1.0 - zeta**2)) / (tau * zeta))) for tau in COARSE[1:] for zeta in DAMPING
+    ]
+    return [pair for pair in pairs if 0.0 < np.angle(pair) < FASTEST_RINGING]
+
+
+def grid_starts(
+    x: FloatArray,
+    y: FloatArray,
+    segments: npt.NDArray[np.int64],
+    d: FloatArray,
+    ladder: tuple[tuple[int, int], ...],
+    delays: tuple[int, int],
+    levels: bool = True,
+    held: Held = FREE,
+) -> list[GridStart]:
+    """Best start of every structure of the ladder, over delays low .. high, best first.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        Internal variable and output.
+    d : ndarray
+        AR noise model with which both are whitened.
+    ladder : tuple of (na, nb)
+    delays : (int, int)
+        First and last delay.
+    levels : bool
+        Whether the process may integrate; such starts are structures of their own.
+    held : Held
+        What else is known of the process.
+    """
+    low, high = delays
+    rows = _shortened(segments)
+    starts = []
+    for na in sorted({na for na, _ in ladder}):
+        polynomials, decays = patterns(na)
+        orders = max(nb for n, nb in ladder if n == na) + 1
+        shape = (len(polynomials), orders, high - low + 1)
+        rss, b = np.empty(shape), np.zeros((*shape, orders))
+        n = _SCAN(x, y, rows, d, polynomials, decays, low, high, orders, rss, b)
+        if n <= 0:
+            continue
+        for nb in {nb for order, nb in ladder if order == na}:
+            for kind in (decays < 1.0, decays == 1.0):
+                chosen = np.flatnonzero(kind)
+                if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
+                    continue
+                best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
+                misfits = n * np.log(np.maximum(rss[best, nb, np.arange(best.size)], 1e-300) / n)
+                for column, pattern in enumerate(best.tolist()):
+                    if pattern < 0:
+                        continue
+                    value = float(misfits[column] + (na + nb + 2) * np.log(n))
+                    a, beta = polynomials[pattern], b[pattern, nb, column, : nb + 1].copy()
+                    starts.append(GridStart(na, nb, low + column, a, beta, value, float(decays[pattern])))
+    return sorted(starts, key=lambda start: start.score)
+
+
+def _shortened(segments: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """At most MOST_ROWS rows: the longest segments, the last of them cut."""
+    lengths = segments[:, 1] - segments[:, 0]
+    if lengths.sum() <= MOST_ROWS:
+        return segments
+    kept: list[tuple[int, int]] = []
+    room = MOST_ROWS
+    for index in np.argsort(-lengths):
+        start, stop = (int(value) for value in segments[index])
+        kept.append((start, min(stop, start + room)))
+        room -= kept[-1][1] - start
+        if room <= 0:
+            break
+    return np.array(sorted(kept))

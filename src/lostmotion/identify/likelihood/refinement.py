@@ -1,0 +1,86 @@
+"""Maximum likelihood by Levenberg-Marquardt with exact gradients, from one start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.kernels import products as kernel
+
+MOST_STEPS = 100
+FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
+STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
+STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the likelihood has kinks to zigzag on
+ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
+
+
+@dataclass(frozen=True)
+class LocalFit:
+    """A local maximum of the likelihood."""
+
+    theta: FloatArray
+    cost: float
+    hessian: FloatArray
+    steps: int
+    converged: bool
+
+
+def refine(
+    problem: Problem,
+    theta: FloatArray,
+    basis: FloatArray | None = None,
+    most_steps: int = MOST_STEPS,
+    tied: bool = False,
+) -> LocalFit:
+    """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: the problem's).
+
+    Steps that make A unstable are refused like steps uphill; actuator parameters are projected on their valid
+    set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units
+    (More, 1978).
+    """
+    basis = problem.basis if basis is None else basis
+    if not tied:
+        theta = problem.project(theta)
+    cost, gradient, hessian = problem.evaluate(theta)
+    free = theta.size if basis is None else basis.shape[1]
+    floor = ROUNDING * float(problem.y @ problem.y)
+    damping, converged, steps = FIRST_DAMPING, False, 0
+    history = [cost]
+    while steps < most_steps and not converged:
+        steps += 1
+        step, promised = _damped_step(hessian, gradient, basis, damping)
+        variance = cost / max(problem.errors - free, 1)
+        if cost <= floor or promised <= STEP_GAIN * variance:
+            converged = True
+            break
+        trial = theta + step
+        if not tied:
+            trial = problem.project(trial)
+        better = False
+        if problem.admissible(trial):
+            trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial)
+            better = trial_cost < cost
+        if better:
+            gained = cost - trial_cost
+            converged = gained <= STEP_GAIN * variance and damping < 1e-2
+            theta, cost, gradient, hessian = trial, trial_cost, trial_gradient, trial_hessian
+            damping = max(damping * (0.1 if gained > 0.5 * promised else 0.5), 1e-12)
+        else:
+            damping *= 8.0
+            converged = damping > 1e10
+        history.append(cost)
+        stalled = steps > STALL and history[-1 - STALL] - cost <= STALL_GAIN * variance
+        converged = converged or stalled
+    return LocalFit(theta, cost, hessian, steps, converged)
+
+
+def _damped_step(
+    hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None, damping: float
+) -> tuple[FloatArray, float]:
+    """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
+    if basis is None:
+        step, promised = kernel.damped_step(hessian, gradient, damping)
+        return step, float(promised)
+    step, promised = kernel.damped_step(basis.T @ hessian @ basis, basis.T @ gradient, damping)
+    return basis @ step, float(promised)

@@ -1,0 +1,1 @@
+"""Estimation sample by sample: instrumental variables (the paper) and maximum likelihood."""

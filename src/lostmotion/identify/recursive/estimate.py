@@ -1,0 +1,66 @@
+"""What every recursive estimator gives back: its estimate after a sample, and its way there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion import _verbs
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import Status
+from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.models import Hammerstein, NoiseModel
+
+
+@dataclass(frozen=True, eq=False)
+class RecursiveEstimate(NamedEstimate):
+    """What a recursive estimator knows after a sample; names as in ``HammersteinFit``.
+
+    Attributes
+    ----------
+    samples : int
+        Samples seen, missing ones included.
+    noise : NoiseModel or None
+        Output noise, where it is estimated.
+    informed : dict of int
+        Number of samples seen when the last information about each break point came; empty where not followed.
+    """
+
+    status: Status
+    model: Hammerstein
+    parameters: dict[str, float]
+    covariance: FloatArray
+    samples: int
+    noise: NoiseModel | None = None
+    informed: dict[str, int] | None = None
+
+    def summary(self) -> str:
+        """Report as text, with as many digits as the standard errors allow."""
+        return _verbs.summary(self)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Estimates along a run.
+
+    Attributes
+    ----------
+    samples : ndarray, shape (m,)
+        Number of samples seen at each row.
+    values : dict of ndarray
+        left, right, left_slope, right_slope and the raw parameters theta (m, n); NaN before there is an estimate.
+    errors : ndarray, shape (n,)
+        Prediction errors of every sample; NaN where there is none.
+    """
+
+    samples: npt.NDArray[np.int64]
+    values: dict[str, FloatArray]
+    errors: FloatArray
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return self.values[name]
