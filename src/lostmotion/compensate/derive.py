@@ -174,7 +174,7 @@ def block_from_fit(
             raise ParameterError.expected(f"a {name} that is surely above 0", f"{size:.3g} from {lowest:.3g}", remedy)
         factor = min(lowest / size, 1.0)
         notes.append(f"factor {factor:.3f}: lower end of the {level:.0%} interval of the {name} {size:.4g}")
-    if options.get("method") == "two moves" and fit.settings["chosen"]["integrating"]:
+    if options.get("method") == "two moves" and fit.chosen.integrating:
         raise ParameterError.expected("a self-regulating process", "an integrating one", "take method='knocker'")
     least, most = float(fit.data.u.min()), float(fit.data.u.max())
     if least < span[0] or most > span[1]:

@@ -9,8 +9,7 @@ from lostmotion.arguments import positive
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.compensate.derive import SIZE, _process_time, block_from_model
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.models import LinearModel
-from lostmotion.models.series import actuator_from_dict
+from lostmotion.models import LinearModel, actuator_from_dict
 
 
 def block_from_saved(

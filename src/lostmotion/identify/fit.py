@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,47 +12,17 @@ from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
+from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.chosen import Chosen
+from lostmotion.identify.data import IdentificationData
+from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.misfit import ResidualTests
 from lostmotion.identify.named_estimate import NamedEstimate
-from lostmotion.identify.remarks import remarks
 from lostmotion.models import Hammerstein, NoiseModel
-
-if TYPE_CHECKING:
-    from lostmotion.identify.actuators.choice import KindChoice
-    from lostmotion.identify.data import IdentificationData
-
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Comparison of the models that were fitted to the same rows.
-
-    Attributes
-    ----------
-    gain_over_linear : float
-        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit.
-    gain_over_no_input : float
-        BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
-    samples_left, samples_right : int
-        Rows in which OP is beyond the break points.
-    rivals : tuple of (left, right, behind)
-        Other dead zones that fit about as well, and by how much BIC they are behind (rough fits).
-    closed_loop : bool
-        OP answers PV.
-    free_moves : float
-        Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
-    """
-
-    gain_over_linear: float
-    gain_over_no_input: float
-    samples_left: int
-    samples_right: int
-    rivals: tuple[tuple[float, float, float], ...] = ()
-    closed_loop: bool = False
-    free_moves: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +47,8 @@ class HammersteinFit(NamedEstimate):
         Where no lost motion is seen: the widest that the record does not exclude (95 %, profile likelihood).
     profiled : dict of (float, float)
         95 % intervals from the profile likelihood, of parameters whose likelihood has jumps (backlash, stiction).
+    chosen : Chosen
+        Structure of the model: orders, delay, noise order, whether it integrates, loads beside the actuator.
     kinds : KindChoice or None
         With nonlinearity="auto": how the kinds compare, and how sure the choice is.
     residuals : ndarray
@@ -94,11 +66,17 @@ class HammersteinFit(NamedEstimate):
     tests: ResidualTests
     evidence: Evidence
     settings: dict[str, Any]
+    chosen: Chosen
     widest: float | None
     data: IdentificationData = field(repr=False)
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
     kinds: KindChoice | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """All that is known of the kind of the actuator that was fitted."""
+        return kind_of(self.nonlinearity.kind)
 
     @property
     def preferred(self) -> str:
@@ -140,10 +118,10 @@ class HammersteinFit(NamedEstimate):
         if name in POSITIVE and self.parameters[name] > 0:
             factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
-        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind != "none":
-            if name in ("width", "band"):
+        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+            if name == self.kind.size:
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
-            if name in ("left", "right", "slope_ratio", "left_slope", "jump", "low", "high"):
+            if name in self.kind.anywhere:
                 return -np.inf, np.inf
         if self.status is Status.ONE_SIDED and name in self.unvisited:
             return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
@@ -160,15 +138,12 @@ class HammersteinFit(NamedEstimate):
     @property
     def unvisited(self) -> tuple[str, ...]:
         """Parameters of a side on which OP has hardly been (status ONE_SIDED), and what hangs on them."""
-        if self.status is not Status.ONE_SIDED:
-            return ()
-        fewer_left = self.evidence.samples_left < self.evidence.samples_right
-        return ("left", "left_slope", "slope_ratio", "width") if fewer_left else ("right", "slope_ratio", "width")
+        return self.kind.unvisited(self.evidence) if self.status is Status.ONE_SIDED else ()
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences about the data in the light of the fit: resolution, sampling, % of span."""
-        return remarks(self)
+        return _verbs.remarks(self)
 
     def summary(self) -> str:
         """Report as text, with as many digits as the standard errors allow."""
@@ -210,7 +185,7 @@ class HammersteinFit(NamedEstimate):
             "evidence": dict(vars(self.evidence)),
             "residual_tests": dict(vars(self.tests)),
             "kinds": None if self.kinds is None else self.kinds.to_dict(),
-            "settings": copy.deepcopy(self.settings),
+            "settings": {**copy.deepcopy(self.settings), "chosen": self.chosen.to_dict()},
             "data": {
                 "tag": data.tag,
                 "source": data.source,
