@@ -119,7 +119,7 @@ def test_identified_reported_drawn_and_written():
     said = fit.summary()
     assert "Relay of height" in said
     assert "where it switches" in said
-    assert any(axes.get_title().startswith("Relay") for axes in fit.plot().axes)
+    assert any(axes.get_title(loc="left").startswith("Relay") for axes in fit.plot().axes)
     written = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
     assert actuator_from_dict(written["model"]["nonlinearity"]) == fit.nonlinearity
 

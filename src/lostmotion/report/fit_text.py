@@ -74,7 +74,7 @@ def finding(fit: HammersteinFit) -> str:
         return f"No number is given for the {kind}."
     if fit.status is Status.NOT_SEEN:
         return _unseen(fit, span_op)
-    if fit.status is Status.ONE_SIDED:
+    if fit.status is Status.ONE_SIDED and fit.kind.dead_between:
         side = "right" if "left" in fit.unvisited else "left"
         shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
         return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
