@@ -14,7 +14,7 @@ from lostmotion.files.dates import _iso_dates, _slow_dates, dates_in_order
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import LONGEST_GAP
 from lostmotion.files.layout import HEAD_ROWS, Asked
-from lostmotion.files.lines import LONGEST_LINE
+from lostmotion.files.text_lines import LONGEST_LINE
 from tests.refusals import refusal
 
 

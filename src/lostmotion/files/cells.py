@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import polars as pl
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.files.dates import dates_in_order
 from lostmotion.files.layout import Layout
-from lostmotion.files.numbers import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
+from lostmotion.files.number_cells import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
 from lostmotion.files.text import BLANKS, has_cells, split_line, with_tabs
-
-Bools = npt.NDArray[np.bool_]
+from lostmotion.records.sampling import Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,7 @@ class Cells:
     pv: FloatArray
     automatic: Bools | None
     garbled: Bools
-    lines: npt.NDArray[np.int64]
+    lines: IntArray
     moved: tuple[int, float] | None = None
 
     def __len__(self) -> int:

@@ -14,8 +14,8 @@ from lostmotion.files.cells import Cells, decoded, read_cells
 from lostmotion.files.grid import Grid, Rows
 from lostmotion.files.growing import GrowingFile, GrowingStream, Source
 from lostmotion.files.layout import HEAD_ROWS, Asked, Layout, find_layout
-from lostmotion.files.lines import Lines
 from lostmotion.files.text import has_cells
+from lostmotion.files.text_lines import Lines
 
 VERSION = 1
 MOST_ROWS = 20_000  # lines given at a time

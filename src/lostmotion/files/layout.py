@@ -12,7 +12,7 @@ from lostmotion.errors import ColumnError, DataError, ParameterError, TimeError
 from lostmotion.files.clock import COARSE_SHARE, counts_samples, find_clock
 from lostmotion.files.columns import Wanted, named, resolve
 from lostmotion.files.dates import date_orders, looks_numeric, states_zone
-from lostmotion.files.numbers import BAD_WORDS, decimal_mark, is_text, text_cells, to_numbers
+from lostmotion.files.number_cells import BAD_WORDS, decimal_mark, is_text, text_cells, to_numbers
 from lostmotion.files.read import sampling_column, sampling_time
 from lostmotion.files.table import Table
 from lostmotion.files.text import find_rows, parse_text

@@ -7,7 +7,7 @@ from dataclasses import replace
 import narwhals.stable.v2 as nw
 
 from lostmotion.files.dates import all_are
-from lostmotion.files.numbers import is_text, text_cells
+from lostmotion.files.number_cells import is_text, text_cells
 from lostmotion.files.table import Table
 
 DATES = ("date", "day")

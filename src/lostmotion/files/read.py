@@ -15,7 +15,7 @@ from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resol
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
 from lostmotion.files.frames import load
 from lostmotion.files.moments import with_moments
-from lostmotion.files.numbers import decimal_mark, to_numbers
+from lostmotion.files.number_cells import decimal_mark, to_numbers
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
 from lostmotion.records.record import LoopRecord, StringArray

@@ -12,7 +12,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.columns import time_unit
 from lostmotion.files.dates import looks_numeric, parse_dates
-from lostmotion.files.numbers import BAD_WORDS, is_text, text_cells, to_numbers
+from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells, to_numbers
 from lostmotion.files.table import Table
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
