@@ -130,7 +130,8 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
     """
     fits = usual(role, names)
     if len(fits) > 1:
-        raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", f"say which: {role}={fits[0]!r}")
+        remedy = f"rename the others, or say which: {role}={fits[0]!r}"
+        raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
     return fits[0] if fits else None
 
 
@@ -207,7 +208,7 @@ def named(role: str, name: Wanted, names: Sequence[str]) -> str:
         return wanted
     fits = [other for other in names if other.strip().lower() == wanted.strip().lower()]
     if len(fits) > 1:
-        raise ColumnError.expected(f"one column {wanted!r}", f"{fits}", f"give {role}= with the exact case")
+        raise ColumnError.expected(f"one column {wanted!r}", f"{fits}", f"give {role}='<column>' with the exact case")
     if not fits:
         raise ColumnError.missing(wanted, names, f"name it with {role}='<column>'")
     return fits[0]
@@ -220,6 +221,6 @@ def _no_double(found: dict[str, str]) -> None:
             raise ColumnError.expected(
                 f"different columns for {_title(roles[column])} and {_title(role)}",
                 f"{column!r} for both",
-                f"give {role}= another column",
+                f"name another one, {role}='<column>'",
             )
         roles[column] = role

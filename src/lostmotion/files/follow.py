@@ -27,9 +27,10 @@ class Follower:
     r"""Reader of a growing text file, or of lines from a stream.
 
     The first 60 rows are interpreted as ``read_loop`` interprets a whole file (exceptions: see ``find_layout``; and
-    UTF-16, Parquet, MAT files and line ends inside quotes are not read); all further rows by what was found. What the rows give does not depend on how the bytes arrive. Later cells that are empty, bad or
-    unreadable are missing; gaps in the times become missing samples; rows whose time is not later than that of the
-    row before are left out. The last line waits for its line end. Memory does not grow with the source.
+    UTF-16, Parquet, MAT files and line ends inside quotes are not read); all further rows by what was found. What the
+    rows give does not depend on how the bytes arrive. Later cells that are empty, bad or unreadable are missing; gaps
+    in the times become missing samples; rows whose time is not later than that of the row before are left out. The
+    last line waits for its line end. Memory does not grow with the source.
 
     Parameters
     ----------
