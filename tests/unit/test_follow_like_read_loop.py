@@ -36,8 +36,8 @@ def table(
     return (end.join(lines) + end).encode(encoding)
 
 
-def moments(form, step=2, start=START):
-    return [(start + step * k * SECOND).astype(object).strftime(form) for k in range(N)]
+def moments(form, step=2, start=START, rows=N):
+    return [(start + step * k * SECOND).astype(object).strftime(form) for k in range(rows)]
 
 
 DATES = {
