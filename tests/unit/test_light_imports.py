@@ -53,6 +53,14 @@ def test_rooms_below_identify(path):
     assert imported(path, ALONE) == []
 
 
+def test_models_do_without_scipy_signal():
+    work = "import lostmotion.models\nprint(*(name for name in sys.argv[1:] if name in sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", ALONE + work, "scipy.signal", "scipy.stats"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == []
+
+
 def test_whole_package(path):
     found = imported(path, "import sys\n")
     at_once = subprocess.run(
