@@ -27,7 +27,15 @@ class LostMotionError(Exception):
 
 
 class InputError(LostMotionError, ValueError):
-    """Something handed in cannot be used."""
+    """Something handed in cannot be used.
+
+    Attributes
+    ----------
+    said : (str, str, str) or None
+        What was expected, what was got and the remedy, where the message has these parts.
+    """
+
+    said: tuple[str, str, str] | None = None
 
     @classmethod
     def expected(cls, expected: str, got: object, remedy: str) -> Self:
@@ -40,7 +48,9 @@ class InputError(LostMotionError, ValueError):
         ...
         lostmotion.errors.InputError: expected dt > 0, got -1.0; give the sampling time in seconds
         """
-        return cls(f"expected {expected}, got {got}; {remedy}")
+        error = cls(f"expected {expected}, got {got}; {remedy}")
+        error.said = (expected, str(got), remedy)
+        return error
 
 
 class ParameterError(InputError):
@@ -61,7 +71,7 @@ class ColumnError(DataError):
         lower = {name.lower(): name for name in names}
         near = difflib.get_close_matches(wanted.lower(), list(lower), n=1, cutoff=0.6)
         hint = f" (did you mean {lower[near[0]]!r}?)" if near else ""
-        return cls(f"expected a column {wanted!r}, got {names}{hint}; {remedy}")
+        return cls.expected(f"a column {wanted!r}", f"{names}{hint}", remedy)
 
 
 class TimeError(DataError):

@@ -179,7 +179,7 @@ def test_design_from_a_fit_and_what_its_record_can_tell(capsys, record, tmp_path
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((*MODEL, "--duration", 600), "op_limits"),
+        ((*MODEL, "--duration", 600), "--op-limits"),
         ((*MODEL, "--op-limits", 60, 40, "--duration", 600), "low < high"),
         ((*MODEL, "--op-limits", 40, 49, "--op-now", 50, "--duration", 600), "op_now inside op_limits"),
         ((*OPEN, "--pv-limits", 29.9, 30.1, "--duration", 600), "pv_limits that hold PV at rest"),

@@ -14,7 +14,7 @@ from lostmotion.files.dates import _iso_dates, _slow_dates, dates_in_order
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import LONGEST_GAP
 from lostmotion.files.layout import HEAD_ROWS, Asked
-from lostmotion.files.lines import LONGEST_LINE
+from lostmotion.files.text_lines import LONGEST_LINE
 from tests.refusals import refusal
 
 
@@ -291,7 +291,7 @@ def test_missing_samples_do_not_count_as_manual():
         (b"", DataError, "rows"),
         (b"time,OP,PV\n0,1,2\n", DataError, "at least 3 complete rows, got 1"),
         (b"1,2,3\n" * 5, DataError, "column names"),
-        (text(["0,1,2", "0,1,2", "0,1,3", "60,1,2", "60,1,2"]), TimeError, "several rows with one time"),
+        (text(["0,1,2", "0,1,2", "0,1,3", "60,1,2", "60,1,2"]), TimeError, "several rows carry one stamp"),
         (text(["0,1,2", "7,1,2", "9,1,3", "60,1,2", "61,1,2"]), TimeError, "equally spaced"),
         (text(["s,%,C", "0,1,2", "1,1,2", "2,1,3"]), DataError, "numbers in column"),
         (text(["0,1,2"] * 3, "time,OPP,PV"), ColumnError, "a column 'OP'"),
@@ -311,7 +311,8 @@ def test_an_endless_line_is_refused():
 def test_a_text_column_is_refused_and_dt_has_to_be_positive():
     refusal(ColumnError, whole, text([f"{k},open,{k}" for k in range(10)]))
     refusal(ParameterError, Asked, dt=0.0)
-    refusal(TimeError, Asked, time=False)
+    said = refusal(TimeError, whole, text(numbered(10)), time=False)
+    assert said == "expected a time column or dt, got neither; give the sampling time, dt=<seconds>"
 
 
 def stored(follower):
@@ -339,6 +340,52 @@ def test_goes_on_where_it_stood(tmp_path, cut):
         np.testing.assert_array_equal(got, wanted)
     assert second.counts == other.counts
     assert reached["grid"] == other.position["grid"]
+
+
+OLD_POSITION = {  # of lostmotion 0.1.0 before the words of the mode column and two columns of times were known here
+    "version": 1, "file": True,
+    "asked": {"op": "OP", "pv": "PV", "time": "Zeit", "mode": "Mode", "automatic": [], "dt": None},
+    "offset": 2257,
+    "mark": {
+        "offset": 2257,
+        "head": "107c7da9d936ed4750504a52ec5f69b5efd21f1e862d8e7a070a4cc5c73cb766",
+        "tail": "d9aa34b110d2c5dec315bfa0b8701aa1aeb2ad427562701b1050a9ef537b22df",
+    },
+    "lines": 81, "end": "\n",
+    "layout": {
+        "header": "Zeit;OP;PV;Mode", "names": ["Zeit", "OP", "PV", "Mode"], "delimiter": ";", "op": "OP", "pv": "PV",
+        "time": "Zeit", "mode": "Mode", "decimal": ",", "dt": 60.0, "scale": 1.0,
+        "orders": ["day first", "month first"], "calendar": "local",
+        "automatic": ["auto", "automatic", "aut", "cas", "cascade", "rcas", "bcas"],
+        "notes": ["Numbers were read with a decimal comma."], "last_date": "01.03.2024 01:19",
+    },
+    "grid": {
+        "clock": [1709255940.0, 0.0, 0.0, 0.0],
+        "counts": {
+            "rows": 80, "inserted": 0, "garbled": 0, "untimed": 0, "repeated": 0, "long gaps": 0, "restarts": 0,
+        },
+    },
+}  # fmt: skip
+
+
+def test_goes_on_from_a_position_of_an_older_version(tmp_path):
+    rows = [f"01.03.2024 {k // 60:02d}:{k % 60:02d};{k % 7},5;{k % 5};{'AUT' if k % 3 else 'MAN'}" for k in range(120)]
+    path = tmp_path / "old_a.csv"
+    path.write_bytes(text(rows, "Zeit;OP;PV;Mode", "\r\n"))
+    with Follower(path, Asked(time="Zeit", mode="Mode"), OLD_POSITION) as follower:
+        found = follower.read()
+    np.testing.assert_array_equal(found.time, 1709251200.0 + 60.0 * np.arange(80, 120))
+    np.testing.assert_array_equal(found.op, np.arange(80, 120) % 7 + 0.5)
+    np.testing.assert_array_equal(found.automatic, np.arange(80, 120) % 3 > 0)
+    assert found.notes == ()
+
+
+def test_points_of_dates_prove_no_decimal_point():
+    rows = [f"01.03.2024 10:{k // 60:02d}:{k % 60:02d};{k % 7};{k % 5}" for k in range(70)]
+    (_, op, _, _, notes), follower = whole(text([*rows, "01.03.2024 10:01:10;1,5;2"], "time;OP;PV"))
+    assert follower.layout.decimal == ","
+    assert op[-1] == 1.5
+    assert notes == []
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pytest
 from benchmarks.historian import exceptions, swinging_door
 
 import lostmotion as lm
+from lostmotion.kernels import lines
 from lostmotion.kernels.lines import knots
 from lostmotion.records import LoopRecord, prepare
 from lostmotion.records.compression import compression, scan_factor
@@ -25,7 +26,10 @@ def test_knots_against_the_slow_twin(seed, tolerance):
         values = np.round(values)
     if seed % 3 == 0 and len(values) > 5:
         values[random.integers(len(values))] = np.nan
-    assert knots(values, tolerance).tolist() == slow_knots(values.tolist(), tolerance)
+    expected = slow_knots(values.tolist(), tolerance)
+    assert knots(values, tolerance).tolist() == expected
+    assert lines._compiled()(values, tolerance).tolist() == expected
+    assert lines._knots(values.tolist(), tolerance).tolist() == expected
 
 
 @pytest.mark.parametrize("step", [0.001, 0.0125, 0.05, 1.0, 7.5, 1 / 3])

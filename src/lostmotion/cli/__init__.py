@@ -20,6 +20,7 @@ from lostmotion.cli.identify import identify
 from lostmotion.cli.online import online
 from lostmotion.cli.paper import paper
 from lostmotion.cli.simulate import simulate
+from lostmotion.cli.wording import message
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -40,10 +41,18 @@ def main(arguments: list[str] | None = None) -> Any:
     try:
         return app(words, prog_name="lostmotion")
     except LostMotionError as error:
+        said = message(error, _options(words))
         if "--json" in words:
-            typer.echo(json.dumps({"error": type(error).__name__, "message": str(error)}))
-        typer.echo(f"error: {error}", err=True)
+            typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
+        typer.echo(f"error: {said}", err=True)
         sys.exit(1)
     except ImportError as error:
         typer.echo(f"error: {error}", err=True)
         sys.exit(1)
+
+
+def _options(words: list[str]) -> set[str]:
+    """Options of the command that was typed."""
+    commands = getattr(typer.main.get_command(app), "commands", {})
+    typed = next((commands[word] for word in words if word in commands), None)
+    return {option for parameter in typed.params for option in parameter.opts} if typed else set()

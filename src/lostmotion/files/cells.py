@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import polars as pl
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.files.dates import dates_in_order
 from lostmotion.files.layout import Layout
-from lostmotion.files.numbers import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
+from lostmotion.files.number_cells import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
 from lostmotion.files.text import BLANKS, has_cells, split_line, with_tabs
-
-Bools = npt.NDArray[np.bool_]
+from lostmotion.records.modes import holds
+from lostmotion.records.sampling import Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +41,7 @@ class Cells:
     pv: FloatArray
     automatic: Bools | None
     garbled: Bools
-    lines: npt.NDArray[np.int64]
+    lines: IntArray
     moved: tuple[int, float] | None = None
 
     def __len__(self) -> int:
@@ -91,7 +90,7 @@ def read_cells(lines: Sequence[bytes], layout: Layout) -> tuple[Cells, Layout]:
     garbled = broken | numbers[0][1] | numbers[1][1]
     stamps, moved = np.full(len(kept), np.nan), None
     if layout.time is not None:
-        stamps, wrong, moved, layout = _stamps(frame[layout.time], layout)
+        stamps, wrong, moved, layout = _stamps(_moments(frame, layout), layout)
         garbled |= wrong
     automatic = None if layout.mode is None else _is_automatic(frame[layout.mode], layout.automatic)
     places = np.array(kept, dtype=np.int64)
@@ -134,7 +133,7 @@ def _frame(rows: list[str], layout: Layout) -> tuple[pl.DataFrame, Bools]:
         frame = pl.read_csv(io.StringIO(body), separator=delimiter, infer_schema=False, truncate_ragged_lines=True)
     except pl.exceptions.PolarsError:
         frame = _by_hand(rows, places, delimiter)
-    used = dict.fromkeys(name for name in (layout.op, layout.pv, layout.time, layout.mode) if name is not None)
+    used = dict.fromkeys(name for name in (layout.op, layout.pv, layout.date, layout.time, layout.mode) if name)
     columns = {name: frame[places[layout.names.index(name)]].str.strip_chars() for name in used}
     spare = frame[places[-1]].fill_null("").str.strip_chars()
     long = (spare != "").to_numpy()
@@ -175,8 +174,21 @@ def _numbers(cells: pl.Series, decimal: str | None) -> tuple[FloatArray, Bools]:
     odd = np.isnan(values)
     if not odd.any():
         return values, odd
-    words = cells.str.to_lowercase()
-    return values, odd & (words.is_not_null() & ~words.is_in(list(BAD_WORDS)).fill_null(value=False)).to_numpy()
+    return values, odd & (cells.is_not_null() & ~_bad(cells)).to_numpy()
+
+
+def _moments(frame: pl.DataFrame, layout: Layout) -> pl.Series:
+    """Times as they stand; dates and times of day beside them as one."""
+    clock = frame[str(layout.time)]
+    if layout.date is None:
+        return clock
+    parts = [cells.set(_bad(cells), None) for cells in (frame[layout.date], clock)]
+    return parts[0] + " " + parts[1]
+
+
+def _bad(cells: pl.Series) -> pl.Series:
+    """Cells that hold a word for a missing value."""
+    return cells.str.to_lowercase().is_in(list(BAD_WORDS)).fill_null(value=False)
 
 
 def _stamps(cells: pl.Series, layout: Layout) -> tuple[FloatArray, Bools, tuple[int, float] | None, Layout]:
@@ -188,8 +200,7 @@ def _stamps(cells: pl.Series, layout: Layout) -> tuple[FloatArray, Bools, tuple[
         times, moved, layout = _settle_order(cells, layout)
     else:
         times = dates_in_order(cells, layout.orders[0])
-    words = cells.str.to_lowercase().is_in(list(BAD_WORDS)).fill_null(value=True).to_numpy()
-    return times, np.isnan(times) & ~words, moved, layout
+    return times, np.isnan(times) & (cells.is_not_null() & ~_bad(cells)).to_numpy(), moved, layout
 
 
 def _settle_order(cells: pl.Series, layout: Layout) -> tuple[FloatArray, tuple[int, float] | None, Layout]:
@@ -211,17 +222,5 @@ def _settle_order(cells: pl.Series, layout: Layout) -> tuple[FloatArray, tuple[i
 
 def _is_automatic(cells: pl.Series, automatic: tuple[str, ...]) -> Bools:
     """A missing mode is not automatic: nobody knows."""
-    words = cells.str.to_lowercase()
-    found = words.is_in(list(automatic)).fill_null(value=False).to_numpy()
-    numbers = [float(word) for word in automatic if _is_number(word)]
-    if numbers:
-        found = found | np.isin(words.cast(pl.Float64, strict=False).fill_null(np.nan).to_numpy(), numbers)
-    return np.asarray(found, dtype=bool)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    words = [word for word in cells.drop_nulls().unique().to_list() if holds(word, automatic)]
+    return np.asarray(cells.is_in(words).fill_null(value=False).to_numpy(), dtype=bool)

@@ -109,14 +109,18 @@ def _filled(stamps: Stamps, dt: float | None) -> tuple[FloatArray, tuple[str, ..
 
 
 def _refuse_unsorted(stamps: Stamps, steps: FloatArray) -> None:
-    if (steps < 0).any():
-        row = int(np.flatnonzero(steps < 0)[0]) + 1
-        raise TimeError.expected(
-            f"times in ascending order in column {stamps.name!r}",
-            f"{stamps.at(row)} after {stamps.at(row - 1)}",
-            "sort the rows by time (at a change to winter time, export in UTC), "
-            "or pass dt=<seconds> and time=False to ignore the column",
-        )
+    back = steps < 0
+    if not back.any():
+        return
+    row = int(np.flatnonzero(back)[0]) + 1
+    remedy = (
+        "sort the rows by time, oldest first: ignoring the times would turn the record round"
+        if np.mean(back) > np.mean(steps > 0)
+        else "sort the rows by time (at a change to winter time, export in UTC), or, if they stand as they were "
+        "recorded, pass dt=<seconds> and time=False to ignore the column"
+    )
+    expected = f"times in ascending order in column {stamps.name!r}"
+    raise TimeError.expected(expected, f"{stamps.at(row)} after {stamps.at(row - 1)}", remedy)
 
 
 def _repeated(stamps: Stamps, steps: FloatArray) -> TimeError:
@@ -164,7 +168,8 @@ def _coarse(stamps: Stamps, steps: FloatArray, dt: float | None, ts: float | Non
 
 
 def _coarse_error(stamps: Stamps, got: str, hint: float | None, ts: float | None) -> TimeError:
-    remedy = "give dt=<seconds>" if hint is None else f"give dt={hint:g} if rows are equally spaced"
+    ignore = "pass dt=<seconds> and time=False to ignore the column, if rows are equally spaced"
+    remedy = ignore if hint is None else f"give dt={hint:g} if rows are equally spaced"
     also = "" if ts is None else f" (the column of sampling times says {ts:g} s)"
     return TimeError.expected(f"a time for each row in column {stamps.name!r}", got, remedy + also)
 

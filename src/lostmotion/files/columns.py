@@ -97,8 +97,8 @@ def resolve(
             continue
         rest = [other for other in names if other not in found.values()]
         column = by_alias(role, rest)
-        if column is None and role in ("op", "pv"):
-            raise ColumnError.missing(role.upper(), names, f"name it with {role}='<column>'")
+        if column is None and isinstance(name, str) and role != "sp":
+            raise ColumnError.missing(_title(role), names, f"name it with {role}='<column>'")
         if column is not None:
             found[role] = column
             if key(column) != role and role != "time":
@@ -128,17 +128,30 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
     >>> by_alias("sp", ["OP", "Set_Point [%]"]), by_alias("op", ["FIC-101.OP", "FIC-101.PV"])
     ('Set_Point [%]', 'FIC-101.OP')
     """
+    fits = usual(role, names)
+    if len(fits) > 1:
+        remedy = f"rename the others, or say which: {role}={fits[0]!r}"
+        raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
+    return fits[0] if fits else None
+
+
+def usual(role: str, names: Sequence[str]) -> list[str]:
+    """Columns that fit a role equally well, and better than all others.
+
+    Examples
+    --------
+    >>> usual("mode", ["OP", "Auto/Man", "FIC-101.Mode"])
+    ['Auto/Man']
+    """
     for fits in (
         [name for name in names if name.strip().lower() == role],
         [name for name in names if key(name) == role],
         [name for name in names if key(name) in ALIASES[role]],
         [name for name in names if re.search(rf"[./:]{role}$", name.strip().lower())],
     ):
-        if len(fits) > 1:
-            raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", f"say which: {role}={fits[0]!r}")
         if fits:
-            return fits[0]
-    return None
+            return fits
+    return []
 
 
 def key(name: str) -> str:
@@ -195,7 +208,7 @@ def named(role: str, name: Wanted, names: Sequence[str]) -> str:
         return wanted
     fits = [other for other in names if other.strip().lower() == wanted.strip().lower()]
     if len(fits) > 1:
-        raise ColumnError.expected(f"one column {wanted!r}", f"{fits}", f"give {role}= with the exact case")
+        raise ColumnError.expected(f"one column {wanted!r}", f"{fits}", f"give {role}='<column>' with the exact case")
     if not fits:
         raise ColumnError.missing(wanted, names, f"name it with {role}='<column>'")
     return fits[0]
@@ -208,6 +221,6 @@ def _no_double(found: dict[str, str]) -> None:
             raise ColumnError.expected(
                 f"different columns for {_title(roles[column])} and {_title(role)}",
                 f"{column!r} for both",
-                f"give {role}= another column",
+                f"name another one, {role}='<column>'",
             )
         roles[column] = role

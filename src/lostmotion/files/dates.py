@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import numpy.typing as npt
 import polars as pl
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import TimeError
 from lostmotion.files.table import Table
+from lostmotion.records.sampling import Bools
 
 # A reading of the dates whose longest step is this many times another's is wrong: its days became months.
 LONGEST_STEP = 20.0
@@ -191,7 +191,7 @@ def _choose(
     return chosen, (f"Dates in {name!r} were read {order}, the reading whose times follow each other.",)
 
 
-def _readings(parts: pl.DataFrame, filled: npt.NDArray[np.bool_]) -> dict[str, FloatArray]:
+def _readings(parts: pl.DataFrame, filled: Bools) -> dict[str, FloatArray]:
     """Days from 1970-01-01 for each order that the lengths of the parts allow; NaN where impossible."""
     first, last = (parts[side].str.len_chars().fill_null(0).to_numpy()[filled] for side in "ac")
     month_named = parts["b"].str.contains("[A-Za-z]").fill_null(value=False).any()

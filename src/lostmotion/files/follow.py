@@ -14,8 +14,8 @@ from lostmotion.files.cells import Cells, decoded, read_cells
 from lostmotion.files.grid import Grid, Rows
 from lostmotion.files.growing import GrowingFile, GrowingStream, Source
 from lostmotion.files.layout import HEAD_ROWS, Asked, Layout, find_layout
-from lostmotion.files.lines import Lines
 from lostmotion.files.text import has_cells
+from lostmotion.files.text_lines import Lines
 
 VERSION = 1
 MOST_ROWS = 20_000  # lines given at a time
@@ -26,10 +26,11 @@ _EMPTY = Rows(np.zeros(0), np.zeros(0), np.zeros(0))
 class Follower:
     r"""Reader of a growing text file, or of lines from a stream.
 
-    Header, columns, separators, decimal mark and sampling time are found in the first 60 rows as ``read_loop``
-    finds them. What the rows give does not depend on how the bytes arrive. Later cells that are empty, bad or
-    unreadable are missing; gaps in the times become missing samples; rows whose time is not later than that of the
-    row before are left out. The last line waits for its line end. Memory does not grow with the source.
+    The first 60 rows are interpreted as ``read_loop`` interprets a whole file (exceptions: see ``find_layout``; and
+    UTF-16, Parquet, MAT files and line ends inside quotes are not read); all further rows by what was found. What the
+    rows give does not depend on how the bytes arrive. Later cells that are empty, bad or unreadable are missing; gaps
+    in the times become missing samples; rows whose time is not later than that of the row before are left out. The
+    last line waits for its line end. Memory does not grow with the source.
 
     Parameters
     ----------

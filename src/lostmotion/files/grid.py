@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.files.cells import Bools, Cells
+from lostmotion.files.cells import Cells
 from lostmotion.files.times import time_text
 from lostmotion.kernels.stamps import RESTART, count_samples
+from lostmotion.records.sampling import Bools
 
 LONGEST_GAP = 1000  # samples: after so many missing ones, more tell an estimator nothing
 ALWAYS_TOLD = 10  # of each kind of trouble; then the 100th, 1000th ..

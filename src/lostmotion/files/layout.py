@@ -8,21 +8,21 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import ColumnError, DataError, ParameterError, TimeError
-from lostmotion.files.clock import COARSE_SHARE, counts_samples, find_clock
-from lostmotion.files.columns import Wanted, named, resolve
-from lostmotion.files.dates import date_orders, looks_numeric, states_zone
-from lostmotion.files.numbers import BAD_WORDS, decimal_mark, is_text, text_cells, to_numbers
-from lostmotion.files.read import sampling_column, sampling_time
+from lostmotion.errors import ColumnError, DataError
+from lostmotion.files.clock import COARSE_SHARE, counts_samples
+from lostmotion.files.columns import usual
+from lostmotion.files.dates import all_are, date_orders, states_zone
+from lostmotion.files.interpret import Meaning, check_dt, interpret
+from lostmotion.files.moments import moment_columns
+from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells
 from lostmotion.files.table import Table
 from lostmotion.files.text import find_rows, parse_text
-from lostmotion.files.times import Stamps, number_scale, read_times
+from lostmotion.files.times import Stamps
+from lostmotion.records.modes import unknown_words, words_of
 
 HEAD_ROWS = 60  # rows that the sampling time and the decimal mark are read from
 FEWEST_ROWS = 3
 DAY = 86400.0  # s
-AUTOMATIC = ("auto", "automatic", "aut", "cas", "cascade", "rcas", "bcas")  # the controller moves the valve
-MANUAL = ("man", "manual", "hand", "iman", "init", "initman", "lo", "oos", "off", "trk", "track", "rout", "local")
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Asked:
     time : str, None or False
         Time column; None: by its usual names; False: ignore it.
     mode : str or None
-        Column that says whether the controller moves the valve.
+        Column that says whether the controller moves the valve; None: not used.
     automatic : tuple of str
-        What it then holds; empty: AUTO, CAS and their relatives.
+        What it then holds; empty: the words of :mod:`lostmotion.records.modes`.
     dt : float or None
         Sampling time in seconds; None: from the time column.
     """
@@ -51,10 +51,7 @@ class Asked:
     dt: float | None = None
 
     def __post_init__(self) -> None:
-        if self.dt is not None and not (np.isfinite(self.dt) and self.dt > 0):
-            raise ParameterError.expected("dt > 0", self.dt, "give the sampling time in seconds")
-        if self.time is False and self.dt is None:
-            raise TimeError.expected("dt with ignored times", "none", "give the sampling time, dt=<seconds>")
+        check_dt(self.dt)
         object.__setattr__(self, "automatic", tuple(str(value).strip().lower() for value in self.automatic))
 
 
@@ -86,6 +83,8 @@ class Layout:
         What was assumed.
     last_date : str
         Last date read, as it stands, while several orders are possible.
+    date : str, optional
+        Column of dates, where `time` holds times of day beside them.
     """
 
     header: str
@@ -103,6 +102,7 @@ class Layout:
     automatic: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     last_date: str = ""
+    date: str | None = None
 
     @property
     def settled(self) -> bool:
@@ -128,7 +128,7 @@ class Layout:
 
 
 def find_layout(lines: list[str], source: str, asked: Asked) -> tuple[Layout, int]:
-    """Decide how to read the rows, by the rules of :func:`lostmotion.files.read_loop`.
+    """Decide how to read the rows: the first ones are interpreted as :func:`lostmotion.files.read_loop` does.
 
     Parameters
     ----------
@@ -147,7 +147,9 @@ def find_layout(lines: list[str], source: str, asked: Asked) -> tuple[Layout, in
     Raises
     ------
     ColumnError, TimeError, DataError
-        As in read_loop; besides, times that several rows share cannot tell gaps and are refused.
+        As in read_loop, with the same words. Other than there, 3 rows are needed, repeated headers and a few bad
+        stamps are passed over, times of day may go on after midnight, set point and position are not read, and what
+        the mode column holds has to be known.
 
     Examples
     --------
@@ -155,60 +157,55 @@ def find_layout(lines: list[str], source: str, asked: Asked) -> tuple[Layout, in
     >>> layout.dt, layout.op, layout.decimal, begin
     (2.0, 'CO', ',', 1)
     """
-    header, rows = find_rows(lines, source)
-    before = rows[0]
-    lines = [*lines[:before], *(line for line in lines[before:] if line != header)]
-    header, rows = find_rows(lines, source)
-    if len(rows) < FEWEST_ROWS:
-        raise DataError.expected(f"at least {FEWEST_ROWS} complete rows", f"{len(rows)} in {source!r}", "wait for more")
-    table = parse_text("\n".join([*lines, ""]).encode(), source)
-    sampling = sampling_column(table, (asked.op, asked.pv, asked.time, asked.mode))
-    names = [name for name in table.names if name != sampling]
-    mode = None if asked.mode is None else named("mode", asked.mode, names)
-    time: Wanted = asked.time
-    columns = resolve([name for name in names if name != mode], asked.op, asked.pv, None, False, time)
-    used = [name for name in (columns.op, columns.pv, columns.time, sampling) if name is not None]
-    decimal = decimal_mark(table, used)
-    notes = (*table.notes, *columns.notes, *_signal_notes(table, (columns.op, columns.pv), decimal))
+    header, before, table = _first_table(lines, source)
+    meaning = interpret(
+        table, asked.op, asked.pv, None, False, asked.time, asked.mode or False, asked.dt, usable=_usable
+    )
+    columns = meaning.columns
+    date, clock = None, columns.time
+    if clock is not None and clock not in table.names:
+        date, clock = moment_columns(table) or (None, clock)
     layout = Layout(
         header=header,
         names=tuple(table.names),
         delimiter=table.delimiter,
         op=columns.op,
         pv=columns.pv,
-        time=columns.time,
-        mode=mode,
-        decimal=decimal if _proven(table, used, decimal) else None,
-        dt=1.0,
-        automatic=_automatic(table, mode, asked.automatic),
-        notes=(*notes, *_mode_note(names, mode)),
+        time=clock,
+        mode=columns.mode,
+        decimal=meaning.decimal if _proven(meaning) else None,
+        dt=meaning.clock.dt,
+        automatic=_automatic(table, columns.mode, asked.automatic),
+        notes=(*meaning.assumed, *_mode_note(table, asked.mode)),
+        date=date,
     )
-    ts = None if sampling is None else sampling_time(table, sampling, decimal)
-    return _with_clock(layout, table, decimal, asked.dt, ts), before
+    layout = _with_times(layout, meaning.stamps)
+    return replace(layout, notes=(*layout.notes, *meaning.clock.notes)), before
 
 
-def _proven(table: Table, names: list[str], decimal: str) -> bool:
+def _first_table(lines: list[str], source: str) -> tuple[str, int, Table]:
+    """Header, number of lines before the first row, and a table of the rows without repeated headers."""
+    header, rows = find_rows(lines, source)
+    before = rows[0]
+    lines = [*lines[:before], *(line for line in lines[before:] if line != header)]
+    header, rows = find_rows(lines, source)
+    if len(rows) < FEWEST_ROWS:
+        raise DataError.expected(f"at least {FEWEST_ROWS} complete rows", f"{len(rows)} in {source!r}", "wait for more")
+    return header, before, parse_text("\n".join([*lines, ""]).encode(), source)
+
+
+def _proven(meaning: Meaning) -> bool:
     """Tell a mark that was seen, or that the delimiter leaves no doubt about, from a default."""
-    return (
-        decimal == ","
-        or table.delimiter == ","
-        or any(
-            text_cells(table.column(name)).str.contains(r"\d\.|\.\d").any()
-            for name in names
-            if is_text(table.column(name))
-        )
-    )
+    if meaning.decimal == "," or meaning.table.delimiter == ",":
+        return True
+    dates = meaning.stamps is not None and meaning.stamps.dates is not None
+    numbers = [name for name in meaning.used if not (dates and name == meaning.columns.time)]
+    cells = [text_cells(meaning.table.column(name)) for name in numbers if is_text(meaning.table.column(name))]
+    return any(series.str.contains(r"\d\.|\.\d").any() for series in cells)
 
 
-def _signal_notes(table: Table, names: tuple[str, ...], decimal: str) -> tuple[str, ...]:
-    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
-    for name in names:
-        to_numbers(table, name, decimal)  # a text column is refused here, at the door
-    return comma
-
-
-def _mode_note(names: list[str], mode: str | None) -> tuple[str, ...]:
-    found = [name for name in names if name.strip().lower().rpartition(".")[2] in ("mode", "auto/man", "automan")]
+def _mode_note(table: Table, mode: str | None) -> tuple[str, ...]:
+    found = usual("mode", table.names)
     if mode is not None or not found:
         return ()
     return (f"Column {found[0]!r} was not used; name it as the mode to leave out manual operation.",)
@@ -218,73 +215,54 @@ def _automatic(table: Table, mode: str | None, given: tuple[str, ...]) -> tuple[
     """Content of the mode column that counts as automatic; without the user's word, only what is beyond doubt."""
     if mode is None or given:
         return given
-    cells = text_cells(table.column(mode)).str.to_lowercase()
-    odd = [cell for cell in cells.drop_nulls().unique().to_list() if cell not in (*AUTOMATIC, *MANUAL, *BAD_WORDS)]
+    cells = text_cells(table.column(mode)).drop_nulls().unique().to_list()
+    odd = [word for word in unknown_words(np.array(cells, dtype=np.str_)) if word.lower() not in BAD_WORDS]
     if odd:
         raise ColumnError.expected(
-            f"AUTO, CAS, MAN.. in column {mode!r}",
-            f"{sorted(odd)[:3]}",
-            "say which content means automatic, automatic=(..)",
+            f"AUTO, CAS, MAN.. in column {mode!r}", f"{odd[:3]}", "say which content means automatic, automatic=(..)"
         )
-    return AUTOMATIC
+    return words_of("automatic")
 
 
-def _with_clock(layout: Layout, table: Table, decimal: str, dt: float | None, ts: float | None) -> Layout:
-    if layout.time is None:
-        clock = find_clock(None, dt, ts)
-        return replace(layout, dt=clock.dt, notes=(*layout.notes, *clock.notes))
-    layout, stamps = _with_times(layout, table, decimal)
-    forward = _forward(stamps)
-    _refuse_coarse(stamps, forward)
-    clock = find_clock(forward if len(forward.seconds) >= FEWEST_ROWS else stamps, dt, ts)
-    counter = counts_samples(forward, np.diff(forward.seconds))
-    scale = layout.scale * clock.dt if counter else layout.scale
-    return replace(layout, dt=clock.dt, scale=scale, notes=(*layout.notes, *clock.notes))
+def _with_times(layout: Layout, stamps: Stamps | None) -> Layout:
+    """Settle unit or order of the dates; times that several rows share cannot tell gaps and are not used."""
+    if stamps is None:
+        return replace(layout, time=None, date=None)
+    if _shared(stamps):
+        note = f"The times in {stamps.name!r} are not used; rows count as dt apart, and gaps are not seen."
+        return replace(layout, time=None, date=None, notes=(*layout.notes, note))
+    if stamps.dates is None:
+        counter = counts_samples(stamps, np.diff(stamps.seconds))
+        scale = stamps.scale * layout.dt if counter else stamps.scale
+        return replace(layout, scale=scale, calendar="UTC" if stamps.epoch else "")
+    orders = date_orders(stamps.table, stamps.name, stamps.dates)
+    notes = layout.notes
+    if len(orders) > 1:
+        notes = (*notes, f"Dates in {stamps.name!r} are read {orders[0]} until one proves the other.")
+    calendar = "" if orders == ("",) else "UTC" if states_zone(stamps.dates) else "local"
+    return replace(layout, orders=orders, calendar=calendar, notes=notes)
 
 
-def _with_times(layout: Layout, table: Table, decimal: str) -> tuple[Layout, Stamps]:
-    """Settle unit or order of the dates."""
-    name = str(layout.time)
-    stamps = read_times(table, name, decimal)
-    cells = text_cells(table.column(name))
-    cells = cells.set(cells.str.to_lowercase().is_in(list(BAD_WORDS)), None)
-    if not looks_numeric(cells.drop_nulls()[0]):
-        orders = date_orders(table, name, cells)
-        notes = layout.notes
-        if len(orders) > 1:
-            notes = (*notes, f"Dates in {name!r} are read {orders[0]} until one proves the other.")
-        calendar = "" if orders == ("",) else "UTC" if states_zone(cells) else "local"
-        layout = replace(layout, orders=orders, calendar=calendar, notes=notes)
-        return layout, replace(stamps, seconds=_unwrapped(stamps.seconds, layout.wrap))
-    values, _ = to_numbers(table, name, decimal)
-    scale, epoch = number_scale(name, values[~np.isnan(values)])
-    return replace(layout, scale=scale or 1.0, calendar="UTC" if epoch else ""), stamps
+def _usable(stamps: Stamps) -> Stamps:
+    """Rows whose time is known and later than all before, where the others are few: they are passed over."""
+    if stamps.dates is not None and all_are(stamps.dates, dated=False):
+        stamps = replace(stamps, seconds=_unwrapped(stamps.seconds, DAY))
+    seconds = np.where(np.isnan(stamps.seconds), -np.inf, stamps.seconds)
+    before = np.concatenate([[-np.inf], np.maximum.accumulate(seconds)[:-1]])
+    keep = seconds > before
+    if keep.mean() < 1.0 - COARSE_SHARE or keep.sum() < FEWEST_ROWS:
+        return stamps  # not a few: find_clock says what is wrong
+    frame = stamps.table.frame.filter(keep.tolist())
+    lines = stamps.table.lines
+    kept = None if lines is None else [line for line, good in zip(lines, keep, strict=True) if good]
+    return replace(stamps, seconds=stamps.seconds[keep], table=replace(stamps.table, frame=frame, lines=kept))
 
 
 def _unwrapped(seconds: FloatArray, wrap: float) -> FloatArray:
     """Times of day that go on after midnight."""
     back = np.diff(seconds, prepend=seconds[:1]) < -0.5 * wrap
-    return np.asarray(seconds + wrap * np.cumsum(back)) if wrap else seconds
+    return np.asarray(seconds + wrap * np.cumsum(back))
 
 
-def _forward(stamps: Stamps) -> Stamps:
-    """Rows whose time is known and later than all before: what is left of a stream with a few bad stamps."""
-    seconds = np.where(np.isnan(stamps.seconds), -np.inf, stamps.seconds)
-    before = np.concatenate([[-np.inf], np.maximum.accumulate(seconds)[:-1]])
-    keep = seconds > before
-    if keep.mean() < 1.0 - COARSE_SHARE:
-        return stamps  # not a few: find_clock says what is wrong
-    frame = stamps.table.frame.filter(keep.tolist())
-    lines = stamps.table.lines
-    kept = None if lines is None else [line for line, good in zip(lines, keep, strict=True) if good]
-    table = replace(stamps.table, frame=frame, lines=kept)
-    return replace(stamps, seconds=stamps.seconds[keep], table=table)
-
-
-def _refuse_coarse(stamps: Stamps, forward: Stamps) -> None:
-    if forward is stamps and (np.diff(stamps.seconds) == 0).mean() >= COARSE_SHARE:
-        raise TimeError.expected(
-            f"a time for each row in column {stamps.name!r}",
-            f"several rows with one time, such as {stamps.at(0)}",
-            "give dt=<seconds> and ignore the times; gaps cannot be told then",
-        )
+def _shared(stamps: Stamps) -> bool:
+    return bool((np.diff(stamps.seconds) == 0).mean() >= COARSE_SHARE)

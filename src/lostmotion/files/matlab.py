@@ -10,7 +10,6 @@ from typing import Any
 import narwhals.stable.v2 as nw
 import numpy as np
 import polars as pl
-from scipy.io import loadmat
 
 from lostmotion.errors import DataError
 from lostmotion.files.columns import SAMPLING_NAMES, key
@@ -40,6 +39,8 @@ def load_mat(raw: bytes, source: str) -> Table:
         raise DataError.expected(
             "a MAT file of version 7", f"one of version 7.3, {source!r}", "save it with save(.., '-v7')"
         )
+    from scipy.io import loadmat  # noqa: PLC0415  a quarter of a second that text files need not wait for
+
     try:
         content = loadmat(io.BytesIO(raw), squeeze_me=True)  # type: ignore[arg-type]
     except Exception as error:  # scipy raises whatever the damaged bytes lead to

@@ -7,7 +7,7 @@ from dataclasses import replace
 import narwhals.stable.v2 as nw
 
 from lostmotion.files.dates import all_are
-from lostmotion.files.numbers import is_text, text_cells
+from lostmotion.files.number_cells import is_text, text_cells
 from lostmotion.files.table import Table
 
 DATES = ("date", "day")
@@ -26,17 +26,22 @@ def with_moments(table: Table) -> Table:
     >>> joined.names, joined.column("Date Time")[0]
     (['OP', 'Date Time'], '1.2.2024 09:00:00')
     """
-    dates, clocks = (_called(table, names) for names in (DATES, CLOCKS))
-    if len(dates) != 1 or len(clocks) != 1 or MOMENTS in table.names:
+    found = moment_columns(table)
+    if found is None:
         return table
-    date, clock = dates[0], clocks[0]
-    if not all_are(text_cells(table.column(date)), dated=True) or not all_are(
-        text_cells(table.column(clock)), dated=False
-    ):
-        return table
+    date, clock = found
     both = nw.concat_str(nw.col(date), nw.col(clock), separator=" ").alias(MOMENTS)
     note = f"Times were read from {date!r} and {clock!r} together."
     return replace(table, frame=table.frame.with_columns(both).drop(date, clock), notes=(*table.notes, note))
+
+
+def moment_columns(table: Table) -> tuple[str, str] | None:
+    """Name of the one column of dates and of the one of times of day; None where there are not both."""
+    dates, clocks = (_called(table, names) for names in (DATES, CLOCKS))
+    if len(dates) != 1 or len(clocks) != 1 or MOMENTS in table.names:
+        return None
+    cells = [text_cells(table.column(name)) for name in (dates[0], clocks[0])]
+    return (dates[0], clocks[0]) if all_are(cells[0], dated=True) and all_are(cells[1], dated=False) else None
 
 
 def _called(table: Table, names: tuple[str, ...]) -> list[str]:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
+from lostmotion.records.sampling import Bools
 
 JITTER = 0.01  # steps within 1 % of a multiple of the median are one clock
 GIVEN_TOLERANCE = 0.05  # a given dt may differ this much from rounded or irregular stamps: plant clocks drift
 GAP_SHARE = 0.1  # more gaps than this are not gaps but irregular sampling
 NEAR_SHARE = 0.95  # with dt given, at least this share of steps within half a dt of it
 RESOLUTIONS = (60.0, 1.0, 0.1, 0.01, 0.001)  # s: what stamps are rounded to
-
-Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

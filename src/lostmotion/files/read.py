@@ -8,16 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.files.clock import find_clock
-from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
-from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.columns import Wanted
 from lostmotion.files.frames import load
-from lostmotion.files.moments import with_moments
-from lostmotion.files.numbers import decimal_mark, to_numbers
+from lostmotion.files.interpret import Meaning, check_dt, interpret
 from lostmotion.files.table import Table
-from lostmotion.files.times import Stamps, read_times
 from lostmotion.records.record import LoopRecord, StringArray
 
 Span = tuple[float, float]
@@ -96,78 +91,24 @@ def read_loop(
     >>> record.notes
     ("OP was read from column 'CO'.",)
     """
-    _check_settings(dt, missing)
-    table = with_moments(load(source)) if time is None else load(source)
-    if len(table.frame) < 2:
-        raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
-    sampling = sampling_column(table, (op, pv, sp, position, time, mode))
-    names = [name for name in table.names if name != sampling]
-    columns = resolve(names, op, pv, sp, position, time, mode)
-    decimal = _decimal(table, columns, sampling)
-    signals, notes = _signals(table, columns, decimal)
-    stamps, doubt = _stamps(table, columns.time, decimal, dt)
-    ts = None if sampling is None else sampling_time(table, sampling, decimal)
-    clock = find_clock(stamps, dt, ts)
+    check_dt(dt)
+    if missing not in ("keep", "error"):
+        raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
+    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt)
     if missing == "error":
-        _refuse_missing(table, signals, stamps)
-    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
+        _refuse_missing(meaning)
+    word = meaning.columns.mode
     return LoopRecord(
-        op=signals["op"],
-        pv=signals["pv"],
-        sp=signals.get("sp"),
-        position=signals.get("position"),
-        dt=clock.dt,
-        mode=None if columns.mode is None else _words(table, columns.mode),
+        **meaning.signals,
+        dt=meaning.clock.dt,
+        mode=None if word is None else _words(meaning.table, word),
         op_span=op_span,
         pv_span=pv_span,
         tag=_tag(source) if tag is None else tag,
-        source=table.source,
-        gaps=clock.gaps,
-        notes=(*table.notes, *columns.notes, *comma, *notes, *doubt, *clock.notes),
+        source=meaning.table.source,
+        gaps=meaning.clock.gaps,
+        notes=meaning.notes,
     )
-
-
-def _check_settings(dt: float | None, missing: str) -> None:
-    if dt is not None and not (np.isfinite(dt) and dt > 0):
-        raise ParameterError.expected("dt > 0", dt, "give the sampling time in seconds")
-    if missing not in ("keep", "error"):
-        raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-
-
-def sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:
-    """Column such as `ts` that repeats one number: the sampling time. Asked for by name, it is a column."""
-    asked = {name.strip().lower() for name in wanted if isinstance(name, str)}
-    for name in table.names:
-        if key(name) not in SAMPLING_NAMES or name.strip().lower() in asked:
-            continue
-        series = table.column(name)
-        cells = {str(value).strip() for value in series.drop_nulls().unique().to_list()} - {"", "nan"}
-        if len(cells) == 1 and looks_numeric(next(iter(cells))):
-            return name
-    return None
-
-
-def sampling_time(table: Table, name: str, decimal: str) -> float | None:
-    """Seconds that :func:`sampling_column` repeats; None where they are no sampling time."""
-    values, _ = to_numbers(table, name, decimal)
-    value = float(values[~np.isnan(values)][0]) * (time_unit(name) or 1.0)
-    return value if value > 0 else None
-
-
-def _decimal(table: Table, columns: Columns, sampling: str | None) -> str:
-    used = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
-    return decimal_mark(table, [name for name in used if name is not None])
-
-
-def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
-    signals: dict[str, FloatArray] = {}
-    notes: tuple[str, ...] = ()
-    for role in ("op", "pv", "sp", "position"):
-        name = getattr(columns, role)
-        if name is not None:
-            signals[role], words = to_numbers(table, name, decimal)
-            notes += words
-    return signals, notes
 
 
 def _words(table: Table, name: str) -> StringArray:
@@ -176,23 +117,11 @@ def _words(table: Table, name: str) -> StringArray:
     return np.array(["" if cell is None else str(cell).strip() for cell in cells], dtype=np.str_)
 
 
-def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:
-    """Read the time column; with dt given, one whose dates have two readings is left out."""
-    if name is None:
-        return None, ()
-    try:
-        return read_times(table, name, decimal), ()
-    except AmbiguousDatesError:
-        if dt is None:
-            raise
-        return None, (f"Day and month in {name!r} cannot be told apart; dt = {dt:g} s was not checked.",)
-
-
-def _refuse_missing(table: Table, signals: dict[str, FloatArray], stamps: Stamps | None) -> None:
-    for role, values in signals.items():
+def _refuse_missing(meaning: Meaning) -> None:
+    where = meaning.table.where if meaning.stamps is None else meaning.stamps.at
+    for role, values in meaning.signals.items():
         rows = np.flatnonzero(np.isnan(values))
         if len(rows):
-            where = table.where if stamps is None else stamps.at
             shown = ", ".join(where(int(row)) for row in rows[:_SHOWN])
             more = f" and {len(rows) - _SHOWN} more" if len(rows) > _SHOWN else ""
             raise DataError.expected(

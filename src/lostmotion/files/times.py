@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import narwhals.stable.v2 as nw
 import numpy as np
+import polars as pl
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.columns import time_unit
 from lostmotion.files.dates import looks_numeric, parse_dates
-from lostmotion.files.numbers import BAD_WORDS, is_text, text_cells, to_numbers
+from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells, to_numbers
 from lostmotion.files.table import Table
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
@@ -38,6 +39,12 @@ class Stamps:
         Numbers without unit: they may count samples instead of seconds.
     notes : tuple of str
         What was assumed.
+    dates : polars.Series of str, optional
+        Stripped cells, null where missing, of dates and times of day in text; None for numbers and dates of frames.
+    scale : float
+        Seconds in one unit of a numeric column.
+    epoch : bool
+        Numbers that count from 1970.
     """
 
     name: str
@@ -45,6 +52,9 @@ class Stamps:
     table: Table = field(repr=False)
     plain: bool = False
     notes: tuple[str, ...] = ()
+    dates: pl.Series | None = field(default=None, repr=False)
+    scale: float = 1.0
+    epoch: bool = False
 
     def at(self, row: int) -> str:
         """Say row, line and the time as it stands in the source."""
@@ -79,7 +89,7 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
         known = cells.drop_nulls()
         if len(known) and not looks_numeric(known[0]):
             seconds, notes = parse_dates(table, name, cells)
-            return _stamps(table, name, seconds, notes=notes)
+            return replace(_stamps(table, name, seconds, notes=notes), dates=cells)
     values, notes = to_numbers(table, name, decimal)
     return _from_numbers(table, name, values, notes)
 
@@ -105,10 +115,11 @@ def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str,
     known = values[~np.isnan(values)]
     scale, label = number_scale(name, known)
     if scale is not None and not label:
-        return _stamps(table, name, values * scale, notes=notes)
+        return replace(_stamps(table, name, values * scale, notes=notes), scale=scale)
     if scale is not None:
         note = f"Times in {name!r} were read as {label} since 1970."
-        return _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
+        stamps = _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
+        return replace(stamps, scale=scale, epoch=True)
     middle = float(np.median(known)) if len(known) else 0.0
     for span, origin in ((EXCEL_DAYS, "a spreadsheet"), (MATLAB_DAYS, "MATLAB")):
         if _counts_days(known, middle, span):

@@ -7,7 +7,6 @@ from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy import linalg, signal
 
 from lostmotion.arguments import coefficients, positive, whole
 from lostmotion.arguments import signal as as_signal
@@ -188,6 +187,8 @@ def _hold_equivalent(num: FloatArray, den: FloatArray, dt: float, fraction: floa
 
 def _held_states(num: FloatArray, den: FloatArray, dt: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """Transition, input, output matrices and feedthrough of the held state-space model."""
+    from scipy import linalg, signal  # noqa: PLC0415  seconds of import that only this conversion needs
+
     states, inputs, outputs, through = signal.tf2ss(num, den)
     n = len(den) - 1
     block = np.zeros((n + 1, n + 1))

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from lostmotion.errors import ParameterError
-from lostmotion.files.cells import Bools
 from lostmotion.files.grid import Rows
 from lostmotion.records.limits import SPAN_MARGIN
+from lostmotion.records.sampling import Bools
 
 REASONS = ("manual", "saturated", "frozen")
 

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lines import knots
 from lostmotion.records import limits
 from lostmotion.records.quantum import quantum
@@ -142,7 +141,7 @@ def scan_factor(record: LoopRecord) -> tuple[int, int]:
     return 1, 0
 
 
-def _regular(rows: npt.NDArray[np.int64], count: int) -> tuple[int, int]:
+def _regular(rows: IntArray, count: int) -> tuple[int, int]:
     """Distance and phase of events that nearly all fall on one phase of it; (1, 0) where they do not."""
     if len(rows) < limits.FROZEN_RUN:
         return 1, 0
@@ -159,11 +158,11 @@ def _on_phase(op: FloatArray, factor: int, phase: int) -> bool:
     return max(shares, default=1.0) >= limits.ON_PHASE
 
 
-def moves_at(values: FloatArray) -> npt.NDArray[np.int64]:
+def moves_at(values: FloatArray) -> IntArray:
     """Rows that differ from the row before."""
     return np.flatnonzero(np.diff(values)) + 1
 
 
-def bends_at(values: FloatArray) -> npt.NDArray[np.int64]:
+def bends_at(values: FloatArray) -> IntArray:
     """Rows at which a straight line ends."""
     return np.flatnonzero(np.abs(np.diff(values, 2)) > ROUNDING * float(np.ptp(values))) + 1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.fft import dct
 
 from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
@@ -80,6 +79,8 @@ def slow_share(values: FloatArray) -> float:
     >>> round(slow_share(np.arange(100.0)), 2), round(slow_share(np.sin(np.arange(1000.0) / 20)), 2)
     (1.0, 0.01)
     """
+    from scipy.fft import dct  # noqa: PLC0415  only records with a set point wait for it
+
     known = values[~np.isnan(values)]
     power = dct(known - known.mean(), norm="ortho") ** 2 if len(known) > 3 else np.zeros(1)
     return float(power[:4].sum() / max(power.sum(), 1e-300))

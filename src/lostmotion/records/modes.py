@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,9 @@ WORDS: dict[str, Kind] = {
     **dict.fromkeys(("a", "aut", "auto", "automatic", "c", "cas", "casc", "cascade", "auto/cas"), "automatic"),
     **dict.fromkeys(("rcas", "rsp", "remote", "remote sp", "acas", "ccas", "bcas", "pri", "prd"), "automatic"),
     **dict.fromkeys(("m", "man", "manual", "hand", "rout"), "manual"),
-    **dict.fromkeys(("iman", "init", "track", "tracking", "trk", "lo", "local", "local override"), "detached"),
+    **dict.fromkeys(
+        ("iman", "init", "initman", "track", "tracking", "trk", "lo", "local", "local override"), "detached"
+    ),
     **dict.fromkeys(("o/s", "oos", "out of service", "off", "bypass", "shutdown", "halt"), "detached"),
 }
 
@@ -42,9 +44,35 @@ def rows_of(kind: Kind, mode: StringArray | None, words: Mapping[str, str] | Non
     """
     if mode is None:
         return None
-    known = WORDS | _checked(words)
-    meant = {word for word, meaning in known.items() if meaning == kind}
-    return np.array([word.strip().lower() in meant for word in mode.tolist()], dtype=np.bool_)
+    meant = [word for word, meaning in (WORDS | _checked(words)).items() if meaning == kind]
+    cells, places = np.unique(mode, return_inverse=True)
+    return np.array([holds(cell, meant) for cell in cells.tolist()], dtype=np.bool_)[places]
+
+
+def words_of(kind: Kind) -> tuple[str, ...]:
+    """Known words of one kind, in lower case.
+
+    Examples
+    --------
+    >>> words_of("manual")
+    ('m', 'man', 'manual', 'hand', 'rout')
+    """
+    return tuple(word for word, meaning in WORDS.items() if meaning == kind)
+
+
+def holds(cell: str, words: Collection[str]) -> bool:
+    """Whether a cell holds one of the words (in lower case); case and blanks do not matter, numbers are numbers.
+
+    Examples
+    --------
+    >>> holds(" Auto", ["auto"]), holds("1.0", ["1"]), holds("", ["auto"])
+    (True, True, False)
+    """
+    word = cell.strip().lower()
+    if word in words:
+        return True
+    number = _number(word)
+    return number is not None and any(_number(other) == number for other in words)
 
 
 def unknown_words(mode: StringArray | None, words: Mapping[str, str] | None = None) -> list[str]:
@@ -58,7 +86,14 @@ def unknown_words(mode: StringArray | None, words: Mapping[str, str] | None = No
     if mode is None:
         return []
     known = WORDS | _checked(words)
-    return sorted({word for word in mode.tolist() if word.strip() and word.strip().lower() not in known})
+    return [word for word in np.unique(mode).tolist() if word.strip() and not holds(word, known)]
+
+
+def _number(word: str) -> float | None:
+    try:
+        return float(word)
+    except ValueError:
+        return None
 
 
 def _checked(words: Mapping[str, str] | None) -> dict[str, str]:

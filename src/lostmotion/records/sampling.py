@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import IntArray
 from lostmotion.records.record import LoopRecord
 
 Bools = npt.NDArray[np.bool_]
@@ -80,7 +81,7 @@ def neighbours(record: LoopRecord) -> Bools:
     return follows
 
 
-def runs(flags: Bools) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def runs(flags: Bools) -> tuple[IntArray, IntArray]:
     """Find starts and lengths of the runs of True.
 
     Examples

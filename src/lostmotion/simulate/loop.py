@@ -83,7 +83,7 @@ def simulate_loop(
     if linear.delay < 1:
         raise ParameterError.expected("delay >= 1 in a loop", linear.delay, "a held input acts one sample later")
     if not linear.is_stable and not allow_unstable:
-        remedy = "its poles must lie inside the unit circle; allow_unstable=True simulates it all the same"
+        remedy = "its poles must lie inside the unit circle, or simulate it all the same: allow_unstable=True"
         raise ParameterError.expected("a stable plant", f"poles {linear.poles.round(4).tolist()}", remedy)
     r = finite_signal("reference", reference)
     added = np.zeros(r.size) if disturbance is None else finite_signal("disturbance", disturbance, r.size)

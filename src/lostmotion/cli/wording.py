@@ -1,0 +1,125 @@
+"""Errors in the words of the command line: ``dt=12`` of the library is ``--dt 12`` there."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+from collections.abc import Collection
+
+# Settings of the library that errors name -> options; a command that lacks the option cannot follow the advice.
+OPTIONS = {
+    "automatic": "--auto-value",
+    "dt": "--dt",
+    "duration": "--duration",
+    "gain": "--gain",
+    "loop": "--loop",
+    "method": "--method",
+    "mode": "--mode",
+    "noise": "--noise",
+    "nonlinearity": "--nonlinearity",
+    "op": "--op",
+    "op_limits": "--op-limits",
+    "op_span": "--op-span",
+    "orders": "--orders",
+    "position": "--position",
+    "pv": "--pv",
+    "pv_span": "--pv-span",
+    "raw": "--raw",
+    "sp": "--sp",
+    "scan_time": "--scan-time",
+    "span": "--span",
+    "time": "--time",
+    "wanted": "--interval",
+}
+FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw"}
+WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
+VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
+SETTING = re.compile(rf"(?<![\w-])([a-z]\w*)=({VALUE})?(?!=)")
+
+
+def message(error: Exception, options: Collection[str]) -> str:
+    """Text of an error for someone who typed a command.
+
+    Parameters
+    ----------
+    error : Exception
+        Any error; those of "expected X, got Y; do Z" are reworded, what was got stays as it is.
+    options : collection of str
+        Options of the command, such as "--dt".
+
+    Examples
+    --------
+    >>> from lostmotion.errors import InputError
+    >>> error = InputError.expected("one clock", "two", "repair it, or pass dt=<seconds> and time=False")
+    >>> message(error, ["--dt", "--ignore-time"])
+    'expected one clock, got two; repair it, or pass --dt SECONDS --ignore-time'
+    """
+    said = getattr(error, "said", None)
+    if said is None:
+        return re.sub(r"(--raw) \(raw=True\)", r"\1", str(error))
+    expected, got, remedy = said
+    return f"expected {as_options(expected)}, got {got}; {advice(remedy, options)}"
+
+
+def advice(remedy: str, options: Collection[str]) -> str:
+    """Remedy in options; of several ways out, those that this command offers.
+
+    Examples
+    --------
+    >>> advice("rename the others, or say which: sp='SP 1'", ["--op"])
+    'rename the others'
+    >>> advice("rename the others, or say which: sp='SP 1'", ["--op", "--sp"])
+    "rename the others, or say which: --sp 'SP 1'"
+    """
+    ways = remedy.split(", or ")
+    offered = [way for way in ways if all(option in options for option in named_options(way))]
+    return ", or ".join(as_options(way) for way in offered or ways)
+
+
+def named_options(text: str) -> list[str]:
+    """Options that stand for the settings in a text; a setting without option stands for itself.
+
+    Examples
+    --------
+    >>> named_options("pass dt=<seconds> and time=False"), named_options("cases=3")
+    (['--dt', '--ignore-time'], ['cases'])
+    """
+    return [_option(*found.groups()) for found in SETTING.finditer(text)]
+
+
+def as_options(text: str) -> str:
+    """Text with options in place of settings.
+
+    Examples
+    --------
+    >>> as_options("give span=(low, high)"), as_options("name it with op='<column>'"), as_options("e.g. noise=4")
+    ('give --span LOW HIGH', 'name it with --op COLUMN', 'e.g. --noise 4')
+    """
+    options = SETTING.sub(lambda found: _as_option(found.group(0), *found.groups()), text)
+    return re.sub(r"(--dt \S+) and (?=--ignore-time)", r"\1 ", options)
+
+
+def _option(name: str, value: str | None) -> str:
+    return FLAGS.get((name, value or ""), OPTIONS.get(name, name))
+
+
+def _as_option(whole: str, name: str, value: str | None) -> str:
+    option = _option(name, value)
+    if option == name:
+        return whole
+    return option if value is None or (name, value) in FLAGS else f"{option} {_words(name, value)}"
+
+
+def _words(name: str, value: str) -> str:
+    """Value as it is typed; capitals where the reader has to put one."""
+    bare = value.strip("'\"")
+    if bare.startswith("<"):
+        return bare.strip("<>").upper()
+    try:
+        known = ast.literal_eval(value)
+    except (SyntaxError, ValueError):
+        parts = re.findall(r"\w+", value)
+        return " ".join(part.upper() for part in parts) if parts else WORDS.get(name, "VALUE")
+    listed = list(known.values()) if isinstance(known, dict) else known if isinstance(known, list | tuple) else [known]
+    return " ".join(shlex.quote(str(part)) for part in listed)

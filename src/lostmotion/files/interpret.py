@@ -1,0 +1,157 @@
+"""Table -> what it means: columns, decimal mark, signals, times and sampling time, for whole files and growing ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.files.clock import Clock, find_clock
+from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
+from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.moments import with_moments
+from lostmotion.files.number_cells import decimal_mark, to_numbers
+from lostmotion.files.table import Table
+from lostmotion.files.times import Stamps, read_times
+
+
+@dataclass(frozen=True, eq=False)
+class Meaning:
+    """What the columns of a table hold.
+
+    Attributes
+    ----------
+    table : Table
+        As it was read, with one column of times where a column of dates stood beside one of times of day.
+    columns : Columns
+        Which column plays which role.
+    used : tuple of str
+        Columns that were read, the one of sampling times included.
+    decimal : "." or ","
+        Decimal mark of text cells.
+    signals : dict of ndarray, shape (n,)
+        By role: op, pv, and sp and position where they are wanted and there. NaN where a cell is missing.
+    stamps : Stamps or None
+        Times; None without a time column, or with one that cannot be read and is not needed.
+    clock : Clock
+        Sampling time and gaps.
+    assumed, words : tuple of str
+        What was assumed about the columns; which words and times were passed over.
+    """
+
+    table: Table
+    columns: Columns
+    used: tuple[str, ...]
+    decimal: str
+    signals: dict[str, FloatArray]
+    stamps: Stamps | None
+    clock: Clock
+    assumed: tuple[str, ...]
+    words: tuple[str, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that was assumed, as sentences."""
+        return (*self.assumed, *self.words, *self.clock.notes)
+
+
+def interpret(
+    table: Table,
+    op: str = "OP",
+    pv: str = "PV",
+    sp: Wanted = "SP",
+    position: Wanted = None,
+    time: Wanted = None,
+    mode: Wanted = None,
+    dt: float | None = None,
+    usable: Callable[[Stamps], Stamps] = lambda stamps: stamps,
+) -> Meaning:
+    """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
+
+    Parameters
+    ----------
+    usable : callable
+        Stamps -> those that the sampling time is told from. A growing file drops a few bad ones.
+
+    Raises
+    ------
+    ColumnError, TimeError, DataError, ParameterError
+        As in read_loop.
+
+    Examples
+    --------
+    >>> import narwhals.stable.v2 as nw
+    >>> import polars as pl
+    >>> frame = pl.DataFrame({"t_s": ["0", "0,5", "1"], "CO": ["50", "51", "?"], "PV": ["1", "2", "1,5"]})
+    >>> meaning = interpret(Table(nw.from_native(frame, eager_only=True), "a", None, ";"))
+    >>> meaning.columns.op, meaning.decimal, meaning.clock.dt, meaning.signals["op"]
+    ('CO', ',', 0.5, array([50., 51., nan]))
+    """
+    check_dt(dt)
+    table = with_moments(table) if time is None else table
+    if len(table.frame) < 2:
+        raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
+    sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
+    columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode)
+    roles = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
+    used = tuple(name for name in roles if name is not None)
+    decimal = decimal_mark(table, list(used))
+    signals, words = _signals(table, columns, decimal)
+    stamps, doubt = _stamps(table, columns.time, decimal, dt)
+    stamps = None if stamps is None else usable(stamps)
+    clock = find_clock(stamps, dt, None if sampling is None else _sampling_time(table, sampling, decimal))
+    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
+    assumed = (*table.notes, *columns.notes, *comma)
+    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
+
+
+def check_dt(dt: float | None) -> None:
+    """Refuse a sampling time that is none."""
+    if dt is not None and not (np.isfinite(dt) and dt > 0):
+        raise ParameterError.expected("dt > 0", dt, "give the sampling time in seconds")
+
+
+def _sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:
+    """Column such as `ts` that repeats one number: the sampling time. Asked for by name, it is a column."""
+    asked = {name.strip().lower() for name in wanted if isinstance(name, str)}
+    for name in table.names:
+        if key(name) not in SAMPLING_NAMES or name.strip().lower() in asked:
+            continue
+        series = table.column(name)
+        cells = {str(value).strip() for value in series.drop_nulls().unique().to_list()} - {"", "nan"}
+        if len(cells) == 1 and looks_numeric(next(iter(cells))):
+            return name
+    return None
+
+
+def _sampling_time(table: Table, name: str, decimal: str) -> float | None:
+    """Seconds that :func:`_sampling_column` repeats; None where they are no sampling time."""
+    values, _ = to_numbers(table, name, decimal)
+    value = float(values[~np.isnan(values)][0]) * (time_unit(name) or 1.0)
+    return value if value > 0 else None
+
+
+def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
+    signals: dict[str, FloatArray] = {}
+    notes: tuple[str, ...] = ()
+    for role in ("op", "pv", "sp", "position"):
+        name = getattr(columns, role)
+        if name is not None:
+            signals[role], words = to_numbers(table, name, decimal)
+            notes += words
+    return signals, notes
+
+
+def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:
+    """Read the time column; with dt given, one whose dates have two readings is left out."""
+    if name is None:
+        return None, ()
+    try:
+        return read_times(table, name, decimal), ()
+    except AmbiguousDatesError:
+        if dt is None:
+            raise
+        return None, (f"Day and month in {name!r} cannot be told apart; dt = {dt:g} s was not checked.",)
