@@ -1,4 +1,4 @@
-"""Exported code compiled and executed by tools that are not ours: an ST machine, a C compiler, parsers, the PLCopen schema."""
+"""Exported code compiled and executed by tools that are not ours: ST machine, C compiler, parsers, PLCopen schema."""
 
 import re
 import subprocess

@@ -118,7 +118,7 @@ def design(
     -----
     Optimal experiment design as in Ljung, *System Identification*, 2nd ed., chapter 13; robust to a rough model in the
     manner of Pronzato and Walter, Mathematical Biosciences 75 (1985). The signal is found by exchange of levels and
-    holds; see docs/design.md for what else was tried.
+    holds; see docs/test-design.md for what else was tried.
 
     Examples
     --------
