@@ -198,10 +198,8 @@ class Task:
 
 
 def dominant(plant: Plant) -> float:
-    """Slowest time constant that settles, in samples; 1 where there is none."""
-    sizes = np.abs(plant.model.linear.poles)
-    settling = sizes[(sizes < 1.0 - 1e-9) & (sizes > 1e-9)]
-    return max(float(-1.0 / np.log(settling.max())), 1.0) if settling.size else 1.0
+    """Slowest time constant that settles, in samples; at least 1."""
+    return max(plant.model.linear.slowest_lag(), 1.0)
 
 
 def round_number(value: float) -> float:
