@@ -26,7 +26,7 @@ FAR = 3.0  # times the wanted half-width that no plausible plant must miss
 ROUNDS, AGAIN = 3, 0.4  # searches where fresh plants break the limits, and the share of work of the later ones
 ROOM = 0.3  # of the overshoot: kept as room in the next search
 CHEAP = 1.1  # a staircase drawn in at this loss is good enough
-HALVINGS = 7
+HALVINGS = 7  # of the share of a staircase that keeps the limits: to 1 % of it
 
 
 @dataclass(frozen=True)
