@@ -184,8 +184,8 @@ class Plant:
 @functools.lru_cache(maxsize=64)
 def noise_samples(noise: NoiseModel, n: int, seed: int) -> FloatArray:
     """Stationary output noise, shape (n,), read-only."""
-    slowest = max((abs(pole) for pole in np.roots([1.0, *noise.d])), default=0.0)
-    before = 0 if slowest == 0 else min(int(MEMORIES / -np.log(min(slowest, 0.9999))) + 10, 100_000)
+    radius = noise.radius
+    before = 0 if radius == 0 else min(int(MEMORIES / -np.log(min(radius, 0.9999))) + 10, 100_000)
     white = np.random.default_rng(seed).normal(scale=np.sqrt(noise.variance), size=n + before)
     samples = np.asarray(lfilter([1.0], [1.0, *noise.d], white))[before:]
     samples.setflags(write=False)

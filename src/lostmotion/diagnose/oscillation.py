@@ -13,7 +13,7 @@ from lostmotion.diagnose.filters import crossings, high_pass, low_pass, standard
 LEAST = 32  # samples
 LEAST_CYCLES = 3.0  # in the record: of a slower line the spectrum does not tell drift
 SETTLED = 0.01  # of the period
-MOST_ROUNDS = 4
+MOST_ROUNDS = 4  # of 120 signals 8 still move by over 1 % after them; whether one is regular changes in none
 CANDIDATES = 4  # spectral peaks that are tried
 MOST_CROSSINGS = 11  # of the autocorrelation, as published: later ones are noise where the period wanders
 SLOWEST = 3.0  # periods: what is slower counts as drift
