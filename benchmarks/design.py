@@ -1,6 +1,6 @@
 """The designed test against a PRS of the same length and limits, by simulation.
 
-Run: ``.venv/bin/python benchmarks/design.py`` (about 3 minutes, one process); writes docs/design.md.
+Run: ``.venv/bin/python benchmarks/design.py`` (about 3 minutes, one process); writes docs/test-design.md.
 Options: ``--seeds N`` for another number of records, ``--only NAME`` for one plant; both print the table only.
 """
 
@@ -18,7 +18,7 @@ import lostmotion as lm
 from lostmotion.design.plausible_plants import drawn_around_guess
 from lostmotion.kernels.threads import one_thread
 
-OUTPUT = Path(__file__).parent.parent / "docs" / "design.md"
+OUTPUT = Path(__file__).parent.parent / "docs" / "test-design.md"
 TANK = lm.platforms.level_tank()
 TARGETS = {"width": ("width",), "break points": ("left", "right")}
 HEADER = (

@@ -1,4 +1,4 @@
-"""What executes an exported block here: the ST machine, else C by gcc, else the kernel itself.
+"""What executes an exported block here: the ST machine, else C by gcc or clang, else the kernel itself.
 
 The first two run the written code, not the kernel. In the ST machine the PI controller and the scaling of the analogue
 cards are Structured Text too; beside C and the kernel they are the same lines in Python. The PI rests while PV is
@@ -146,7 +146,7 @@ class InStMachine:
 
 
 class InC:
-    """The exported C99, compiled by gcc; PI and cards in Python."""
+    """The exported C99, compiled by gcc or clang; PI and cards in Python."""
 
     what = "C99 compiled by gcc (no ST machine here: `make plc` makes it), with the PI controller in Python"
 
@@ -157,7 +157,7 @@ class InC:
             for name, text in {**files, "shim.c": SHIM.format(name="FY_101")}.items():
                 Path(folder, name).write_text(text, encoding="utf-8")
             subprocess.run(
-                [shutil.which("gcc") or "gcc", *flags, "shim.c", "FY_101.c", "-o", "b.so", "-lm"],
+                [c_compiler() or "gcc", *flags, "shim.c", "FY_101.c", "-o", "b.so", "-lm"],
                 cwd=folder,
                 check=True,
             )
@@ -180,7 +180,7 @@ class InC:
 class InKernel:
     """The simulated block itself; PI and cards in Python."""
 
-    what = "the kernel itself (no ST machine and no gcc here), with the PI controller in Python"
+    what = "the kernel itself (no ST machine and no C compiler here), with the PI controller in Python"
 
     def __init__(self, block: lm.CompensatorBlock, controller: lm.PI, start: float) -> None:
         self._block, self._pi = block, _PI(controller, block.scan_time, start)
@@ -228,8 +228,13 @@ class _PI:
         return self._op
 
 
+def c_compiler() -> str | None:
+    """gcc, else the clang that `make plc` fetches where there is none."""
+    return shutil.which("gcc") or shutil.which("cc", path=MACHINE.parent / "bin")
+
+
 def best_plc() -> type[InStMachine | InC | InKernel]:
     """What can be had here."""
     if MACHINE.exists():
         return InStMachine
-    return InC if shutil.which("gcc") else InKernel
+    return InC if c_compiler() else InKernel

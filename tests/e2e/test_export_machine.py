@@ -1,4 +1,4 @@
-"""Exported code compiled and executed by tools that are not ours: an ST machine, gcc, parsers, the PLCopen schema."""
+"""Exported code compiled and executed by tools that are not ours: ST machine, C compiler, parsers, PLCopen schema."""
 
 import re
 import subprocess
@@ -64,7 +64,7 @@ def test_other_dialects_turned_back_in_the_machine(run_of, kind, real, to):
 
 
 @pytest.mark.parametrize(("kind", "real"), BOTH)
-def test_c_by_gcc(run_of, kind, real, tmp_path):
+def test_c_by_a_compiler(run_of, kind, real, tmp_path):
     one, stretches, kernel = run_of(kind, real, ROWS)
     agree(one, kernel, run_in_c(TARGETS["c"](one), one, stretches, tmp_path))
 

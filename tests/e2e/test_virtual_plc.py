@@ -1,13 +1,13 @@
 """The loops of the virtual commissioning: ST machine, C and kernel give the same commands, switches and all."""
 
 import importlib.util
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
+from tests.plc.machine import c_compiler, need
 
 PLACE = Path(__file__).resolve().parents[2] / "examples" / "plc.py"
 SPEC = importlib.util.spec_from_file_location("example_plc", PLACE)
@@ -32,10 +32,10 @@ def scans(kind, n=400):
 
 @pytest.mark.parametrize("kind", ["InC", "InStMachine"])
 def test_executed_code_gives_the_commands_of_the_kernel(kind):
-    if kind == "InC" and not shutil.which("gcc"):
-        pytest.skip("no gcc")
-    if kind == "InStMachine" and not plc.MACHINE.exists():
-        pytest.skip("run `make plc`")
+    if kind == "InC":
+        c_compiler()
+    if kind == "InStMachine":
+        need(plc.MACHINE)
     expected = scans(plc.InKernel)
     assert set(expected[:, plc.OUTPUTS.index("state")]) >= {1.0, 2.0, 3.0, 4.0}
     np.testing.assert_array_equal(scans(getattr(plc, kind)), expected)

@@ -108,6 +108,31 @@ def test_integrator():
     assert not model.is_stable
 
 
+def test_time_constants_are_those_of_the_slowest_pole_that_settles():
+    one = LinearModel.from_continuous([1.0], np.polymul([40.0, 1.0], [5.0, 1.0]), 6.0, 2.0)
+    assert one.slowest_time_constant == pytest.approx(40.0, rel=1e-9)
+    assert one.slowest_lag() == pytest.approx(20.0, rel=1e-9)
+    assert one.slowest_lag(within=np.exp(-1 / 10)) == pytest.approx(2.5, rel=1e-9)
+    assert one.process_time == pytest.approx(8.0 + 40.0, rel=1e-9)
+    assert not one.integrates()
+
+
+@pytest.mark.parametrize("a", [(), (-1.0,), (0.0,)])
+def test_without_a_lag_the_process_time_is_the_dead_time(a):
+    model = LinearModel(a, [0.5], 3, 2.0)
+    assert (model.slowest_lag(), model.slowest_time_constant, model.process_time) == (0.0, 0.0, 6.0)
+    assert LinearModel(a, [0.5], 0, 2.0).process_time == 2.0
+
+
+def test_integrator_with_a_lag():
+    model = LinearModel(np.poly([1.0, np.exp(-1 / 7)])[1:], [0.1], 1)
+    assert model.integrates()
+    assert model.integrates(within=1e-9)
+    assert model.slowest_lag() == pytest.approx(7.0)
+    slow = LinearModel([-(1.0 - 1e-7)], [0.1], 1)
+    assert (slow.integrates(), slow.integrates(within=1e-9)) == (True, False)
+
+
 def test_linear_keeps_its_own_coefficients():
     a, b = np.array([-0.5]), np.array([0.5])
     model = LinearModel(a, b)

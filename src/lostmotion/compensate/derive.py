@@ -203,10 +203,7 @@ def noise_of(op: FloatArray) -> float:
 
 def _process_time(linear: LinearModel) -> float:
     """Dead time and slowest time constant in seconds; an integrator counts as none."""
-    sizes = np.abs(linear.poles)
-    stable = sizes[(sizes > 0.0) & (sizes < 1.0 - 1e-9)]
-    slowest = -1.0 / math.log(float(stable.max())) if stable.size else 0.0
-    return float(linear.dt * (max(linear.delay, 1) + slowest))
+    return linear.process_time
 
 
 _Rule = Callable[[Any, _Plan], tuple[str, float, dict[str, float]]]

@@ -23,7 +23,7 @@ from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
 
-PLANTS = 16
+PLANTS = 16  # drawn: the worst of them is beyond 94 % of all plants in two of three cases
 
 
 @dataclass(frozen=True, eq=False)

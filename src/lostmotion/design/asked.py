@@ -17,7 +17,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.simulate import PI
 
 FEWEST_SAMPLES, FEWEST_HOLDS = 60, 12  # below this identify has nothing to work on
-MOST_SAMPLES = 100_000
+MOST_SAMPLES = 100_000  # a day at one a second: longer than any test that an operator allows
 TARGETS = {"width": ("width",), "break points": ("left", "right")}
 DEFAULT_HOLD = 1.0 / 3.0  # of delay and dominant time constant
 LONGEST_CONSTANTS, LONGEST_HOLDS = 5.0, 3  # a hold ends when the process has settled: drifts are not waited for

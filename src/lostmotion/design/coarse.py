@@ -54,8 +54,7 @@ def coarser_noise(noise: NoiseModel, factor: int) -> NoiseModel:
 
 def autocovariance(noise: NoiseModel, lags: int) -> FloatArray:
     """Autocovariance at lags 0 .. lags of stationary autoregressive noise."""
-    slowest = max(abs(pole) for pole in np.roots([1.0, *noise.d]))
-    length = lags + min(int(20.0 / -np.log(min(slowest, 0.9999))) + 10, 200_000)
+    length = lags + min(int(20.0 / -np.log(min(noise.radius, 0.9999))) + 10, 200_000)
     impulse = np.zeros(length)
     impulse[0] = 1.0
     weights = np.asarray(lfilter([1.0], [1.0, *noise.d], impulse))

@@ -11,10 +11,10 @@ from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 from lostmotion.simulate import signals
 
-SEEDS = 6
-HALVINGS = 6
+SEEDS = 6  # a PRS is drawn: the median over them is told
+HALVINGS = 6  # of the share of the range of a PRS that keeps the limits: to 2 % of it
 LONGER = (1, 2, 4, 8)  # holds that are tried, in shortest holds
-FEWEST_HOLDS = 4
+FEWEST_HOLDS = 4  # of a PRS: with fewer it stays on one side of the zone too often
 
 
 def prs_signal(plants: list[Plant], limits: Limits, samples: int, hold: int, seed: int) -> FloatArray:

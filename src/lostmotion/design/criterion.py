@@ -11,9 +11,9 @@ from lostmotion.design.simulated_plant import Plant
 from lostmotion.distributions import normal_quantile
 from lostmotion.kernels import contrast as kernel
 
-Z95 = normal_quantile(0.975)
+Z95 = normal_quantile(0.975)  # standard errors in the half-width of a 95 % interval
 RATIO_PRIOR = 30.0  # deviation of the logarithm of the slope ratio before the test: as good as nothing
-CONTRASTS = {"left": (1.0, 0.0), "right": (0.0, 1.0), "width": (-1.0, 1.0)}
+CONTRASTS = {"left": (1.0, 0.0), "right": (0.0, 1.0), "width": (-1.0, 1.0)}  # of left and right
 
 
 @dataclass(frozen=True)

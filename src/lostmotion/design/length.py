@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.design.staircase import Staircase
 from lostmotion.design.task import MOST_HOLDS, Task
 
-ROUNDS = 6
+ROUNDS = 6  # lengths tried, each for half the work of a search: one or two to reach, the rest to halve the gap
 ROUND_SHARE = 0.5  # of the work of one search
 MARGIN = 1.05  # samples more than the square law asks for
 SHORTEST = 0.5  # of a length that reaches: a shorter one is not tried at once

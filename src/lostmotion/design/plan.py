@@ -30,7 +30,7 @@ from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.simulate import PI
 
 PLANTS, FRESH = 8, 16  # plausible plants of the search, and of the judgement
-GROWTH_POINTS = 24
+GROWTH_POINTS = 24  # of the curve in figure and report; each costs a likelihood per plant
 REACH = 3.0  # widths of the dead zone: deviation of the break points before the test, at least
 
 
@@ -118,7 +118,7 @@ def design(
     -----
     Optimal experiment design as in Ljung, *System Identification*, 2nd ed., chapter 13; robust to a rough model in the
     manner of Pronzato and Walter, Mathematical Biosciences 75 (1985). The signal is found by exchange of levels and
-    holds; see docs/design.md for what else was tried.
+    holds; see docs/test-design.md for what else was tried.
 
     Examples
     --------

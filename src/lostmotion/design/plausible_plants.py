@@ -12,7 +12,7 @@ from lostmotion.models import DeadZone, Hammerstein, LinearModel
 SPREAD = 0.3  # of a guess: half the width for the break points, a factor for slopes, gain and time constants
 FLOOR = 0.05  # of the width: break points are never taken as better known than this, valves wear between two tests
 FACTORS = 5  # left, right, slope ratio, gain, time scale
-ATTEMPTS = 50
+ATTEMPTS = 50  # draws per plant wanted: where nearly none is a process, there are fewer plants
 STABLE = 1.0 - 1e-6  # largest modulus of a drawn pole, unless the model itself has a larger one
 DERIVED = ("width", "slope_ratio", "gain", "load")  # of the others, or known from where OP rests
 

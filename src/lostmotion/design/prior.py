@@ -106,7 +106,7 @@ def _noise(noise: NoiseModel | float | None) -> NoiseModel:
     noise = noise if isinstance(noise, NoiseModel) else NoiseModel((), finite("noise variance", noise))
     if not noise.variance > 0:
         raise ParameterError.expected("noise variance > 0", noise.variance, "without noise every test is perfect")
-    if np.any(np.abs(np.roots([1.0, *noise.d])) >= 1.0):
+    if noise.radius >= 1.0:
         raise ParameterError.expected("stationary noise", f"d={noise.d}", "its poles must lie inside the unit circle")
     return noise
 

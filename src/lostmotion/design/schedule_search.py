@@ -19,10 +19,10 @@ from lostmotion.design.operating_limits import Limits
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 
-STARTS = 3
+STARTS = 3  # the search is local: together they take a third of its work
 START_SHARE = 0.12  # of the evaluations, for each start
 OUTER_SHARE = 0.1  # of the holds of a start at the ends of the range, and as many inside the zone
-FEWEST_HOLDS = 4
+FEWEST_HOLDS = 4  # two levels on either side of the zone: a line behind a break point has a place and a slope
 MOST_TRIES = 3  # moves per evaluation, where most break a limit
 
 
@@ -231,4 +231,4 @@ def _join(scene: Scene, stairs: Staircase, random: np.random.Generator) -> Stair
 
 
 MOVES: tuple[Move, ...] = (_any_level, _level_at_a_break_point, _level_nearby, _swap, _shift_edge, _split, _join)
-SHARES = (0.2, 0.15, 0.2, 0.1, 0.15, 0.1, 0.1)
+SHARES = (0.2, 0.15, 0.2, 0.1, 0.15, 0.1, 0.1)  # of the tries, in the order of MOVES: over half of them move a level

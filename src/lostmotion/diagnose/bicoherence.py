@@ -15,7 +15,7 @@ from lostmotion.errors import DataError
 
 SEGMENT = 64  # samples, as published; overlapping by half, Hann window
 PERIODS = 4  # in a segment at least: of a slower oscillation a segment sees a ramp, whose phases are all coupled
-LEAST_SEGMENTS = 4
+LEAST_SEGMENTS = 4  # in noise the squared bicoherence is about 1 / segments: of fewer, noise looks coupled
 CONFIDENCE = 1.6449  # one-sided 95 % quantile of the normal distribution
 WINDOW_COUPLING = 2.22  # how far the Hann window ties neighbouring bifrequencies together
 OVERLAP_COUPLING = 1.0 + 2.0 / 6.0**3  # neighbouring segments share 1/6 of an amplitude, cubed in the triple product

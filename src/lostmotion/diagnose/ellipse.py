@@ -98,7 +98,20 @@ def fit_ellipse(x: FloatArray, y: FloatArray) -> tuple[float, float, float, floa
     ------
     DataError
         The points lie on a line or too near to one point.
+
+    Notes
+    -----
+    Worked out about the mean of the points: the distance and the constraint do not know where the origin is, but the
+    squares of coordinates far from it leave few digits for the figure itself.
     """
+    at_x, at_y = float(np.mean(x)), float(np.mean(y))
+    a, b, c, d, e, f = _fit_around_origin(x - at_x, y - at_y)
+    constant = f - d * at_x - e * at_y + a * at_x**2 + b * at_x * at_y + c * at_y**2
+    return a, b, c, d - 2.0 * a * at_x - b * at_y, e - 2.0 * c * at_y - b * at_x, constant
+
+
+def _fit_around_origin(x: FloatArray, y: FloatArray) -> tuple[float, float, float, float, float, float]:
+    """Fit of Halir and Flusser to points around the origin."""
     quadratic = np.column_stack([x * x, x * y, y * y])
     linear = np.column_stack([x, y, np.ones(x.size)])
     try:

@@ -14,7 +14,7 @@ from lostmotion.errors import DataError
 HARMONICS = 7.0  # kept; noise above them is none of the wave form's
 SHORTEST, LONGEST = 0.5, 2.0  # of half a period: zero crossings nearer or farther are noise or a missing crossing
 LEAST_SAMPLES = 4  # between the two zero crossings
-LEAST_HALVES = 2
+LEAST_HALVES = 2  # a single one has no other to agree with
 FLOOR = 1e-9  # of the power of the half period: what counts as no misfit at all
 
 

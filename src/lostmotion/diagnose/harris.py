@@ -12,7 +12,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
 ORDER = 15  # of the autoregression
-ROWS_PER_PARAMETER = 4
+ROWS_PER_PARAMETER = 4  # so that by chance it explains no more than a quarter of white noise
 
 
 @dataclass(frozen=True)

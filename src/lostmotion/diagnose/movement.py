@@ -9,7 +9,7 @@ from lostmotion.arguments import finite, finite_signal, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
-PERCENT = (0.0, 100.0)
+PERCENT = (0.0, 100.0)  # limits of OP in percent of its span
 TOLERANCE = 0.001  # of the span
 
 

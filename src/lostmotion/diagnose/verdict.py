@@ -116,4 +116,4 @@ def _sticks(verdict: str) -> bool:
 def _slower_than_its_swing(fit: HammersteinFit, period: float) -> bool:
     """Whether the process lags so far behind a swing of this period that it answers as an integrator does."""
     slowest = float(np.abs(fit.linear.poles).max(initial=0.0))
-    return slowest >= 1.0 or (slowest > 0.0 and -1.0 / np.log(slowest) > period)
+    return slowest >= 1.0 or fit.linear.slowest_lag(within=1.0) > period

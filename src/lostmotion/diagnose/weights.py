@@ -12,5 +12,5 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.04
-WEIGHTS = (1.29, 1.85, 1.33, -2.01, 7.93)
+CONSTANT = -1.04  # log-odds where all features are 0
+WEIGHTS = (1.29, 1.85, 1.33, -2.01, 7.93)  # in the order of NAMES

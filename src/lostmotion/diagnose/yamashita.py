@@ -13,7 +13,7 @@ from lostmotion.errors import DataError
 
 THIRDS = 0.4307  # of a standard deviation: a Gaussian move is down, steady or up in a third of the cases each
 STEPS = 24  # in a period: noise that is faster counts for nothing
-HARMONICS = 7.0
+HARMONICS = 7.0  # kept, as in the half periods: noise above them is none of the wave form's
 SS, IS, DS = 4, 7, 1  # 3 * (move of OP + 1) + (move of PV + 1)
 WITH_IS = (8, 5)  # II and SI: the valve follows OP at last
 WITH_DS = (0, 3)  # DD and SD

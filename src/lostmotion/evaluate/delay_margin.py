@@ -12,7 +12,7 @@ from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
 
 INSIDE = 1e-5  # an integrator starts this far inside the unit circle: an output-error predictor needs a stable A
-MOST_STEPS = 200
+MOST_STEPS = 200  # twice those of a fit: with a wrong delay it starts further away
 
 
 def delay_margin(model: Hammerstein, u: FloatArray, noise: NoiseModel, clean: FloatArray) -> float:

@@ -14,11 +14,11 @@ from lostmotion.models import LinearModel
 from lostmotion.simulate import PI
 
 ComplexArray = npt.NDArray[np.complex128]
-FREQUENCIES = 600
+FREQUENCIES = 600  # 1.7 % apart
 DECADES = 4.5  # below the Nyquist frequency
 LEAST_GAIN = 1e-6  # of an actuator: below it there is no loop
 MARGIN = 0.5  # rad by which phases that may cross are taken wider
-FEWEST_CROSSINGS = 4
+FEWEST_CROSSINGS = 4  # one and a half periods: a cycle has come back
 SUSTAINED = 0.8  # of the size of the third before
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import polars as pl
 
 Estimator = Callable[[FloatArray, FloatArray, float], Any]
-PRESETS = {"small": 40, "large": 500}
+PRESETS = {"small": 40, "large": 500}  # loops: for a look, and as in docs/family.md
 NAMES = ("left", "right", "width", "slope_ratio")
 
 

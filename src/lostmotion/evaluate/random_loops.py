@@ -17,17 +17,17 @@ from lostmotion.evaluate.random_processes import Process, draw_noise, draw_pi, d
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
 from lostmotion.simulate import PI, LoopResponse, simulate_loop
 
-SAMPLES = 3000
+SAMPLES = 3000  # of a record, as in docs/family.md
 WARM_UP = 500  # samples before the record: it does not begin at rest
 SHARE = (0.05, 0.6)  # half-width of the dead zone in halves of the range of OP, or width in ranges
-SLOPE_RATIO = (0.3, 3.0)
+SLOPE_RATIO = (0.3, 3.0)  # left over right, even in the logarithm: no side is favoured
 SNR_DB = (5.0, 30.0)  # variance of the noise-free PV over variance of the noise
 SPAN = (10.0, 50.0)  # range of OP, % of its span
-SAMPLING_TIMES = (0.1, 0.5, 1.0, 2.0, 5.0)
+SAMPLING_TIMES = (0.1, 0.5, 1.0, 2.0, 5.0)  # seconds: from the scan of a PLC to that of a historian
 INTERVAL_PER_WIDTH = 1.0 / 3.0  # an expected 95 % interval narrower than this share of the width can be had
 DELAY_MARGIN = 25.0  # from here on the record tells the delay: a test of it errs in 6 of 1,000 records
-MOST_DRAWS = 200
-ROUNDS = 40
+MOST_DRAWS = 200  # of plans: one is given up where its loop cannot be had
+ROUNDS = 40  # of both tolerances: noise and set points change each other through the loop
 SHARE_TOLERANCE, SNR_TOLERANCE = 0.05, 0.05  # relative, dB
 
 

@@ -13,15 +13,15 @@ from lostmotion.simulate import PI
 
 SLOWEST = (5.0, 50.0)  # samples: the time constant that dominates
 FASTEST = 1.5  # samples: a lag shorter than this would not be seen
-DAMPING = (0.25, 0.9)
+DAMPING = (0.25, 0.9)  # of a complex pair: below it hardly a process, above it two lags
 LONGEST_DELAY = 15  # samples
 KINDS = (("real", "integrating"), ("real", "complex", "integrating"), ("real", "complex", "integrating"))  # by order
-SHARES = ((0.75, 0.25), (0.45, 0.35, 0.2), (0.45, 0.35, 0.2))
+SHARES = ((0.75, 0.25), (0.45, 0.35, 0.2), (0.45, 0.35, 0.2))  # probabilities of KINDS
 ZERO_SHARE = 0.25  # of the processes of order 2 and 3 have a zero of their own
 DETUNING = (1.3, 1.8)  # largest sensitivity that the PI is tuned for
 SPEED = (0.2, 1.0)  # time constant of the closed loop, in those of the process, where the delay allows
 GAINS = np.geomspace(1.0, 0.01, 60)  # tried, in units of Skogestad's gain
-FREQUENCIES = np.geomspace(1e-4, np.pi, 500)
+FREQUENCIES = np.geomspace(1e-4, np.pi, 500)  # radians a sample, 2 % apart, to Nyquist
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,6 @@ from lostmotion.errors import ParameterError
 from lostmotion.models import LinearModel
 from lostmotion.simulate import PI
 
-AT_ONE = 1e-6  # distance of a pole from 1 below which the process integrates
-
 
 def integrates(linear: LinearModel) -> bool:
     """Whether the process has a pole at 1.
@@ -20,7 +18,7 @@ def integrates(linear: LinearModel) -> bool:
     >>> integrates(LinearModel([-1.0], [0.1], 1)), integrates(LinearModel([-0.99], [0.1], 1))
     (True, False)
     """
-    return bool(np.min(np.abs(linear.poles - 1.0), initial=1.0) < AT_ONE)
+    return linear.integrates()
 
 
 def simc(linear: LinearModel, slowness: float = 1.0) -> PI:
@@ -52,7 +50,7 @@ def simc(linear: LinearModel, slowness: float = 1.0) -> PI:
     """
     slowness = positive("slowness", slowness)
     a, b, dt = np.array([1.0, *linear.a]), np.array(linear.b), linear.dt
-    integrating = integrates(linear)
+    integrating = linear.integrates()
     if integrating:
         a = np.polydiv(a, [1.0, -1.0])[0]
     gain = float(b.sum() / a.sum())

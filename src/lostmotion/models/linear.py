@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -13,6 +14,9 @@ from lostmotion.arguments import signal as as_signal
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import InputError, ParameterError
 from lostmotion.kernels import linear as kernel
+
+AT_ONE = 1e-6  # distance of a pole from 1: roots of A are true to 1e-8 only where two of them meet
+SETTLING = 1.0 - 1e-9  # modulus: a slower pole needs 1e9 samples, longer than any record, and counts as an integrator
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,38 @@ class LinearModel:
     def is_stable(self) -> bool:
         """All poles strictly inside the unit circle."""
         return bool(kernel.is_stable(np.array(self.a), 1.0))
+
+    def integrates(self, within: float = AT_ONE) -> bool:
+        """Whether a pole is nearer to 1 than `within`.
+
+        Examples
+        --------
+        >>> LinearModel([-1.0], [0.1], 1).integrates(), LinearModel([-0.99], [0.1], 1).integrates()
+        (True, False)
+        """
+        return bool(np.min(np.abs(self.poles - 1.0), initial=1.0) < within)
+
+    def slowest_lag(self, within: float = SETTLING) -> float:
+        """Time constant of the slowest pole inside the radius `within`, in samples; 0 where no pole lags.
+
+        Examples
+        --------
+        >>> round(LinearModel.from_continuous([1.0], [30.0, 1.0], 0.0, 2.0).slowest_lag(), 9)
+        15.0
+        """
+        sizes = np.abs(self.poles)
+        lagging = sizes[(sizes > 0.0) & (sizes < within)]
+        return -1.0 / math.log(float(lagging.max())) if lagging.size else 0.0
+
+    @property
+    def slowest_time_constant(self) -> float:
+        """That of the slowest settling pole in seconds; an integrator has none, and counts as 0."""
+        return self.dt * self.slowest_lag()
+
+    @property
+    def process_time(self) -> float:
+        """Dead time, at least a sample, and slowest time constant in seconds: a while after which a move has acted."""
+        return float(self.dt * (max(self.delay, 1) + self.slowest_lag()))
 
     def simulate(self, x: npt.ArrayLike) -> FloatArray:
         """Output from rest for the internal variable x, shape (n,)."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from lostmotion.arguments import coefficients, finite
 from lostmotion.errors import ParameterError
 
@@ -34,6 +36,17 @@ class NoiseModel:
     def order(self) -> int:
         """Order p; 0 is white."""
         return len(self.d)
+
+    @property
+    def radius(self) -> float:
+        """Modulus of the slowest pole of 1/D, below 1 if stationary; 0 for white noise.
+
+        Examples
+        --------
+        >>> NoiseModel([-0.95], 0.01).radius, NoiseModel().radius
+        (0.95, 0.0)
+        """
+        return float(max((abs(pole) for pole in np.roots([1.0, *self.d])), default=0.0))
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

@@ -15,7 +15,7 @@ from lostmotion.online.trend import Line
 STALE = 1000  # samples without information that are worth a sentence
 DAY = 86400.0  # s
 LAGS = 3.0  # standard errors between estimate and trend that are worth a sentence
-Z95 = 1.959963984540054
+Z95 = 1.959963984540054  # standard errors in the half-width of a 95 % interval
 SHOWN = ("left", "right", "width", "slope_ratio")
 CHANGED = {
     "left": "The left break point has moved",

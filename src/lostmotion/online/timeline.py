@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.files.grid import Rows
 from lostmotion.files.times import time_text
 
-MOST_ANCHORS = 256
+MOST_ANCHORS = 256  # jumps of the clock that are remembered, so that the state does not grow
 JUMP = 2.0  # sampling times by which a step must differ from one to be a jump
 
 

@@ -11,7 +11,7 @@ from scipy import special
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
-MOST_POINTS = 64
+MOST_POINTS = 64  # usual: a trend is a line, and the state file stays small
 FEWEST_POINTS = 4  # two degrees of freedom for the check that a line fits
 FITS = 0.01  # a line is refused where chi-square as large has less than this probability
 SIGNIFICANT = 0.99  # confidence that a slope needs before a time is told: it is asked again at every report

@@ -21,7 +21,7 @@ from lostmotion.records.standstill import is_live
 
 SINGLE = 2.4e-7  # relative rounding of single precision, twice
 ROUNDING = 1e-9  # of the range: differences this small are float rounding
-MOST_FACTOR = 1000
+MOST_FACTOR = 1000  # rows per value of the scan: a slower scan leaves too few values to tell
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ FEWEST_LEFT = 300  # samples after resampling: fewer tell less
 LATE = 20  # samples of delay
 MOST_SAID = 3  # periods
 SLOW = 0.5  # samples in the slowest time constant
+NO_LAG = 0.0483  # samples in the slowest time constant: its pole is below 1e-9, which is 0 but for rounding
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
 
@@ -106,14 +107,14 @@ def about_op_step(fit: HammersteinFit) -> str:
 def about_sampling(fit: HammersteinFit) -> str:
     """Sampling time against the slowest time constant and the delay."""
     dt = fit.data.dt
-    slowest, delay = slowest_constant(fit), fit.linear.delay
+    slowest, delay = fit.linear.slowest_lag(within=np.exp(-1.0 / fit.data.u.size)), fit.linear.delay
     factor = calm_factor(fit.data.u, max(slowest, float(delay)) / WANTED)
     if (slowest > FAST or delay > LATE) and factor > 1:
         return (
             f"The sampling is fast for this process: {slowest:.0f} samples in its slowest time constant, {delay} in "
             f"its delay. Fewer samples tell as much, and sooner: records.resample(record, {factor})."
         )
-    if 0.0 < slowest < SLOW:
+    if NO_LAG < slowest < SLOW:
         return (
             f"The sampling is slow for this process: its slowest time constant is {slowest * dt:.2g} s, the sampling "
             f"time {dt:g} s. Moves of OP between the samples are not seen; record faster if OP moves faster."
@@ -146,13 +147,6 @@ def moves_within(u: FloatArray, factor: int) -> float:
     """
     blocks = u[: u.size // factor * factor].reshape(-1, factor)
     return float(np.sqrt(np.mean((blocks - blocks[:, :1]) ** 2)) / max(float(np.std(u)), 1e-300))
-
-
-def slowest_constant(fit: HammersteinFit) -> float:
-    """Slowest time constant in samples; 0 where the process has none that is shorter than the record."""
-    radius = np.abs(fit.linear.poles)
-    radius = radius[(radius > 1e-9) & (radius < np.exp(-1.0 / fit.data.u.size))]
-    return float(-1.0 / np.log(radius.max())) if radius.size else 0.0
 
 
 def in_percent(fit: HammersteinFit) -> str:

@@ -14,7 +14,7 @@ from lostmotion.simulate.response import LoopResponse
 
 PAPER_PI = PI(kp=0.5, ki=0.7, low=-50.0, high=50.0)  # 0 to 100 % of a valve at rest at 50 %
 HOLD = 300  # samples between set-point moves: 30 s
-VALVE_SLOPE = 3.0
+VALVE_SLOPE = 3.0  # of the paper's dead zone: another actuator gets it in the process
 DRIFT_POLE = 0.99  # of the first-order drift: it forgets in 10 s
 DRIFT = {"none": 0.0, "mild": 0.3, "strong": 1.0, "very strong": 3.0}  # its deviation, in set-point moves
 

@@ -6,11 +6,11 @@ import functools
 
 from lostmotion.models import DeadZone, Hammerstein, LinearModel
 
-VALVE = ([25.0], [1.0, 5.0, 25.0])
+VALVE = ([25.0], [1.0, 5.0, 25.0])  # eq 27 to 30 of the paper, as all of these
 TANK = ([2.0], [1.0, 0.9])
-DEAD_TIME = 0.3
-DT = 0.1
-NOISE_VARIANCE = 0.03
+DEAD_TIME = 0.3  # s
+DT = 0.1  # s
+NOISE_VARIANCE = 0.03  # of the paper's experiments
 
 
 @functools.cache
