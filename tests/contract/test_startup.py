@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import lostmotion as lm
+from lostmotion.cli.commands import COMMANDS
 
 HEAVY = ("numpy", "numba", "polars", "scipy", "matplotlib", "control", "narwhals", "jinja2")
 
@@ -48,3 +49,10 @@ def test_the_stub_and_the_package_list_the_same_names():
     listed = next(node.value for node in stub.body if isinstance(node, ast.Assign))
     assert sorted(ast.literal_eval(listed)) == sorted(lm.__all__)
     assert set(lm.__all__) | {"__version__", "__doc__"} <= set(dir(lm))
+
+
+@pytest.mark.parametrize("words", ["--help", "--version"])
+def test_help_and_version_load_no_command(words):
+    code = f"from lostmotion.cli import main\ntry: main(['{words}'])\nexcept SystemExit as end: assert not end.code"
+    commands = [f"lostmotion.cli.{name}" for name in COMMANDS]
+    assert loaded_after(code, *HEAVY, *commands) == []
