@@ -25,7 +25,7 @@ File = Annotated[
 Files = Annotated[
     list[Path],
     typer.Argument(
-        metavar="FILE...", help="Records (CSV, text, Parquet, MAT), one file for each loop.", show_default=False
+        metavar="FILE", help="Records (CSV, text, Parquet, MAT), one file for each loop.", show_default=False
     ),
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]

@@ -116,7 +116,9 @@ class RoughModel:
         constants = self.time_constant or []
         if self.gain is None or self.dt is None or not (constants or self.integrating):
             raise ParameterError.expected(
-                "--fit, or --gain, --time-constant (or --integrating) and --dt", "less", "see --help for an example"
+                "--fit, or --gain, --time-constant (or --integrating) and --dt",
+                "less",
+                "see --help for an example, or use --model",
             )
         if any(not constant > 0 for constant in constants):
             raise ParameterError.expected("--time-constant > 0", constants, "give seconds")
