@@ -9,6 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.cli import main
+from lostmotion.cli.diagnose import LoopType
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.files import write_columns
@@ -54,7 +55,7 @@ def told(monkeypatch):
                 raise found
             return found
 
-        monkeypatch.setattr(sys.modules["lostmotion.cli.diagnose"], "diagnose_record", answer)
+        monkeypatch.setattr(lm, "diagnose", answer)
         return asked
 
     return install
@@ -188,7 +189,7 @@ def test_help_has_an_example(capsys):
 
 
 def test_every_loop_type_can_be_asked_for():
-    assert {one.value for one in sys.modules["lostmotion.cli.diagnose"].LoopType} == set(LEAST_INDEX)
+    assert {one.value for one in LoopType} == set(LEAST_INDEX)
 
 
 def test_silent_without_a_terminal(csv):

@@ -7,32 +7,37 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
-from lostmotion.cli.check import check
-from lostmotion.cli.compensate import compensate
-from lostmotion.cli.design import design
-from lostmotion.cli.diagnose import diagnose
-from lostmotion.cli.export import export
-from lostmotion.cli.identify import identify
-from lostmotion.cli.online import online
-from lostmotion.cli.paper import paper
-from lostmotion.cli.simulate import simulate
+import lostmotion
+from lostmotion.cli.commands import COMMANDS, PLAIN, Commands, command
+from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import message
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
     name="lostmotion",
     help="Find the lost motion of an actuator in the records of its control loop, and take it away.",
+    cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+    **PLAIN,
 )
-for command in (check, diagnose, identify, compensate, simulate, design, export, online, paper):
-    app.command()(command)
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"lostmotion {lostmotion.__version__}")
+        raise typer.Exit
+
+
+Version = Annotated[bool, typer.Option("--version", help="Say the version.", callback=_say_version, is_eager=True)]
+
+
+@app.callback()
+def _whole(version: Version = False) -> None:
+    pass
 
 
 def main(arguments: list[str] | None = None) -> Any:
@@ -40,19 +45,21 @@ def main(arguments: list[str] | None = None) -> Any:
     words = sys.argv[1:] if arguments is None else arguments
     try:
         return app(words, prog_name="lostmotion")
-    except LostMotionError as error:
-        said = message(error, _options(words))
-        if "--json" in words:
-            typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
-        typer.echo(f"error: {said}", err=True)
+    except (LostMotionError, ImportError) as error:
+        _say_error(error, words)
         sys.exit(1)
-    except ImportError as error:
-        typer.echo(f"error: {error}", err=True)
-        sys.exit(1)
+
+
+def _say_error(error: LostMotionError | ImportError, words: list[str]) -> None:
+    """One line on standard error, and with --json an object on standard output."""
+    progress("")
+    said = message(error, _options(words))
+    if isinstance(error, LostMotionError) and "--json" in words:
+        typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
+    typer.echo(f"error: {said}", err=True)
 
 
 def _options(words: list[str]) -> set[str]:
     """Options of the command that was typed."""
-    commands = getattr(typer.main.get_command(app), "commands", {})
-    typed = next((commands[word] for word in words if word in commands), None)
-    return {option for parameter in typed.params for option in parameter.opts} if typed else set()
+    typed = next((word for word in words if word in COMMANDS), None)
+    return {option for parameter in command(typed).params for option in parameter.opts} if typed else set()

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
-from lostmotion.cli.options import Dt, File, Force, Json, NoTime, Op, Pv, Time, refuse_existing, show
-from lostmotion.compensate import DeadZoneCompensator
+import lostmotion as lm
+from lostmotion.cli.options import ColumnOptions, File, number
+from lostmotion.cli.output import OutputOptions
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit, read_loop, write_columns
-from lostmotion.models import DeadZone
+from lostmotion.files import read_fit, write_columns
 
-Fit = Annotated[Path | None, typer.Option("--fit", help="Result of `identify --out`.", show_default=False)]
-Left = Annotated[float | None, typer.Option("--left", help="Break point, instead of --fit.", show_default=False)]
-Right = Annotated[float | None, typer.Option("--right", help="Break point, instead of --fit.", show_default=False)]
+if TYPE_CHECKING:
+    from lostmotion.models import DeadZone
+
+Fit = Annotated[Path | None, number("--fit", "Result of `identify --out`.")]
+Left = Annotated[float | None, number("--left", "Break point, instead of --fit.")]
+Right = Annotated[float | None, number("--right", "Break point, instead of --fit.")]
 LeftSlope = Annotated[float, typer.Option("--left-slope", help="With --left and --right.")]
 RightSlope = Annotated[float, typer.Option("--right-slope", help="With --left and --right.")]
 Centre = Annotated[
@@ -27,25 +30,28 @@ Centre = Annotated[
         show_default=False,
     ),
 ]
-Out = Annotated[Path, typer.Option("--out", help="Table to write (csv, txt, parquet).", show_default=False)]
+Out = Annotated[Path, number("--out", "Table to write (csv, txt, parquet).")]
+
+
+@dataclass(frozen=True)
+class ZoneOptions:
+    """Dead zone, from a fit or from its numbers."""
+
+    fit: Fit = None
+    left: Left = None
+    right: Right = None
+    left_slope: LeftSlope = 1.0
+    right_slope: RightSlope = 1.0
 
 
 def compensate(
     file: File,
     out: Out,
-    fit: Fit = None,
-    left: Left = None,
-    right: Right = None,
-    left_slope: LeftSlope = 1.0,
-    right_slope: RightSlope = 1.0,
     centre: Centre = None,
-    op: Op = "OP",
-    pv: Pv = "PV",
-    time: Time = None,
-    dt: Dt = None,
-    ignore_time: NoTime = False,
-    force: Force = False,
-    json: Json = False,
+    *,
+    zone: ZoneOptions,
+    columns: ColumnOptions,
+    output: OutputOptions,
 ) -> None:
     """Apply the plain inverse of a dead zone to the controller output and write it as OP_compensated.
 
@@ -53,20 +59,23 @@ def compensate(
 
     Example: lostmotion compensate FIC-101.csv --fit fic101.json --out fic101-compensated.csv
     """
-    refuse_existing(out, force)
-    block = DeadZoneCompensator.from_dead_zone(_zone(fit, left, right, left_slope, right_slope), centre)
-    record = read_loop(file, op=op, pv=pv, sp=None, time=False if ignore_time else time, dt=dt)
+    import numpy as np
+
+    output.refuse(out)
+    block = lm.DeadZoneCompensator.from_dead_zone(_zone(**asdict(zone)), centre)
+    record = columns.read(file, sp=None)
     command = np.asarray(block(record.op))
-    write_columns(out, {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}, force)
+    table = {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}
+    write_columns(out, table, output.force)
     move = float(np.nanmax(np.abs(command - record.op)))
-    zone = block.dead_zone
+    undone = block.dead_zone
     text = (
-        f"{out}: {len(record)} rows, OP_compensated = inverse of the dead zone {zone.left:.5g} .. "
-        f"{zone.right:.5g} "
-        f"(slopes {zone.left_slope:.4g}, {zone.right_slope:.4g}) around OP = {block.centre:.5g}; "
+        f"{out}: {len(record)} rows, OP_compensated = inverse of the dead zone {undone.left:.5g} .. "
+        f"{undone.right:.5g} "
+        f"(slopes {undone.left_slope:.4g}, {undone.right_slope:.4g}) around OP = {block.centre:.5g}; "
         f"largest move {move:.4g}."
     )
-    show(text, {"out": str(out), "rows": len(record), "largest_move": move, **block.to_dict()}, json)
+    output.show(text, {"out": str(out), "rows": len(record), "largest_move": move, **block.to_dict()})
 
 
 def _zone(fit: Path | None, left: float | None, right: float | None, left_slope: float, right_slope: float) -> DeadZone:
@@ -75,7 +84,7 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
     if fit is None:
         assert left is not None  # noqa: S101
         assert right is not None  # noqa: S101
-        return DeadZone(left, right, left_slope, right_slope)
+        return lm.DeadZone(left, right, left_slope, right_slope)
     data = read_fit(fit)
     if data["preferred"] != "dead zone":
         raise ParameterError.expected(
@@ -83,4 +92,4 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
             f"{data['preferred']} (status {data['status']})",
             "for backlash and stiction `lostmotion simulate` and `export` make the block",
         )
-    return DeadZone.from_dict(data["model"]["nonlinearity"])
+    return lm.DeadZone.from_dict(data["model"]["nonlinearity"])

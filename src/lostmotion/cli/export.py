@@ -3,44 +3,65 @@
 from __future__ import annotations
 
 import json as json_module
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from lostmotion.cli.options import Force, Json, show
-from lostmotion.compensate.saved import block_from_saved
+import lostmotion as lm
+from lostmotion.cli.options import number
+from lostmotion.cli.output import OutputOptions
 from lostmotion.errors import DataError, FileAccessError, ParameterError
-from lostmotion.export import export as export_block
+
+if TYPE_CHECKING:
+    from lostmotion.compensate import CompensatorBlock
 
 Saved = Annotated[
     Path, typer.Argument(help="Result of `identify --out`, or a block saved as JSON.", show_default=False)
 ]
 To = Annotated[str, typer.Option("--to", help="st, plcopen, tcpou, scl, l5x or c.")]
-Name = Annotated[str, typer.Option("--name", help="Name of the function block, e.g. FY_101.", show_default=False)]
-Date = Annotated[str, typer.Option("--date", help="Day for the header, YYYY-MM-DD.", show_default=False)]
-Out = Annotated[Path, typer.Option("--out", help="Folder for the files; made if need be.", show_default=False)]
+Name = Annotated[str, number("--name", "Name of the function block, e.g. FY_101.")]
+Date = Annotated[str, number("--date", "Day for the header, YYYY-MM-DD.")]
+Out = Annotated[Path, number("--out", "Folder for the files; made if need be.")]
 Real = Annotated[str, typer.Option("--real", help="lreal (64 bits) or real (32 bits).")]
-Scan = Annotated[
-    float | None, typer.Option("--scan-time", help="Seconds; default: that of the record.", show_default=False)
-]
+Scan = Annotated[float | None, number("--scan-time", "Seconds; default: that of the record.")]
 Span = Annotated[tuple[float, float], typer.Option("--span", help="Smallest and largest OP: the clamps.")]
 Factor = Annotated[
     float | None,
-    typer.Option("--factor", help="Share to compensate; default: from the interval.", show_default=False),
+    number("--factor", "Share to compensate; default: from the interval."),
 ]
-Noise = Annotated[
-    float | None, typer.Option("--op-noise", help="Standard deviation of the noise in OP.", show_default=False)
-]
-Ramp = Annotated[float | None, typer.Option("--ramp", help="Units of OP a second while switching.", show_default=False)]
-Centre = Annotated[
-    float | None, typer.Option("--centre", help="Dead zone: OP at which the valve rests.", show_default=False)
-]
+Noise = Annotated[float | None, number("--op-noise", "Standard deviation of the noise in OP.")]
+Ramp = Annotated[float | None, number("--ramp", "Units of OP a second while switching.")]
+Centre = Annotated[float | None, number("--centre", "Dead zone: OP at which the valve rests.")]
 Method = Annotated[str, typer.Option("--method", help='Stiction: "knocker" or "two moves".')]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", help="Any setting, e.g. --set band=0.2; repeat it.", show_default=False)
-]
+Settings = Annotated[list[str] | None, number("--set", "Any setting, e.g. --set band=0.2; repeat it.")]
 Scans = Annotated[int, typer.Option("--replay", help="Scans of the replay that proves the code; 0: none.")]
+
+
+@dataclass(frozen=True)
+class BlockOptions:
+    """Settings of the block, instead of those that follow from the fit."""
+
+    scan_time: Scan = None
+    span: Span = (0.0, 100.0)
+    factor: Factor = None
+    op_noise: Noise = None
+    ramp: Ramp = None
+    centre: Centre = None
+    method: Method = "knocker"
+    settings: Settings = None
+
+    def block(self, data: dict[str, Any]) -> CompensatorBlock:
+        """Block of a saved fit or a saved block."""
+        from lostmotion.compensate.saved import block_from_saved
+
+        extra = _settings(self.settings or [])
+        options: dict[str, Any] = {"op_noise": self.op_noise, "ramp": self.ramp, "centre": self.centre, **extra}
+        given = {key: value for key, value in options.items() if value is not None}
+        if "model" in data:
+            given["method"] = self.method
+        return block_from_saved(data, span=self.span, scan_time=self.scan_time, factor=self.factor, **given)
 
 
 def export(
@@ -50,17 +71,10 @@ def export(
     out: Out,
     to: To = "st",
     real: Real = "lreal",
-    scan_time: Scan = None,
-    span: Span = (0.0, 100.0),
-    factor: Factor = None,
-    op_noise: Noise = None,
-    ramp: Ramp = None,
-    centre: Centre = None,
-    method: Method = "knocker",
-    settings: Settings = None,
     replay: Scans = 10_000,
-    force: Force = False,
-    json: Json = False,
+    *,
+    asked: BlockOptions,
+    output: OutputOptions,
 ) -> None:
     """Write the compensating block as code for a PLC, with test vectors and a page for commissioning.
 
@@ -69,23 +83,19 @@ def export(
     The written code is executed over random and adversarial scans and compared with the simulated block. Exit code 1,
     and nothing is written, where they differ. No file has been verified in a vendor's tool.
     """
-    data, extra = _read(saved), _settings(settings or [])
-    options: dict[str, Any] = {"op_noise": op_noise, "ramp": ramp, "centre": centre, **extra}
-    given = {key: value for key, value in options.items() if value is not None}
-    if "model" in data:
-        given["method"] = method
-    block = block_from_saved(data, span=span, scan_time=scan_time, factor=factor, **given)
-    done = export_block(block, to, name=name, date=date, real=real, fit=data if "model" in data else None)
+    data = _read(saved)
+    block = asked.block(data)
+    done = lm.export.export(block, to, name=name, date=date, real=real, fit=data if "model" in data else None)
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
-        show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()}, json)
+        output.show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()})
         raise typer.Exit(1)
-    paths = [str(path) for path in done.write(out, force)]
+    paths = [str(path) for path in done.write(out, output.force)]
     notes = "; ".join(block.notes)
     said = "not replayed" if proof is None else f"the code {proof.summary()}"
     text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
     replayed = None if proof is None else proof.to_dict()
-    show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed}, json)
+    output.show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed})
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -2,111 +2,93 @@
 
 from __future__ import annotations
 
-import json as json_module
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lostmotion.cli.options import (
-    Dt,
-    File,
-    Force,
-    Json,
-    Mode,
-    NoTime,
-    Op,
-    OpSpan,
-    Pv,
-    PvSpan,
-    Tag,
-    Time,
-    refuse_existing,
-    show,
-)
+import lostmotion as lm
+from lostmotion.cli.options import Files, RecordOptions, number
+from lostmotion.cli.output import Figures, OutputOptions, places
+from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.errors import ParameterError, Status
-from lostmotion.files import read_loop, write_text
-from lostmotion.identify import identify as identify_model
+
+if TYPE_CHECKING:
+    from lostmotion.identify import HammersteinFit
+    from lostmotion.records import LoopRecord
 
 Orders = Annotated[str, typer.Option("--orders", help='"auto", or na,nb,delay as in 3,2,3.')]
 Noise = Annotated[str, typer.Option("--noise", help='"auto", "white", or the order of the AR noise.')]
 Kind = Annotated[
     str, typer.Option("--nonlinearity", help='"dead zone", "backlash", "stiction", "saturation", "none" or "auto".')
 ]
-Gain = Annotated[
-    float | None,
-    typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False),
-]
+Gain = Annotated[float | None, number("--gain", "Known static gain of the process behind the valve.")]
 Offset = Annotated[str, typer.Option("--offset", help='"auto", "free", or "zero" for records in deviations.')]
 Raw = Annotated[bool, typer.Option("--raw", help="Take the record as it is: nothing is left out, holes are an error.")]
 Split = Annotated[bool, typer.Option("--split", help="With --raw: cut at gaps and missing samples, fit all pieces.")]
-Figure = Annotated[
-    Path | None, typer.Option("--figure", help="Write the figure here (png, pdf or svg).", show_default=False)
-]
 Out = Annotated[
-    Path | None, typer.Option("--out", help="Write the result as JSON, for `compensate`.", show_default=False)
+    Path | None, number("--out", "Write the result as JSON, for other commands; of several files: a folder.")
 ]
+
+
+@dataclass(frozen=True)
+class ModelOptions:
+    """What is sought, and what is known of it."""
+
+    nonlinearity: Kind = "dead zone"
+    orders: Orders = "auto"
+    noise: Noise = "auto"
+    gain: Gain = None
+    offset: Offset = "auto"
+    raw: Raw = False
+    split: Split = False
+
+    def identify(self, record: LoopRecord) -> HammersteinFit:
+        """Fit of a record."""
+        return lm.identify(
+            record.split() if self.split and self.raw else record,
+            raw=self.raw,
+            nonlinearity=self.nonlinearity,
+            orders=self.orders if self.orders == "auto" else read_orders(self.orders),
+            noise=int(self.noise) if self.noise.isdigit() else self.noise,
+            gain=self.gain,
+            offset=self.offset,
+        )
 
 
 def identify(
-    file: File,
-    op: Op = "OP",
-    pv: Pv = "PV",
-    time: Time = None,
-    dt: Dt = None,
-    ignore_time: NoTime = False,
-    tag: Tag = None,
-    op_span: OpSpan = None,
-    pv_span: PvSpan = None,
-    mode: Mode = None,
-    nonlinearity: Kind = "dead zone",
-    orders: Orders = "auto",
-    noise: Noise = "auto",
-    gain: Gain = None,
-    offset: Offset = "auto",
-    raw: Raw = False,
-    split: Split = False,
-    figure: Figure = None,
+    files: Files,
+    figure: Figures = None,
     out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    *,
+    model: ModelOptions,
+    columns: RecordOptions,
+    output: OutputOptions,
 ) -> None:
     """Find the dead zone of the actuator and the process behind it, with intervals.
 
     Example: lostmotion identify FIC-101.csv --figure fic101.png --out fic101.json
 
-    The record is prepared first: rows that cannot be used are left out, and the report says which and why.
+    The record is prepared first: rows that cannot be used are left out, and the report says which and why. Several
+    files give one line each, then a table with the largest lost motion first; --json gives a list.
 
-    Exit code 1 where the record does not tell or the fit failed.
+    Exit code 1 where a record does not tell or a fit failed.
     """
-    for path in (figure, out):
-        refuse_existing(path, force)
-    record = read_loop(
-        file,
-        op=op,
-        pv=pv,
-        time=False if ignore_time else time,
-        dt=dt,
-        tag=tag,
-        op_span=op_span,
-        pv_span=pv_span,
-        mode=mode,
-    )
-    fit = identify_model(
-        record.split() if split and raw else record,
-        raw=raw,
-        nonlinearity=nonlinearity,
-        orders=orders if orders == "auto" else read_orders(orders),
-        noise=int(noise) if noise.isdigit() else noise,
-        gain=gain,
-        offset=offset,
-    )
-    if figure is not None:
-        fit.plot().savefig(figure, dpi=120)
-    if out is not None:
-        write_text(out, json_module.dumps(fit.to_dict(), indent=2, allow_nan=False) + "\n", force)
-    show(fit.summary(), fit.to_dict(), json)
-    raise typer.Exit(0 if fit.status.ok or fit.status is Status.NOT_SEEN else 1)
+    from lostmotion.report.fit_table import fit_line, fit_table
+
+    refuse_tag(files, columns)
+    figures, outs = places(files, figure, "figures", ".png"), places(files, out, "results", ".json")
+    output.refuse(*outs.values(), figures=tuple(figures.values()))
+
+    def work(file: Path) -> HammersteinFit:
+        fit = model.identify(columns.read(file))
+        output.write_figure(figures.get(file), fit)
+        output.write_json(outs.get(file), fit.to_dict())
+        return fit
+
+    found = each(files, work, fit_line, output.json)
+    raise tell(found, fit_table, output, lambda fit: fit.status.ok or fit.status is Status.NOT_SEEN)
 
 
 def read_orders(text: str) -> tuple[int, int, int]:

@@ -8,39 +8,36 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from threading import Event
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import lostmotion as lm
 from lostmotion.cli.identify import Noise, read_orders
-from lostmotion.cli.options import Dt, Json, NoTime, Op, Pv, Time
+from lostmotion.cli.options import ColumnOptions, number
+from lostmotion.cli.output import Json
 from lostmotion.errors import ParameterError
 from lostmotion.files import read_fit
-from lostmotion.files.follow import Follower
-from lostmotion.files.layout import Asked, Layout
-from lostmotion.identify import RecursiveML
-from lostmotion.online import OnlineMonitor
-from lostmotion.online.service import Kept, Service
-from lostmotion.report.online_text import online_line
+
+if TYPE_CHECKING:
+    from lostmotion.files.layout import Layout
+    from lostmotion.online import OnlineMonitor
 
 Source = Annotated[str, typer.Argument(help="CSV or text file that grows, or - for standard input.")]
-Orders = Annotated[
-    str | None, typer.Option("--orders", help="na,nb,delay as in 3,2,3; or give --fit.", show_default=False)
-]
+Orders = Annotated[str | None, number("--orders", "na,nb,delay as in 3,2,3; or give --fit.")]
 Fit = Annotated[
     Path | None,
-    typer.Option("--fit", help="Result of `identify --out`: orders, noise order, gain.", show_default=False),
+    number("--fit", "Result of `identify --out`: orders, noise order, gain."),
 ]
-Gain = Annotated[
-    float | None, typer.Option("--gain", help="Known static gain of the process behind the valve.", show_default=False)
-]
+Gain = Annotated[float | None, number("--gain", "Known static gain of the process behind the valve.")]
 Forgetting = Annotated[float, typer.Option("--forgetting", help="1 - 1/memory in samples; 1 forgets at changes only.")]
 Start = Annotated[int, typer.Option("--start-samples", help="Samples of the first window, which is fitted in batch.")]
 Mode = Annotated[
     str | None,
-    typer.Option("--mode", help="Column of the controller mode: learn in automatic only.", show_default=False),
+    number("--mode", "Column of the controller mode: learn in automatic only."),
 ]
 Auto = Annotated[
     list[str] | None,
@@ -50,48 +47,63 @@ Auto = Annotated[
 ]
 Limits = Annotated[
     tuple[float, float] | None,
-    typer.Option("--op-limits", help="Where OP saturates, e.g. 0 100: no learning there.", show_default=False),
+    number("--op-limits", "Where OP saturates, e.g. 0 100: no learning there."),
 ]
 Frozen = Annotated[
     int | None,
-    typer.Option("--frozen", help="Equal values of PV in a row that mean a frozen transmitter.", show_default=False),
+    number("--frozen", "Equal values of PV in a row that mean a frozen transmitter."),
 ]
 Width = Annotated[
     float | None,
-    typer.Option("--width-limit", help="Width of the dead zone at which something must be done.", show_default=False),
+    number("--width-limit", "Width of the dead zone at which something must be done."),
 ]
 ReportEvery = Annotated[int, typer.Option("--report-every", min=1, help="Samples from report to report.")]
 TrendEvery = Annotated[
     int | None,
-    typer.Option("--trend-every", help="Samples to a point of the trend; default: ten reports.", show_default=False),
+    number("--trend-every", "Samples to a point of the trend; default: ten reports."),
 ]
 State = Annotated[
     Path | None,
-    typer.Option("--state", help="File that keeps all that is known, to go on after a stop.", show_default=False),
+    number("--state", "File that keeps all that is known, to go on after a stop."),
 ]
 Follow = Annotated[bool, typer.Option("--follow/--no-follow", help="Wait for more rows, or stop at the end.")]
 
 
+@dataclass(frozen=True)
+class EstimatorOptions:
+    """Orders and gain, given or from a fit, and how fast the past is forgotten."""
+
+    orders: Orders = None
+    fit: Fit = None
+    gain: Gain = None
+    noise: Noise = "auto"
+    forgetting: Forgetting = 0.9998
+    start_samples: Start = 1000
+
+    def given(self) -> dict[str, Any]:
+        """Settings of the estimator."""
+        model = _model(self.fit, self.orders, self.gain, self.noise)
+        return model | {"forgetting": self.forgetting, "start_samples": self.start_samples}
+
+
+@dataclass(frozen=True)
+class WatchOptions:
+    """How often is reported, and where nothing is learned."""
+
+    report_every: ReportEvery = 1000
+    trend_every: TrendEvery = None
+    op_limits: Limits = None
+    frozen: Frozen = None
+
+
 def online(
     source: Source,
-    orders: Orders = None,
-    fit: Fit = None,
-    gain: Gain = None,
-    noise: Noise = "auto",
-    forgetting: Forgetting = 0.9998,
-    start_samples: Start = 1000,
-    op: Op = "OP",
-    pv: Pv = "PV",
-    time: Time = None,
-    dt: Dt = None,
-    ignore_time: NoTime = False,
+    estimator: EstimatorOptions,
+    columns: ColumnOptions,
+    watched: WatchOptions,
     mode: Mode = None,
     auto_value: Auto = None,
-    op_limits: Limits = None,
-    frozen: Frozen = None,
     width_limit: Width = None,
-    report_every: ReportEvery = 1000,
-    trend_every: TrendEvery = None,
     state: State = None,
     follow: Follow = True,
     json: Json = False,  # noqa: ARG001  the output is JSON in any case
@@ -106,9 +118,13 @@ def online(
     At the end of the input the exit code is 1 where a change was found, the width is above its limit, or the record
     did not tell.
     """
-    model = _model(fit, orders, gain, noise) | {"forgetting": forgetting, "start_samples": start_samples}
-    watch = {"report_every": report_every, "trend_every": trend_every, "op_limits": op_limits, "frozen": frozen}
-    asked = Asked(op, pv, False if ignore_time else time, mode, tuple(auto_value or ()), dt)
+    from lostmotion.files.follow import Follower
+    from lostmotion.files.layout import Asked
+    from lostmotion.online.service import Kept, Service
+
+    model, watch = estimator.given(), asdict(watched)
+    automatic = tuple(auto_value or ())
+    asked = Asked(columns.op, columns.pv, columns.time_column, mode, automatic, columns.dt)
     rows = sys.stdin.buffer if source == "-" else Path(source)
     with (
         _stop_on_signals() as stop,
@@ -117,7 +133,7 @@ def online(
     ):
 
         def make(layout: Layout) -> OnlineMonitor:
-            return _monitor(layout, model, watch, fit)
+            return _monitor(layout, model, watch, estimator.fit)
 
         service = Service(follower, kept, make, _emit, width_limit)
         service.run(follow, stop)
@@ -143,11 +159,13 @@ def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str)
 
 
 def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:
+    from lostmotion.online import OnlineMonitor
+
     if fit is not None:
         known = read_fit(fit)["model"]["linear"]["dt"]
         if abs(known - layout.dt) > 0.01 * layout.dt:
             raise ParameterError.expected(f"a fit at dt = {layout.dt:g} s", f"{known:g} s", "check --dt and the fit")
-    return OnlineMonitor(RecursiveML(**model, dt=layout.dt), dt=layout.dt, calendar=layout.calendar, **watch)
+    return OnlineMonitor(lm.RecursiveML(**model, dt=layout.dt), dt=layout.dt, calendar=layout.calendar, **watch)
 
 
 @contextmanager
@@ -173,4 +191,6 @@ def _stop_on_signals() -> Iterator[Event]:
 def _emit(message: dict[str, Any]) -> None:
     typer.echo(json_module.dumps(message, allow_nan=False))
     if sys.stderr.isatty():
+        from lostmotion.report.online_text import online_line
+
         typer.echo(online_line(message), err=True)

@@ -1,55 +1,79 @@
-"""Options that several commands share, and how they print."""
+"""Options that several commands share: the file, its columns and what is known of the record."""
 
 from __future__ import annotations
 
-import json
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from lostmotion.errors import FileAccessError
+import lostmotion as lm
+
+if TYPE_CHECKING:
+    from lostmotion.records import LoopRecord
+
+
+def number(flag: str, help_: str) -> Any:
+    """Option without a default."""
+    return typer.Option(flag, help=help_, show_default=False)
+
 
 File = Annotated[
     Path, typer.Argument(help="CSV, text, Parquet or MAT file with the record of one loop.", show_default=False)
 ]
+Files = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="FILE", help="Records (CSV, text, Parquet, MAT), one file for each loop.", show_default=False
+    ),
+]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
 Pv = Annotated[str, typer.Option("--pv", help="Column of the measurement.")]
 Sp = Annotated[str, typer.Option("--sp", help="Column of the set point; not needed.")]
-Dt = Annotated[
-    float | None,
-    typer.Option("--dt", help="Sampling time in seconds; default: from the time column.", show_default=False),
-]
-Time = Annotated[str | None, typer.Option("--time", help="Time column, if it has an unusual name.", show_default=False)]
+Dt = Annotated[float | None, number("--dt", "Sampling time in seconds; default: from the time column.")]
+Time = Annotated[str | None, number("--time", "Time column, if it has an unusual name.")]
 NoTime = Annotated[bool, typer.Option("--ignore-time", help="Rows are equally spaced in truth; needs --dt.")]
-Tag = Annotated[
-    str | None, typer.Option("--tag", help="Name of the loop; default: name of the file.", show_default=False)
-]
+Tag = Annotated[str | None, number("--tag", "Name of the loop; default: name of the file.")]
 OpSpan = Annotated[
     tuple[float, float] | None,
-    typer.Option(
-        "--op-span",
-        help="Limits of OP in its units, for results in % of span, e.g. 0 100.",
-        show_default=False,
-    ),
+    number("--op-span", "Limits of OP in its units, for results in % of span, e.g. 0 100."),
 ]
 PvSpan = Annotated[
     tuple[float, float] | None,
-    typer.Option("--pv-span", help="Range of the transmitter in units of PV, e.g. 0 250.", show_default=False),
+    number("--pv-span", "Range of the transmitter in units of PV, e.g. 0 250."),
 ]
-Mode = Annotated[str | None, typer.Option("--mode", help="Column with the mode of the controller.", show_default=False)]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace files that are already there.")]
+Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
 
 
-def show(text: str, data: dict[str, Any] | list[dict[str, Any]], as_json: bool) -> None:
-    """Print a result as text or as JSON."""
-    typer.echo(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
+@dataclass(frozen=True)
+class ColumnOptions:
+    """Where OP, PV and the time stand in a file."""
+
+    op: Op = "OP"
+    pv: Pv = "PV"
+    time: Time = None
+    dt: Dt = None
+    ignore_time: NoTime = False
+
+    @property
+    def time_column(self) -> str | Literal[False] | None:
+        """As the readers want it: False where the times are to be ignored."""
+        return False if self.ignore_time else self.time
+
+    def read(self, path: Path, **other: Any) -> LoopRecord:
+        """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
+        known = asdict(self) | {"time": self.time_column}
+        del known["ignore_time"]
+        return lm.read_loop(path, **known, **other)
 
 
-def refuse_existing(path: Path | None, force: bool) -> None:
-    """Raise before any work is done where an output would overwrite a file."""
-    if path is not None and path.exists() and not force:
-        raise FileAccessError(f"expected a new file, got {path} which exists; use --force to replace it")
-    if path is not None and not path.parent.is_dir():
-        raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+@dataclass(frozen=True)
+class RecordOptions(ColumnOptions):
+    """Where the record of a loop stands in a file, and what is known of the loop."""
+
+    sp: Sp = "SP"
+    tag: Tag = None
+    op_span: OpSpan = None
+    pv_span: PvSpan = None
+    mode: Mode = None

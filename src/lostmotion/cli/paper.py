@@ -8,17 +8,14 @@ from typing import Annotated
 
 import typer
 
-from lostmotion.cli.options import Force, Json, refuse_existing
-from lostmotion.files import write_text
-from lostmotion.paper import study_control, study_estimation, to_dict, write_page
-from lostmotion.paper.estimation import METHODS
+from lostmotion.cli.options import number
+from lostmotion.cli.output import OutputOptions
+
+METHODS = ("riv", "rls", "els", "voros", "ml")  # those of lostmotion.paper, which is loaded when it is asked to work
 
 Seeds = Annotated[int, typer.Option("--seeds", min=1, help="Runs of each estimation method.")]
 Samples = Annotated[int, typer.Option("--samples", min=1000, help="Samples of each run; the paper has 200000.")]
-Method = Annotated[
-    list[str] | None,
-    typer.Option("--method", help=f"One of {', '.join(METHODS)}; may be repeated. Default: all.", show_default=False),
-]
+Method = Annotated[list[str] | None, number("--method", f"One of {', '.join(METHODS)}; may be repeated. Default: all.")]
 ControlSeeds = Annotated[int, typer.Option("--control-seeds", min=1, help="Noise sequences for table 2.")]
 Out = Annotated[Path, typer.Option("--out", help="HTML page to write; the JSON goes beside it.")]
 
@@ -29,23 +26,24 @@ def paper(
     samples: Samples = 200_000,
     method: Method = None,
     control_seeds: ControlSeeds = 200,
-    force: Force = False,
-    json: Json = False,
+    *,
+    output: OutputOptions,
 ) -> None:
     """Make the tables and figures of the ICINCO 2010 paper again, beside the published values.
 
     Example: lostmotion paper --seeds 5 --samples 20000 --out paper.html
     """
+    from lostmotion.paper import study_control, study_estimation, to_dict, write_page
+
     beside = out.with_suffix(".json")
-    for path in (out, beside):
-        refuse_existing(path, force)
+    output.refuse(out, beside)
     estimation = study_estimation(seeds, samples, tuple(method) if method else METHODS)
     control = study_control(control_seeds)
     data = to_dict(estimation, control)
     text = json_module.dumps(data, indent=2, allow_nan=False)
-    write_text(out, write_page(estimation, control), force)
-    write_text(beside, text + "\n", force)
-    if json:
+    output.write_text(out, write_page(estimation, control))
+    output.write_text(beside, text + "\n")
+    if output.json:
         typer.echo(text)
         return
     for name in estimation.runs:

@@ -3,47 +3,24 @@
 from __future__ import annotations
 
 import json as json_module
-import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from lostmotion.cli.options import (
-    Dt,
-    Force,
-    Json,
-    Mode,
-    NoTime,
-    Op,
-    OpSpan,
-    Pv,
-    Sp,
-    Tag,
-    Time,
-    refuse_existing,
-    show,
-)
-from lostmotion.cli.rough_model import (
-    Constants,
-    DeadTime,
-    Deviation,
-    Gain,
-    Integrating,
-    Memory,
-    controller_of_numbers,
-    noise_of_numbers,
-    number,
-    process_of,
-)
-from lostmotion.compensate import CompensatorBlock
+import lostmotion as lm
+from lostmotion.cli.options import RecordOptions, number
+from lostmotion.cli.output import Figure, Out, OutputOptions
+from lostmotion.cli.progress import progress
+from lostmotion.cli.rough_model import ControllerOptions, RoughModel
 from lostmotion.errors import DataError, FileAccessError, ParameterError
-from lostmotion.evaluate import CompensationStudy, compensation_study
-from lostmotion.files import read_fit, read_loop, write_text
-from lostmotion.identify import identify
-from lostmotion.models import Backlash, DeadZone, Hammerstein, NoiseModel, Nonlinearity, Stiction
-from lostmotion.records import LoopRecord
+from lostmotion.files import read_fit
+
+if TYPE_CHECKING:
+    from lostmotion.compensate import CompensatorBlock
+    from lostmotion.models import NoiseModel, Nonlinearity
+    from lostmotion.records import LoopRecord
 
 Source = Annotated[
     Path | None,
@@ -61,8 +38,6 @@ Right = Annotated[float | None, number("--right", "Right break point of it.")]
 Width = Annotated[float | None, number("--width", "Full width of a backlash, instead of a file.")]
 Band = Annotated[float | None, number("--band", "S of a stiction, instead of a file.")]
 Jump = Annotated[float | None, number("--jump", "J of a stiction; default: S.")]
-Kp = Annotated[float | None, number("--kp", "Gain of the PI controller; default: from the record, where it tells.")]
-Ki = Annotated[float | None, number("--ki", "Integral gain of it, units of OP per unit of PV and second.")]
 Step = Annotated[float | None, number("--sp-step", "Steps of the set point of this size, instead of the record's.")]
 Hold = Annotated[float | None, number("--hold", "Seconds for which each step is held; default: a tenth of the run.")]
 OpNow = Annotated[float | None, number("--op-now", "OP at rest, where the set point is constant.")]
@@ -74,8 +49,53 @@ Samples = Annotated[int, typer.Option("--samples", help="Length of a run, where 
 Runs = Annotated[int, typer.Option("--runs", help="Runs with other noise.")]
 Draws = Annotated[int, typer.Option("--draws", help="Plants drawn from the uncertainty of the fit.")]
 Seed = Annotated[int, typer.Option("--seed", help="Of noise and plants; the same seed, the same result.")]
-Figure = Annotated[Path | None, number("--figure", "Write the figure here (png, pdf or svg).")]
-Out = Annotated[Path | None, number("--out", "Write the result as JSON.")]
+
+
+@dataclass(frozen=True)
+class SoughtOptions:
+    """What is sought in a record, and what is known of it."""
+
+    nonlinearity: Kind = "auto"
+    known_gain: KnownGain = None
+
+
+@dataclass(frozen=True)
+class FaultOptions:
+    """Fault of a valve, from its numbers."""
+
+    left: Left = None
+    right: Right = None
+    width: Width = None
+    band: Band = None
+    jump: Jump = None
+
+
+@dataclass(frozen=True)
+class StudyOptions:
+    """What is simulated, and how often."""
+
+    sp_step: Step = None
+    hold: Hold = None
+    op_now: OpNow = None
+    factor: Factor = None
+    method: Method = "knocker"
+    samples: Samples = 4000
+    runs: Runs = 10
+    draws: Draws = 20
+    seed: Seed = 0
+
+    def given(self) -> dict[str, Any]:
+        """Arguments of :func:`lostmotion.compensation_study`."""
+        return {name: value for name, value in asdict(self).items() if name != "factor" or value is not None}
+
+
+@dataclass(frozen=True)
+class WrittenOptions:
+    """Files to write."""
+
+    block_out: BlockOut = None
+    figure: Figure = None
+    out: Out = None
 
 
 @dataclass(frozen=True)
@@ -90,45 +110,16 @@ class _Asked:
 def simulate(
     file: Source = None,
     record: Record = None,
-    op: Op = "OP",
-    pv: Pv = "PV",
-    sp: Sp = "SP",
-    time: Time = None,
-    dt: Dt = None,
-    ignore_time: NoTime = False,
-    tag: Tag = None,
-    op_span: OpSpan = None,
-    mode: Mode = None,
-    nonlinearity: Kind = "auto",
-    known_gain: KnownGain = None,
-    left: Left = None,
-    right: Right = None,
-    width: Width = None,
-    band: Band = None,
-    jump: Jump = None,
-    gain: Gain = None,
-    time_constant: Constants = None,
-    integrating: Integrating = False,
-    dead_time: DeadTime = 0.0,
-    noise_deviation: Deviation = None,
-    noise_time: Memory = 0.0,
-    kp: Kp = None,
-    ki: Ki = None,
-    sp_step: Step = None,
-    hold: Hold = None,
-    op_now: OpNow = None,
-    factor: Factor = None,
-    method: Method = "knocker",
     block: Block = None,
-    samples: Samples = 4000,
-    runs: Runs = 10,
-    draws: Draws = 20,
-    seed: Seed = 0,
-    block_out: BlockOut = None,
-    figure: Figure = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    *,
+    rough: RoughModel,
+    fault: FaultOptions,
+    pi: ControllerOptions,
+    columns: RecordOptions,
+    sought: SoughtOptions,
+    study: StudyOptions,
+    written: WrittenOptions,
+    output: OutputOptions,
 ) -> None:
     """Simulate the loop without, with and with mis-estimated compensation, before anything is downloaded.
 
@@ -137,53 +128,36 @@ def simulate(
     Example: lostmotion simulate fic101.json --kp 0.8 --ki 0.05 --sp-step 2
 
     Example: lostmotion simulate --width 2 --gain 1.5 --time-constant 30 --dead-time 4 --dt 1 --noise-deviation 0.1
-    --kp 1 --ki 0.03
+    --kp 1 --ki 0.03; or with these numbers in a file: lostmotion simulate --model loop.toml
 
     Exit code 1 where the block is not safe with the present controller: on some plant within the uncertainty the loop
     gets worse, or its limit cycle larger, than without.
     """
-    for path in (block_out, figure, out):
-        refuse_existing(path, force)
-
-    def read(path: Path) -> LoopRecord:
-        return read_loop(
-            path, op=op, pv=pv, sp=sp, time=False if ignore_time else time, dt=dt, tag=tag, op_span=op_span, mode=mode
-        )
-
+    output.refuse(written.block_out, written.out, figures=(written.figure,))
     if file is None:
-        valve = _valve(left, right, width, band, jump)
-        process = process_of(gain, time_constant or [], integrating, dead_time, dt)
-        noise = noise_of_numbers(noise_deviation, noise_time, process.dt)
-        asked = _Asked(Hammerstein(valve, process, _offset(valve, process.gain, op_now)), noise=noise)
+        asked = _of_numbers(fault, rough, study.op_now)
     elif file.suffix.lower() == ".json":
-        asked = _Asked(read_fit(file), None if record is None else read(record))
+        asked = _Asked(read_fit(file), None if record is None else columns.read(record))
     else:
-        loop = read(file)
-        _progress(f"identifying {file}")
-        asked = _Asked(identify(loop, nonlinearity=nonlinearity, gain=known_gain), loop)
-    _progress("simulating")
-    options: dict[str, Any] = {} if factor is None else {"factor": factor}
-    study = compensation_study(
-        asked.model, controller_of_numbers(kp, ki), record=asked.record, noise=asked.noise,
-        block=None if block is None else _read_block(block), sp_step=sp_step, hold=hold, op_now=op_now, span=op_span,
-        samples=samples, runs=runs, draws=draws, seed=seed, method=method, **options,
+        loop = columns.read(file)
+        progress(f"simulate: identifying {file} ..")
+        asked = _Asked(lm.identify(loop, nonlinearity=sought.nonlinearity, gain=sought.known_gain), loop)
+    progress("simulate: simulating ..")
+    answer = lm.compensation_study(
+        asked.model, pi.controller, record=asked.record, noise=asked.noise, span=columns.op_span,
+        block=None if block is None else _read_block(block), **study.given(),
     )  # fmt: skip
-    _write(study, block_out, figure, out, force)
-    show(study.summary(), study.to_dict(), json)
-    raise typer.Exit(0 if study.safe else 1)
+    output.write_figure(written.figure, answer)
+    output.write_json(written.block_out, answer.block.to_dict())
+    output.write_json(written.out, answer.to_dict())
+    output.show(answer.summary(), answer.to_dict())
+    raise typer.Exit(0 if answer.safe else 1)
 
 
-def _write(study: CompensationStudy, block: Path | None, figure: Path | None, out: Path | None, force: bool) -> None:
-    if figure is not None:
-        study.plot().savefig(figure, dpi=120)
-    for path, data in ((block, study.block.to_dict()), (out, study.to_dict())):
-        if path is not None:
-            write_text(path, json_module.dumps(data, indent=2, allow_nan=False) + "\n", force)
-
-
-def _progress(line: str) -> None:
-    if sys.stderr.isatty():
-        typer.echo(f"simulate: {line} ..", err=True)
+def _of_numbers(fault: FaultOptions, rough: RoughModel, op_now: float | None) -> _Asked:
+    valve = _valve(**asdict(fault))
+    process = rough.process
+    return _Asked(lm.Hammerstein(valve, process, _offset(valve, process.gain, op_now)), noise=rough.noise)
 
 
 def _valve(
@@ -194,21 +168,21 @@ def _valve(
         remedy = "give the fault once, or a file"
         raise ParameterError.expected("a file, or --left and --right, or --width, or --band", "none or several", remedy)
     if left is not None and right is not None:
-        return DeadZone(left, right)
+        return lm.DeadZone(left, right)
     if width is not None:
-        return Backlash(width)
+        return lm.Backlash(width)
     assert band is not None  # noqa: S101
-    return Stiction(band, band if jump is None else jump)
+    return lm.Stiction(band, band if jump is None else jump)
 
 
 def _offset(valve: Nonlinearity, gain: float, op_now: float | None) -> float:
     """PV counts from where it rests with OP in the middle of its lost motion, or at `op_now`."""
-    return 0.0 if isinstance(valve, DeadZone) or op_now is None or abs(gain) == float("inf") else -gain * op_now
+    return 0.0 if isinstance(valve, lm.DeadZone) or op_now is None or abs(gain) == float("inf") else -gain * op_now
 
 
 def _read_block(path: Path) -> CompensatorBlock:
     try:
-        return CompensatorBlock.from_dict(json_module.loads(path.read_text(encoding="utf-8")))
+        return lm.CompensatorBlock.from_dict(json_module.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
     except (ValueError, TypeError, AttributeError) as error:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.report.diagnosis_text import probability, size_text
+from lostmotion.text_table import text_table
 
 NAME = 20
 WORST = ("severe", "high", "moderate", "unknown", "low", "none")
@@ -39,8 +40,7 @@ def diagnosis_table(rows: Sequence[tuple[str, Diagnosis | None]]) -> str:
     said = [f"{counts[verdict]} {verdict}" for verdict in verdicts() if counts[verdict]]
     if len(done) < len(rows):
         said.append(f"{len(rows) - len(done)} without a result")
-    lines = [_joined(HEAD), "-" * len(_joined(HEAD))] if done else []
-    lines += [_joined(_cells(name, found)) for name, found in sorted(done, key=_rank)]
+    lines = text_table(HEAD, WIDTHS, [_cells(name, found) for name, found in sorted(done, key=_rank)])
     return "\n".join([*lines, f"{len(rows)} loops: {', '.join(said)}."])
 
 
@@ -64,7 +64,3 @@ def _cells(name: str, found: Diagnosis) -> tuple[str, ...]:
         f"{period:.3g}" if math.isfinite(period) else "-",
         found.performance.audit_class,
     )
-
-
-def _joined(cells: Sequence[str]) -> str:
-    return " ".join(f"{cell:{width}}" for cell, width in zip(cells, WIDTHS, strict=True)).rstrip()

@@ -1,0 +1,90 @@
+from . import compensate, evaluate, export, files, models, online, plot, records, report, simulate
+from .compensate import (
+    AdaptiveCompensator,
+    BacklashCompensator,
+    CompensatorBlock,
+    DeadZoneCompensator,
+    block_from_model,
+)
+from .design import Achievable, TestDesign, achievable, design
+from .diagnose import Diagnosis, diagnose
+from .errors import (
+    ColumnError,
+    DataError,
+    FileAccessError,
+    InputError,
+    LostMotionError,
+    ParameterError,
+    Status,
+    TimeError,
+)
+from .evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
+from .files import read_loop
+from .identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
+from .models import (
+    Backlash,
+    DeadZone,
+    Hammerstein,
+    Identity,
+    LinearModel,
+    NoiseModel,
+    Saturation,
+    Series,
+    Stiction,
+    describing_function,
+)
+from .records import LoopRecord, check
+from .simulate import PI, LoopResponse, platforms, routine_operation, signals, simulate_loop
+
+__version__: str
+
+__all__ = [
+    "PI",
+    "Achievable",
+    "AdaptiveCompensator",
+    "Backlash",
+    "BacklashCompensator",
+    "ChangeEvent",
+    "ColumnError",
+    "CompensationStudy",
+    "CompensatorBlock",
+    "DataError",
+    "DeadZone",
+    "DeadZoneCompensator",
+    "Diagnosis",
+    "FileAccessError",
+    "Hammerstein",
+    "HammersteinFit",
+    "Identity",
+    "InputError",
+    "LinearModel",
+    "LoopRecord",
+    "LoopResponse",
+    "LostMotionError",
+    "NoiseModel",
+    "ParameterError",
+    "RecursiveIV",
+    "RecursiveML",
+    "Saturation",
+    "Series",
+    "Status",
+    "Stiction",
+    "TestDesign",
+    "TimeError",
+    "achievable",
+    "block_from_model",
+    "check",
+    "compensation_study",
+    "control_variance",
+    "describing_function",
+    "design",
+    "diagnose",
+    "identify",
+    "mean_absolute_error",
+    "platforms",
+    "read_loop",
+    "routine_operation",
+    "run_many",
+    "signals",
+    "simulate_loop",
+]

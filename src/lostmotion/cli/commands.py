@@ -1,0 +1,73 @@
+"""The commands: names and help in one table, each loaded when it is called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from lostmotion.cli.groups import spread
+
+COMMANDS = {  # the first line of each command's docstring; a test compares them
+    "check": "Say what a record holds and what of it can be used: "
+    "sampling, gaps, flat stretches, saturation, excitation.",
+    "diagnose": "Say what is wrong with a loop: "
+    "actuator, tuning, disturbance or sensor, how sure that is, and what to do.",
+    "identify": "Find the dead zone of the actuator and the process behind it, with intervals.",
+    "compensate": "Apply the plain inverse of a dead zone to the controller output and write it as OP_compensated.",
+    "simulate": "Simulate the loop without, with and with mis-estimated compensation, before anything is downloaded.",
+    "design": "Design the test that tells most about the dead zone, or say what a record can at best tell.",
+    "export": "Write the compensating block as code for a PLC, with test vectors and a page for commissioning.",
+    "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
+    "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
+}
+PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}
+
+
+def command(name: str) -> Any:
+    """Command of the table, imported and ready to run.
+
+    Raises
+    ------
+    KeyError
+        No such command.
+    """
+    if name not in COMMANDS:
+        raise KeyError(name)
+    alone = typer.Typer(**PLAIN)
+    alone.command(name)(spread(getattr(import_module(f"lostmotion.cli.{name}"), name)))
+    return typer.main.get_command(alone)
+
+
+class Loaded(Mapping[str, Any]):
+    """The commands of the table; a command is imported when it is looked up."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Command `name`, ready to run."""
+        return command(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+class Commands(TyperGroup):
+    """Group that shows its commands without loading them."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = Loaded()  # type: ignore[assignment]  # nobody adds to it
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  the signature of the parent
+        """Names in the order of work."""
+        return list(COMMANDS)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+        """Names and their help, from the table."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))

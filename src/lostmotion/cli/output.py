@@ -1,0 +1,101 @@
+"""What commands write and print: files that are there are refused before any work is done."""
+
+from __future__ import annotations
+
+import json as json_module
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from lostmotion.cli.options import number
+from lostmotion.cli.progress import progress
+from lostmotion.errors import FileAccessError
+
+FORMATS = (".png", ".pdf", ".svg")
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace files that are already there.")]
+Figure = Annotated[Path | None, number("--figure", "Write the figure here (png, pdf or svg).")]
+Figures = Annotated[
+    Path | None, number("--figure", "Write the figure here (png, pdf or svg); of several files: a folder.")
+]
+Out = Annotated[Path | None, number("--out", "Write the result as JSON.")]
+
+
+@dataclass(frozen=True)
+class PrintOptions:
+    """How a command prints."""
+
+    json: Json = False
+
+    def show(self, text: str, data: dict[str, Any] | list[dict[str, Any]]) -> None:
+        """Print a result as text or as JSON."""
+        progress("")
+        typer.echo(json_module.dumps(data, indent=2, allow_nan=False) if self.json else text)
+
+
+@dataclass(frozen=True)
+class OutputOptions(PrintOptions):
+    """How a command prints, and whether it may replace files."""
+
+    force: Force = False
+
+    def refuse(self, *paths: Path | None, figures: tuple[Path | None, ...] = ()) -> None:
+        """Refuse what could not be written.
+
+        Raises
+        ------
+        FileAccessError
+            A file is there and `force` is not set, its folder is not, or a figure has no format that can be drawn.
+        """
+        for path in (*paths, *figures):
+            refuse_existing(path, self.force)
+        for path in figures:
+            if path is not None and path.suffix.lower() not in FORMATS:
+                raise FileAccessError(f"expected a figure as png, pdf or svg, got {path}; give one of these endings")
+
+    def write_json(self, path: Path | None, data: Any) -> None:
+        """Write a result, where it is wanted."""
+        if path is not None:
+            self.write_text(path, json_module.dumps(data, indent=2, allow_nan=False) + "\n")
+
+    def write_text(self, path: Path, text: str) -> None:
+        """Write a page."""
+        from lostmotion.files import write_text
+
+        write_text(path, text, self.force)
+
+    def write_figure(self, path: Path | None, result: Any) -> None:
+        """Draw a result, where that is wanted."""
+        if path is not None:
+            result.plot().savefig(path, dpi=120)
+
+
+def refuse_existing(path: Path | None, force: bool) -> None:
+    """Raise before any work is done where an output would overwrite a file."""
+    if path is not None and path.exists() and not force:
+        raise FileAccessError(f"expected a new file, got {path} which exists; use --force to replace it")
+    if path is not None and not path.parent.is_dir():
+        raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+
+
+def places(files: list[Path], target: Path | None, what: str, ending: str) -> dict[Path, Path]:
+    """Where what is written of each file goes: the target itself, or of several files a file in that folder.
+
+    Raises
+    ------
+    FileAccessError
+        The target of several files is no folder, or two of them would write the same file.
+    """
+    if target is None:
+        return {}
+    if len(files) == 1:
+        return {files[0]: target}
+    if not target.is_dir():
+        raise FileAccessError(f"expected a folder for the {what} of several files, got {target}; make it first")
+    found = {file: target / f"{file.stem}{ending}" for file in files}
+    if len(set(found.values())) < len(found):
+        raise FileAccessError(f"expected files of different names for the {what}, got two alike; run them apart")
+    return found

@@ -1,0 +1,113 @@
+"""One command over several records: a line each as they are done, and an error is a line too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+import typer
+
+from lostmotion.cli.options import RecordOptions
+from lostmotion.cli.output import PrintOptions
+from lostmotion.cli.progress import progress
+from lostmotion.errors import LostMotionError
+
+
+class Reported(Protocol):
+    """A result that prints itself."""
+
+    def summary(self) -> str:
+        """Text for people."""
+        ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        ...
+
+
+Result = TypeVar("Result", bound=Reported)
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[Result]):
+    """A file and what became of it: a result or an error."""
+
+    file: Path
+    result: Result | None
+    error: Exception | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        if self.result is None:
+            return {"file": str(self.file), "error": type(self.error).__name__, "message": str(self.error)}
+        return {"file": str(self.file), **self.result.to_dict()}
+
+
+def refuse_tag(files: list[Path], columns: RecordOptions) -> None:
+    """Refuse one name for several loops, as wrong usage."""
+    if len(files) > 1 and columns.tag is not None:
+        raise typer.BadParameter("it names one loop; leave it out with several files", param_hint="--tag")
+
+
+def each(
+    files: list[Path],
+    work: Callable[[Path], Result],
+    line: Callable[[str, Result | None, Exception | None], str],
+    quiet: bool,
+) -> list[Outcome[Result]]:
+    """Do the work for every file; print a line for each of several, unless `quiet`.
+
+    The error of a single file is raised, that of one of several kept.
+    """
+    if len(files) == 1:
+        return [Outcome(files[0], work(files[0]))]
+    outcomes = []
+    for number, file in enumerate(files):
+        progress(f"{number + 1} of {len(files)}: {file}")
+        outcome = _tried(file, work)
+        progress("")
+        if not quiet:
+            typer.echo(line(file.stem, outcome.result, outcome.error))
+        outcomes.append(outcome)
+    return outcomes
+
+
+def _tried(file: Path, work: Callable[[Path], Result]) -> Outcome[Result]:
+    from numpy.linalg import LinAlgError
+
+    try:
+        return Outcome(file, work(file))
+    except (LostMotionError, LinAlgError) as error:
+        return Outcome(file, None, error)
+
+
+def data_of(found: list[Outcome[Result]], named: bool = False) -> Any:
+    """JSON-ready: a list of several outcomes, or the one result; `named`: with the file that it is of."""
+    if len(found) > 1:
+        return [one.to_dict() for one in found]
+    only = found[0]
+    return only.to_dict() if named or only.result is None else only.result.to_dict()
+
+
+def tell(
+    found: list[Outcome[Result]],
+    table: Callable[[Sequence[tuple[str, Result | None]]], str],
+    output: PrintOptions,
+    accepted: Callable[[Result], bool],
+    named: bool = False,
+) -> typer.Exit:
+    """Print the one result, or the table of several.
+
+    Returns
+    -------
+    Exit
+        To be raised: 0 where every result is there and accepted, else 1.
+    """
+    if len(found) == 1 and found[0].result is not None:
+        text = found[0].result.summary()
+    else:
+        text = "\n" + table([(one.file.stem, one.result) for one in found])
+    output.show(text, data_of(found, named))
+    return typer.Exit(0 if all(one.result is not None and accepted(one.result) for one in found) else 1)
