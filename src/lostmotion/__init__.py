@@ -16,6 +16,7 @@ from lostmotion.compensate import (
     CompensatorBlock,
     DeadZoneCompensator,
     block_from_model,
+    read_block,
 )
 from lostmotion.design import Achievable, TestDesign, achievable, design
 from lostmotion.diagnose import Diagnosis, diagnose
@@ -31,7 +32,16 @@ from lostmotion.errors import (
 )
 from lostmotion.evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
 from lostmotion.files import read_loop
-from lostmotion.identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
+from lostmotion.identify import (
+    ChangeEvent,
+    FitFacts,
+    HammersteinFit,
+    RecursiveIV,
+    RecursiveML,
+    identify,
+    read_fit,
+    run_many,
+)
 from lostmotion.models import (
     Backlash,
     DeadZone,
@@ -64,6 +74,7 @@ __all__ = [
     "DeadZoneCompensator",
     "Diagnosis",
     "FileAccessError",
+    "FitFacts",
     "Hammerstein",
     "HammersteinFit",
     "Identity",
@@ -93,6 +104,8 @@ __all__ = [
     "identify",
     "mean_absolute_error",
     "platforms",
+    "read_block",
+    "read_fit",
     "read_loop",
     "routine_operation",
     "run_many",

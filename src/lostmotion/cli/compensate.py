@@ -11,7 +11,8 @@ import typer
 from lostmotion.cli.options import Dt, File, Force, Json, NoTime, Op, Pv, Time, refuse_existing, show
 from lostmotion.compensate import DeadZoneCompensator
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit, read_loop, write_columns
+from lostmotion.files import read_loop, write_columns
+from lostmotion.identify import read_fit
 from lostmotion.models import DeadZone
 
 Fit = Annotated[Path | None, typer.Option("--fit", help="Result of `identify --out`.", show_default=False)]
@@ -76,11 +77,11 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
         assert left is not None  # noqa: S101
         assert right is not None  # noqa: S101
         return DeadZone(left, right, left_slope, right_slope)
-    data = read_fit(fit)
-    if data["preferred"] != "dead zone":
+    found = read_fit(fit)
+    if found.preferred != "dead zone" or not isinstance(found.nonlinearity, DeadZone):
         raise ParameterError.expected(
             "a fit that shows a dead zone",
-            f"{data['preferred']} (status {data['status']})",
+            f"{found.preferred} (status {found.status.name})",
             "for backlash and stiction `lostmotion simulate` and `export` make the block",
         )
-    return DeadZone.from_dict(data["model"]["nonlinearity"])
+    return found.nonlinearity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -25,7 +25,8 @@ from lostmotion.design import achievable as achievable_of
 from lostmotion.design import design as design_test
 from lostmotion.design.asked import TARGETS
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit, read_loop, write_columns
+from lostmotion.files import read_loop, write_columns
+from lostmotion.identify import FitFacts, read_fit
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 
 Pair = tuple[float, float]
@@ -139,14 +140,12 @@ def _progress(line: str) -> None:
 
 def _from_fit(
     path: Path, left: float | None, right: float | None, slope_ratio: float
-) -> tuple[dict[str, Any] | Hammerstein, NoiseModel | None]:
+) -> tuple[FitFacts | Hammerstein, NoiseModel | None]:
     """The fit itself, or its process with break points that were guessed."""
-    data = read_fit(path)
+    found = read_fit(path)
     if left is None and right is None:
-        return data, None
-    linear = LinearModel.from_dict(data["model"]["linear"])
-    model = Hammerstein(_zone(left, right, slope_ratio), linear, data["model"]["offset"])
-    return model, NoiseModel(tuple(data["noise"]["d"]), data["noise"]["variance"])
+        return found, None
+    return Hammerstein(_zone(left, right, slope_ratio), found.linear, found.model.offset), found.noise
 
 
 def _zone(left: float | None, right: float | None, slope_ratio: float) -> DeadZone:

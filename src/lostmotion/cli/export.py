@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json as json_module
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from lostmotion.cli.options import Force, Json, show
-from lostmotion.compensate.saved import block_from_saved
-from lostmotion.errors import DataError, FileAccessError, ParameterError
+from lostmotion.compensate import CompensatorBlock, read_fit_or_block
+from lostmotion.errors import ParameterError
 from lostmotion.export import export as export_block
 
 Saved = Annotated[
@@ -69,13 +68,18 @@ def export(
     The written code is executed over random and adversarial scans and compared with the simulated block. Exit code 1,
     and nothing is written, where they differ. No file has been verified in a vendor's tool.
     """
-    data, extra = _read(saved), _settings(settings or [])
+    source, extra = read_fit_or_block(saved), _settings(settings or [])
     options: dict[str, Any] = {"op_noise": op_noise, "ramp": ramp, "centre": centre, **extra}
     given = {key: value for key, value in options.items() if value is not None}
-    if "model" in data:
-        given["method"] = method
-    block = block_from_saved(data, span=span, scan_time=scan_time, factor=factor, **given)
-    done = export_block(block, to, name=name, date=date, real=real, fit=data if "model" in data else None)
+    if factor is not None:
+        given["factor"] = factor
+    if isinstance(source, CompensatorBlock):
+        if scan_time is not None:
+            source.require_scan_time(scan_time)
+        block, fit = source.with_settings(**given) if given else source, None
+    else:
+        block, fit = source.block(span=span, scan_time=scan_time, method=method, **given), source
+    done = export_block(block, to, name=name, date=date, real=real, fit=fit)
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
         show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()}, json)
@@ -86,19 +90,6 @@ def export(
     text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
     replayed = None if proof is None else proof.to_dict()
     show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed}, json)
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """JSON of a fit or of a block."""
-    try:
-        data = json_module.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-    except ValueError as error:
-        raise DataError.expected("the JSON of a fit or a block", f"{path}: {error}", "use identify --out") from error
-    if not isinstance(data, dict):
-        raise DataError.expected("the JSON of a fit or a block", f"other JSON in {path}", "use identify --out")
-    return data
 
 
 def _settings(words: list[str]) -> dict[str, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_module
 from pathlib import Path
 from typing import Annotated
 
@@ -25,7 +24,7 @@ from lostmotion.cli.options import (
     show,
 )
 from lostmotion.errors import ParameterError, Status
-from lostmotion.files import read_loop, write_text
+from lostmotion.files import read_loop
 from lostmotion.identify import identify as identify_model
 
 Orders = Annotated[str, typer.Option("--orders", help='"auto", or na,nb,delay as in 3,2,3.')]
@@ -104,7 +103,7 @@ def identify(
     if figure is not None:
         fit.plot().savefig(figure, dpi=120)
     if out is not None:
-        write_text(out, json_module.dumps(fit.to_dict(), indent=2, allow_nan=False) + "\n", force)
+        fit.save(out, force)
     show(fit.summary(), fit.to_dict(), json)
     raise typer.Exit(0 if fit.status.ok or fit.status is Status.NOT_SEEN else 1)
 

@@ -17,10 +17,9 @@ import typer
 from lostmotion.cli.identify import Noise, read_orders
 from lostmotion.cli.options import Dt, Json, NoTime, Op, Pv, Time
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit
 from lostmotion.files.follow import Follower
 from lostmotion.files.layout import Asked, Layout
-from lostmotion.identify import RecursiveML
+from lostmotion.identify import RecursiveML, read_fit
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept, Service
 from lostmotion.report.online_text import online_line
@@ -131,12 +130,12 @@ def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str)
     model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
     if fit is not None:
         found = read_fit(fit)
-        linear = found["model"]["linear"]
-        model |= {"na": len(linear["a"]), "nb": len(linear["b"]) - 1, "delay": linear["delay"]}
+        linear = found.linear
+        model |= {"na": len(linear.a), "nb": len(linear.b) - 1, "delay": linear.delay}
         if noise == "auto":
-            model["noise"] = len(found["noise"]["d"])
+            model["noise"] = found.noise.order
         if gain is None:
-            model["gain"] = found["settings"].get("gain")
+            model["gain"] = found.known_gain
     if orders is not None:
         model |= dict(zip(("na", "nb", "delay"), read_orders(orders), strict=True))
     return model
@@ -144,7 +143,7 @@ def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str)
 
 def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:
     if fit is not None:
-        known = read_fit(fit)["model"]["linear"]["dt"]
+        known = read_fit(fit).dt
         if abs(known - layout.dt) > 0.01 * layout.dt:
             raise ParameterError.expected(f"a fit at dt = {layout.dt:g} s", f"{known:g} s", "check --dt and the fit")
     return OnlineMonitor(RecursiveML(**model, dt=layout.dt), dt=layout.dt, calendar=layout.calendar, **watch)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_module
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,11 +36,11 @@ from lostmotion.cli.rough_model import (
     number,
     process_of,
 )
-from lostmotion.compensate import CompensatorBlock
-from lostmotion.errors import DataError, FileAccessError, ParameterError
+from lostmotion.compensate import read_block
+from lostmotion.errors import ParameterError
 from lostmotion.evaluate import CompensationStudy, compensation_study
-from lostmotion.files import read_fit, read_loop, write_text
-from lostmotion.identify import identify
+from lostmotion.files import read_loop, write_json
+from lostmotion.identify import identify, read_fit
 from lostmotion.models import Backlash, DeadZone, Hammerstein, NoiseModel, Nonlinearity, Stiction
 from lostmotion.records import LoopRecord
 
@@ -165,7 +164,7 @@ def simulate(
     options: dict[str, Any] = {} if factor is None else {"factor": factor}
     study = compensation_study(
         asked.model, controller_of_numbers(kp, ki), record=asked.record, noise=asked.noise,
-        block=None if block is None else _read_block(block), sp_step=sp_step, hold=hold, op_now=op_now, span=op_span,
+        block=None if block is None else read_block(block), sp_step=sp_step, hold=hold, op_now=op_now, span=op_span,
         samples=samples, runs=runs, draws=draws, seed=seed, method=method, **options,
     )  # fmt: skip
     _write(study, block_out, figure, out, force)
@@ -178,7 +177,7 @@ def _write(study: CompensationStudy, block: Path | None, figure: Path | None, ou
         study.plot().savefig(figure, dpi=120)
     for path, data in ((block, study.block.to_dict()), (out, study.to_dict())):
         if path is not None:
-            write_text(path, json_module.dumps(data, indent=2, allow_nan=False) + "\n", force)
+            write_json(path, data, force)
 
 
 def _progress(line: str) -> None:
@@ -204,12 +203,3 @@ def _valve(
 def _offset(valve: Nonlinearity, gain: float, op_now: float | None) -> float:
     """PV counts from where it rests with OP in the middle of its lost motion, or at `op_now`."""
     return 0.0 if isinstance(valve, DeadZone) or op_now is None or abs(gain) == float("inf") else -gain * op_now
-
-
-def _read_block(path: Path) -> CompensatorBlock:
-    try:
-        return CompensatorBlock.from_dict(json_module.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-    except (ValueError, TypeError, AttributeError) as error:
-        raise DataError.expected("the JSON of a block", f"{path}: {error}", "use simulate --block-out") from error

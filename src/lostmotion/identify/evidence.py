@@ -7,10 +7,10 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify.data import IdentificationData
-from lostmotion.identify.fit import Evidence
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.likelihood.search import Fitted, ScaledData
+from lostmotion.identify.rated_estimate import Evidence
 
 SIZE = {"dead zone": "width", "backlash": "width", "stiction": "band"}  # the parameter that says how bad it is
 FLOOR = 1e-26  # variance of scaled residuals that is rounding

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -49,6 +49,8 @@ class Backlash:
     width: float
 
     kind = "backlash"
+    size_name: ClassVar[str | None] = "width"
+    own: ClassVar[tuple[str, ...]] = ("width",)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "width", not_negative("width", self.width))

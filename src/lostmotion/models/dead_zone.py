@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy.typing as npt
 
@@ -48,6 +48,8 @@ class DeadZone:
     right_slope: float = 1.0
 
     kind = "dead zone"
+    size_name: ClassVar[str | None] = "width"
+    own: ClassVar[tuple[str, ...]] = ("left", "right", "left_slope", "right_slope")
 
     def __post_init__(self) -> None:
         for name in ("left", "right"):

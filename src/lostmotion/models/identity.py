@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,8 @@ class Identity:
     """
 
     kind = "none"
+    size_name: ClassVar[str | None] = None
+    own: ClassVar[tuple[str, ...]] = ()
 
     def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
         """Internal variable x = u, scalar or any shape."""

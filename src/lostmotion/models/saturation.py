@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy.typing as npt
 
@@ -38,6 +38,8 @@ class Saturation:
     high: float
 
     kind = "saturation"
+    size_name: ClassVar[str | None] = None
+    own: ClassVar[tuple[str, ...]] = ("low", "high")
 
     def __post_init__(self) -> None:
         for name in ("low", "high"):

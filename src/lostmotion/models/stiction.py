@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy.typing as npt
 
@@ -64,6 +64,8 @@ class Stiction:
     model: str = "kano"
 
     kind = "stiction"
+    size_name: ClassVar[str | None] = "band"
+    own: ClassVar[tuple[str, ...]] = ("band", "jump")
 
     def __post_init__(self) -> None:
         for name in ("band", "jump"):

@@ -4,10 +4,11 @@ from lostmotion import _verbs
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis
 from lostmotion.evaluate import CompensationStudy, MonteCarloResult
-from lostmotion.identify import HammersteinFit, RecursiveEstimate
+from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.report.design_text import achievable_summary, design_summary
 from lostmotion.report.diagnosis_table import diagnosis_line, diagnosis_table
 from lostmotion.report.diagnosis_text import diagnosis_summary
+from lostmotion.report.facts_text import facts_summary
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
 from lostmotion.report.recursive_text import recursive_summary
@@ -17,6 +18,7 @@ _verbs.summary.register(CompensationStudy, study_summary)
 _verbs.summary.register(Achievable, achievable_summary)
 _verbs.summary.register(TestDesign, design_summary)
 _verbs.summary.register(HammersteinFit, fit_summary)
+_verbs.summary.register(FitFacts, facts_summary)
 _verbs.summary.register(Diagnosis, diagnosis_summary)
 _verbs.summary.register(RecursiveEstimate, recursive_summary)
 _verbs.summary.register(MonteCarloResult, monte_carlo_summary)
@@ -27,6 +29,7 @@ __all__ = [
     "diagnosis_line",
     "diagnosis_summary",
     "diagnosis_table",
+    "facts_summary",
     "fit_summary",
     "monte_carlo_summary",
     "recursive_summary",
