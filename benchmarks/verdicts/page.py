@@ -6,8 +6,9 @@ from collections import Counter
 
 import numpy as np
 
-from lostmotion.diagnose.diagnosis import ACTUATOR, VERDICTS
+from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.evaluate.random_faults import CAUSES
+from lostmotion.identify.actuators.kind import faults
 from verdicts.calibrate import SOUND
 from verdicts.cases import Row
 
@@ -16,10 +17,10 @@ LOST = ("dead zone", "backlash", "stiction")
 
 def confusion(rows: list[Row]) -> str:
     """Truth against verdict."""
-    lines = ["| truth | " + " | ".join(VERDICTS) + " | all |", "|---" * (len(VERDICTS) + 2) + "|"]
+    lines = ["| truth | " + " | ".join(verdicts()) + " | all |", "|---" * (len(verdicts()) + 2) + "|"]
     for cause in CAUSES:
         counts = Counter(row.verdict for row in rows if row.truth == cause)
-        lines.append(f"| {cause} | " + " | ".join(str(counts[v] or ".") for v in VERDICTS) + f" | {counts.total()} |")
+        lines.append(f"| {cause} | " + " | ".join(str(counts[v] or ".") for v in verdicts()) + f" | {counts.total()} |")
     return "\n".join(lines)
 
 
@@ -31,9 +32,10 @@ def scores(rows: list[Row]) -> dict[str, tuple[int, int]]:
     told = [row for row in seen if row.told]
     named = [row for row in wide if row.verdict == row.truth]
     sized = [row for row in named if abs(row.found / row.width - 1.0) < 0.15]
+    faulty = [kind.name for kind in faults()]
     sound = [row for row in rows if row.truth in SOUND]
-    alarms = [row for row in sound if row.verdict in ACTUATOR]
-    claimed = [row for row in wide if row.verdict in ACTUATOR]
+    alarms = [row for row in sound if row.verdict in faulty]
+    claimed = [row for row in wide if row.verdict in faulty]
     return {
         "kind right, width over twice the noise in OP": (len(named), len(wide)),
         "kind right, and OP turned by more than the width": (sum(row.verdict == row.truth for row in seen), len(seen)),

@@ -6,14 +6,18 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.evaluate.random_faults import REST, FaultyLoop
-from lostmotion.identify.actuators.choice import NEEDED, likelihood_gain
-from lostmotion.identify.actuators.kinds import families, fit_kind
+from lostmotion.identify.actuators.choice import likelihood_gain
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
+from lostmotion.identify.actuators.fit_kind import fit_linear
+from lostmotion.identify.actuators.kind import NEEDED, kind_of
 from lostmotion.identify.actuators.loads import with_own_loads, without_actuator
 from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.data import FEWEST_SAMPLES, collect
-from lostmotion.identify.evidence import gain_over_linear
-from lostmotion.identify.likelihood.family import DeadZoneFamily, Family
-from lostmotion.identify.likelihood.search import ScaledData, best_fit
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import gain_over_linear
+from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.search import best_fit
+from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
 from lostmotion.records import prepare
 
@@ -26,10 +30,10 @@ def told(loop: FaultyLoop) -> bool:
     """
     record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
     data = collect(prepare(record), None, None, False, FEWEST_SAMPLES)
-    scaled = ScaledData((data.u - data.u_centre) / data.u_scale, (data.y - data.y_centre) / data.y_scale, data.segments)
+    scaled = ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
     family, eta = _truth(loop, scaled, data.u_centre, data.u_scale)
-    linear = with_own_loads(fit_kind(None, scaled, None, None, levels=True))
-    best = best_fit(scaled, family, [family.project(eta)], None, None)
+    linear = with_own_loads(fit_linear(scaled, Asked()))
+    best = best_fit(scaled, family, [family.project(eta)], Asked())
     if family.kinks:
         best = polished(best)
     best = with_own_loads(best)
@@ -44,9 +48,9 @@ def _truth(loop: FaultyLoop, scaled: ScaledData, centre: float, scale: float) ->
         ends = (np.array([valve.left, valve.right]) + REST - centre) / scale
         return DeadZoneFamily(float(scaled.u.min()), float(scaled.u.max())), np.array([*ends, 0.0])
     if isinstance(valve, Backlash):
-        return families("backlash", scaled)[0], np.array([valve.width / scale])
+        return kind_of("backlash").forms(scaled)[0], np.array([valve.width / scale])
     if isinstance(valve, Stiction):
-        own = next(one for one in families("stiction", scaled) if getattr(one, "model", "") == valve.model)
+        own = next(one for one in kind_of("stiction").forms(scaled) if getattr(one, "model", "") == valve.model)
         return own, np.array([valve.band, valve.jump]) / scale
     assert isinstance(valve, Saturation)
-    return families("saturation", scaled)[0], (np.array([valve.low, valve.high]) + REST - centre) / scale
+    return kind_of("saturation").forms(scaled)[0], (np.array([valve.low, valve.high]) + REST - centre) / scale

@@ -41,3 +41,9 @@ def indices(result: Any, **options: Any) -> Any:
 def summary(result: Any, **options: Any) -> str:
     """Text of a result (registered by ``lostmotion.report``)."""
     raise NotImplementedError(f"no summary for {type(result).__name__}")
+
+
+@singledispatch
+def remarks(result: Any) -> tuple[str, ...]:
+    """Sentences about the data of a result (registered by ``lostmotion.report``)."""
+    raise NotImplementedError(f"no remarks on {type(result).__name__}")

@@ -10,7 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli import main
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.diagnosis import VERDICTS
+from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.files import write_columns
 from tests.diagnoses import CASES, example, loop_record, variant
 
@@ -69,7 +69,7 @@ def test_the_command_is_the_same_as_the_call(capsys, csv, tmp_path):
     assert found.pop("file") == str(csv)
     assert found == strict(json.dumps(direct.to_dict()))
     assert text.strip() == direct.summary().strip()
-    assert found["verdict"] in VERDICTS
+    assert found["verdict"] in verdicts()
     assert code == (0 if found["verdict"] in ("none", "other oscillation") else 1)
     assert figure.read_bytes()[:4] == b"\x89PNG"
     assert error == ""

@@ -3,7 +3,8 @@ import math
 import pytest
 
 from lostmotion.diagnose.advice import advise, severity_of
-from lostmotion.diagnose.diagnosis import ACTUATOR, VERDICTS
+from lostmotion.diagnose.diagnosis import verdicts
+from lostmotion.identify.actuators.kind import faults
 from tests.diagnoses import CASES
 
 
@@ -19,7 +20,7 @@ def test_severity_limits(percent, severity):
 
 
 def test_the_cases_hold_every_verdict():
-    assert {verdict for verdict, _ in CASES} == set(VERDICTS)
+    assert {verdict for verdict, _ in CASES} == set(verdicts())
 
 
 @pytest.mark.parametrize(("verdict", "kind"), CASES)
@@ -35,7 +36,7 @@ def test_causes_differ_in_their_advice():
     assert len({advise(verdict, kind, "high", False) for verdict, kind in CASES}) == len(CASES)
 
 
-@pytest.mark.parametrize("verdict", sorted(ACTUATOR))
+@pytest.mark.parametrize("verdict", sorted(kind.name for kind in faults()))
 def test_little_lost_motion_is_watched_and_not_mended(verdict):
     (sentence,) = advise(verdict, "actuator", "low", False)
     assert "do not mend" in sentence

@@ -5,9 +5,11 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.evaluate import random_faulty_loop
-from lostmotion.identify.actuators.kinds import backlash_of, fit_kind, seek
+from lostmotion.identify.actuators.fit_kind import fit_kind
+from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.actuators.slopes import with_equal_slopes
-from lostmotion.identify.likelihood.search import ScaledData
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.scaled import ScaledData
 
 pytestmark = pytest.mark.statistics  # whole fits
 PROCESS = lm.LinearModel([-0.8], [0.3], 1, 1.0)
@@ -22,10 +24,14 @@ def driven(valve, n=1200, seed=0, deviation=0.05):
     return u, PROCESS.simulate(np.asarray(valve(u))) + rng.normal(scale=deviation, size=n)
 
 
+def fitted(kind, u, y):
+    data, asked = ScaledData(u, y, np.array([[0, u.size]])), Asked((1, 0, 1), 0, levels=False)
+    return fit_kind(kind_of(kind).sought(data, asked), data, asked)
+
+
 def dead_zone_fit(valve):
     u, y = driven(valve)
-    data = ScaledData(u, y, np.array([[0, u.size]]))
-    return fit_kind(seek("dead zone", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
+    return fitted("dead zone", u, y)
 
 
 def test_equal_slopes_cost_a_parameter_less():
@@ -44,9 +50,8 @@ def test_slopes_that_differ_stay_free():
 
 def test_other_kinds_have_no_slopes():
     u, y = driven(lm.Backlash(1.0), n=300)
-    data = ScaledData(u, y, np.array([[0, u.size]]))
-    backlash = fit_kind(seek("backlash", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
-    assert with_equal_slopes(backlash) is backlash
+    backlash = fitted("backlash", u, y)
+    assert kind_of("backlash").simplest(backlash) is backlash
 
 
 @pytest.mark.parametrize("limits", [(-9.0, 0.5), (-0.4, 9.0)])
@@ -60,9 +65,8 @@ def test_a_dead_zone_that_is_left_on_one_side_only_is_a_limit(limits):
 
 def test_backlash_begun_at_a_stiction_without_jump():
     u, y = driven(lm.Backlash(1.0), seed=3)
-    data = ScaledData(u, y, np.array([[0, u.size]]))
-    stiction = fit_kind(seek("stiction", data, (1, 0, 1)), data, (1, 0, 1), 0, levels=False)
-    backlash = backlash_of(stiction)
+    stiction = fitted("stiction", u, y)
+    backlash = kind_of("stiction").simplified(stiction)
     at = backlash.problem.eta_at
     assert backlash.problem.family.kind == "backlash"
     assert backlash.fit.theta[at] == pytest.approx(1.0, abs=0.03)

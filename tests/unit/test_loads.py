@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identify.actuators.kinds import fit_kind
+from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.loads import (
     loaded,
     pruned,
@@ -16,8 +16,10 @@ from lostmotion.identify.actuators.loads import (
     without_swings,
     without_their_effect,
 )
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
-from lostmotion.identify.likelihood.search import ScaledData, criterion
+from lostmotion.identify.scaled import ScaledData
 
 pytestmark = pytest.mark.statistics  # whole fits: minutes without the JIT
 N = 1500
@@ -37,7 +39,7 @@ def record(load, seed=0, deviation=0.05, segments=WHOLE):
 
 
 def linear(data):
-    return fit_kind(None, data, None, None, levels=True)
+    return fit_linear(data, Asked())
 
 
 def events(fitted):
@@ -93,7 +95,7 @@ def test_without_loads_is_the_model_before():
 
 def test_without_actuator_keeps_structure_and_loads():
     data = record(SWINGING)
-    fit = fit_kind(None, data, None, None, levels=True)
+    fit = fit_linear(data, Asked())
     found = without_actuator(with_own_loads(fit))
     assert isinstance(found.problem.family, LinearFamily)
     assert events(found) == events(with_own_loads(fit))

@@ -5,7 +5,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion import _verbs
-from lostmotion.identify.actuators.memory_families import BacklashFamily, SaturationFamily, StictionFamily
+from lostmotion.identify.actuators.backlash import BacklashFamily
+from lostmotion.identify.actuators.saturation import SaturationFamily
+from lostmotion.identify.actuators.stiction import StictionFamily
 from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
 from lostmotion.models.stiction import CODES
 from tests.naive import backlash as slow_backlash

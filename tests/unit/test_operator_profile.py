@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.identify.actuators import kinds
-from lostmotion.identify.actuators.operator_profile import LaggedRegression, operator_profile
-from lostmotion.identify.actuators.static_profile import Lags
-from lostmotion.identify.likelihood.search import ScaledData
+from lostmotion.identify.actuators.kind import kind_of
+from lostmotion.identify.actuators.operator_profile import LaggedRegression, operator_profile, regression
+from lostmotion.identify.likelihood.arx_gram import Lags
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.products import add_lagged_table, add_products, damped_step
 
 SEGMENTS = np.array([[0, 250], [250, 600]])
@@ -53,7 +54,7 @@ def test_squares_are_those_of_the_whole_regression():
     rng = np.random.default_rng(2)
     x = 0.2 * np.cumsum(rng.normal(size=600))
     y = np.convolve(x, [0.0, 0.0, 0.5, 0.3])[:600] + rng.normal(scale=0.1, size=600)
-    found = LaggedRegression.on(y, SEGMENTS, LAGS)
+    found = LaggedRegression.on(ScaledData(x, y, SEGMENTS), LAGS)
     rows = np.concatenate([np.arange(start + LAGS.head, stop) for start, stop in SEGMENTS])
     columns = [np.ones((rows.size, 1)), y[rows[:, None] - np.arange(1, 8)]]
     columns.append(x[rows[:, None] - 2 - np.arange(9)])
@@ -62,7 +63,7 @@ def test_squares_are_those_of_the_whole_regression():
         left = y[rows] - table @ np.linalg.lstsq(table, y[rows], rcond=None)[0]
         assert squares == pytest.approx(left @ left, rel=1e-6)
     assert found.samples == rows.size
-    assert LaggedRegression.on(y, SEGMENTS, LAGS, most=300).samples == 300
+    assert LaggedRegression.on(ScaledData(x, y, SEGMENTS), LAGS, most=300).samples == 300
 
 
 @pytest.mark.statistics
@@ -74,7 +75,7 @@ def test_the_best_start_is_near_the_truth(valve):
     y = lm.LinearModel([-0.8], [0.2], 1, 1.0).simulate(valve(u)) + rng.normal(scale=0.02, size=u.size)
     data = ScaledData(u / u.std(), (y - y.mean()) / y.std(), np.array([[0, u.size]]))
     found = [
-        operator_profile(kinds.regression(data, None), family, data.u, 2) for family in kinds.families(valve.kind, data)
+        operator_profile(regression(data, Asked()), family, data.u, 2) for family in kind_of(valve.kind).forms(data)
     ]
     _, starts = min(found, key=lambda item: item[1][0].squares)
     wanted = np.array([valve.width] if valve.kind == "backlash" else [valve.band, valve.jump])

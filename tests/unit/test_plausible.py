@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import lostmotion as lm
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.plausible import FREE, LARGEST_INVERSE, LATE, LEAST_LASTING, Held, plausible
+from lostmotion.identify.scaled import ScaledData
 from tests.naive.linear import simulate
 
 HELD = Held(True, 0)
@@ -85,7 +86,7 @@ def test_the_direction_of_a_controller(sign, moves):
         lm.Hammerstein(lm.Identity(), process), lm.PI(1.5 * sign, 0.15 * sign), reference,
         noise=rng.normal(scale=0.1, size=800), allow_unstable=True,
     )  # fmt: skip
-    found = feedback(loop.control, loop.measured, np.array([[0, 800]]))
+    found = feedback(ScaledData(loop.control, loop.measured, np.array([[0, 800]])))
     assert found.closed
     assert found.direction == -sign
 
@@ -93,6 +94,6 @@ def test_the_direction_of_a_controller(sign, moves):
 def test_no_direction_without_a_controller():
     rng = np.random.default_rng(2)
     u = np.repeat(rng.normal(size=80), 10)
-    found = feedback(u, rng.normal(size=800), np.array([[0, 800]]))
+    found = feedback(ScaledData(u, rng.normal(size=800), np.array([[0, 800]])))
     assert not found.closed
     assert found.direction == 0

@@ -148,7 +148,7 @@ def block_from_fit(
         factor = _safe_share(facts, name, level)
         said = f"lower end of the {level:.0%} interval of the {name} {facts.parameters[name]:.4g}"
         notes.append(f"factor {factor:.3f}: {said}")
-    if options.get("method") == "two moves" and facts.integrating:
+    if options.get("method") == "two moves" and facts.chosen.integrating:
         raise ParameterError.expected("a self-regulating process", "an integrating one", "take method='knocker'")
     _require_span(facts, span)
     if op_noise is None and facts.closed_loop and facts.op_noise:

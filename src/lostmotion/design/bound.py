@@ -7,8 +7,10 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.design.criterion import Z95
 from lostmotion.design.simulated_plant import Plant
-from lostmotion.identify.likelihood.parameters import Scaling, named_values
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
+from lostmotion.identify.likelihood.parameters import named_values
 from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.scaled import Scaling
 
 NAMES = ("left", "right", "width", "slope_ratio", "gain")
 SEED_STEP = 100_000  # between realisations, so that plants and realisations do not share one
@@ -50,7 +52,7 @@ def _by_name(plant: Plant, problem: Problem, theta: FloatArray, information: Flo
     """
     s = problem.structure
     shared = theta[: problem.initial_at]
-    values, jacobian = named_values(shared, "dead zone", s.na, s.nb, Scaling(0, 1, 0, 1), None)
+    values, jacobian = named_values(shared, DeadZoneFamily, s.na, s.nb, Scaling(0, 1, 0, 1), None)
     vague = np.array([BLIND * plant.zone.width, BLIND * plant.zone.width, BLIND])
     at = np.arange(problem.eta_at, problem.eta_at + 3)
     information[at, at] += vague**-2.0

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.likelihood.family import DeadZoneFamily
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.kernels.actuator import DEAD_ZONE
 from lostmotion.kernels.loop import closed_loop

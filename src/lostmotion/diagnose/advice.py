@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
+
 SEVERITIES = ((1.0, "low"), (2.0, "moderate"), (4.0, "high"))  # % of span; the paper's introduction
 
 
@@ -19,7 +21,7 @@ def severity_of(percent: float) -> str:
 
 def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bool = False) -> tuple[str, ...]:
     """Sentences for the engineer, most important first."""
-    if verdict == "none":
+    if verdict == NO_FAULT:
         return ("Nothing to do for the actuator.",)
     if verdict == "cannot tell":
         return (
@@ -28,12 +30,11 @@ def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bo
         )
     if verdict == "other oscillation":
         return (_OTHER[kind],)
-    first = _FAULT[verdict]
+    words = kind_of(verdict).words
+    first = words.advice
     if severity == "low" and not swings:
         first = ("It is within the 1 % of span that is recommended for control valves: watch it, do not mend it.",)
-    if verdict == "backlash" and integrating:
-        first = (*first, "Behind a level a dead band makes the loop cycle for ever; a smaller integral gain helps.")
-    return first
+    return (*first, *words.advice_for_levels) if integrating else first
 
 
 _OTHER = {
@@ -43,21 +44,4 @@ _OTHER = {
     "sensor": "Look at the measurement: it moves in steps that are large beside the oscillation.",
     "unknown": "Put the controller in manual for a few periods: if PV goes on swinging, look upstream; if it calms "
     "down, retune.",
-}
-_FAULT = {
-    "stiction": (
-        "Lubricate or repack the valve, check the packing load and the air supply, replace the positioner if it hunts.",
-        "Until then: put the controller in manual to confirm (the swing stops), or use a knocker (`lostmotion "
-        "simulate` says whether it helps here); a detuned controller only makes the swing slower.",
-    ),
-    "backlash": (
-        "Look for play in linkage, pins and feedback arm of the positioner.",
-        "Until then a backlash compensator (`lostmotion simulate`, then `export`), or a positioner that sees the stem, "
-        "takes it away.",
-    ),
-    "dead zone": (
-        "Check the range and the zero of the positioner, and spool or relay overlap.",
-        "Compensate: `lostmotion simulate` says whether it is worth it, `lostmotion export` writes the block.",
-    ),
-    "saturation": ("The actuator is at its limit: check its range, its stops and the size of the valve.",),
 }

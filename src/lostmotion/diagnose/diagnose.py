@@ -7,7 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.diagnosis import ACTUATOR, Diagnosis, Item
+from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.evidence_words import LABEL, looks_percent
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
@@ -16,7 +16,7 @@ from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
-from lostmotion.identify.evidence import SIZE
+from lostmotion.identify.actuators.kind import faults
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, check, prepare
 from lostmotion.records.modes import rows_of
@@ -99,10 +99,10 @@ def _package(
     size, interval, about_size = _size(verdict.verdict, fit, measured)
     percent = 100.0 * size / (span[1] - span[0])
     known = record.op_span is not None or span == PERCENT
-    severity = severity_of(percent if known else np.nan) if verdict.verdict in ACTUATOR else "none"
+    severity = severity_of(percent if known else np.nan) if verdict.kind == "actuator" else "none"
     pv_stronger = measured.pv.share >= measured.op.share
     performance = measure_performance(
-        fit.data, sp, int(fit.settings["chosen"]["delay"]), span, measured.pv if pv_stronger else measured.op,
+        fit.data, sp, fit.chosen.delay, span, measured.pv if pv_stronger else measured.op,
         _manual(record), loop_type or ("level" if measured.integrating else "other"),
     )  # fmt: skip
     return Diagnosis(
@@ -145,15 +145,15 @@ def _span(record: LoopRecord) -> tuple[tuple[float, float], tuple[str, ...]]:
 def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float, tuple[float, float], tuple[str, ...]]:
     """Lost motion in units of OP: of the fit where it has the kind, else apparent, from the ellipse."""
     unknown = (np.nan, (np.nan, np.nan), ())
-    if verdict not in ("dead zone", "backlash", "stiction"):
+    said = next((kind for kind in faults() if kind.name == verdict), None)
+    if said is None or said.size is None:
         return unknown
-    kind = fit.nonlinearity.kind
-    if kind == verdict or {kind, verdict} == {"backlash", "stiction"}:
-        name = SIZE[kind]
+    name = fit.kind.size
+    if name is not None and (fit.kind is said or (fit.kind.sticks and said.sticks)):
         return fit.parameters[name], fit.interval(name), ()
     width = measured.indices.get("ellipse_width", np.nan)
-    said = "The size is the apparent one of the PV-OP ellipse: the likelihood does not give it here."
-    return width, (np.nan, np.nan), (said,) if np.isfinite(width) else ()
+    note = "The size is the apparent one of the PV-OP ellipse: the likelihood does not give it here."
+    return width, (np.nan, np.nan), (note,) if np.isfinite(width) else ()
 
 
 def _items(verdict: Verdict) -> tuple[Item, ...]:

@@ -12,10 +12,15 @@ from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.performance import Performance
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.kind import kind_names
 from lostmotion.records import LoopRecord
 
-VERDICTS = ("none", "dead zone", "backlash", "stiction", "saturation", "other oscillation", "cannot tell")
-ACTUATOR = ("dead zone", "backlash", "stiction", "saturation")
+OTHERS = ("other oscillation", "cannot tell")
+
+
+def verdicts() -> tuple[str, ...]:
+    """All that a diagnosis can say: "none", a kind of fault, or one of OTHERS."""
+    return (*kind_names(), *OTHERS)
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,7 @@ class Diagnosis:
     Attributes
     ----------
     verdict : str
-        Of VERDICTS.
+        Of `verdicts()`.
     kind : str
         Where it comes from: "actuator", "tuning", "disturbance", "sensor", "unknown", or "none".
     severity : str

@@ -15,7 +15,7 @@ from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.choice import NEEDED
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
@@ -105,17 +105,15 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     start, stop = max(data.segments.tolist(), key=lambda pair: pair[1] - pair[0])
     rows = slice(start, min(stop, start + MOST_ROWS))
     op, pv = data.u[rows], data.y[rows]
-    levels = bool(fit.settings["chosen"]["integrating"]) if integrating is None else integrating
+    levels = fit.chosen.integrating if integrating is None else integrating
     of_op, of_pv = _oscillation(op), _oscillation(pv)
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    dead_zone, memory, saturation = _gains(fit)
+    gains = _gains(fit)
     driven = _driven(fit, float(period)) or (sp is not None and _commanded(sp[rows], pv, float(period)))
     features = Features(
-        dead_zone=dead_zone,
-        memory=memory,
-        saturation=saturation,
+        **gains,
         oscillating=float(bool(swinging) and not driven),
         shape=0.0 if driven else max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
     )
@@ -124,8 +122,8 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
 
 def _driven(fit: HammersteinFit, period: float) -> bool:
     """Whether a fault was found with a swing of this period beside it."""
-    swings = [load["period"] for load in fit.settings["chosen"]["loads"] if "period" in load]
-    return fit.nonlinearity.kind != "none" and any(abs(swing / period - 1.0) < SAME for swing in swings)
+    own = fit.kind.name != NO_FAULT
+    return own and any(abs(swing / period - 1.0) < SAME for swing in fit.chosen.periods)
 
 
 def _commanded(sp: FloatArray, pv: FloatArray, period: float) -> bool:
@@ -139,17 +137,11 @@ def _commanded(sp: FloatArray, pv: FloatArray, period: float) -> bool:
     return bool(np.linalg.norm(command) > COMMANDED * np.linalg.norm(answer))
 
 
-def _gains(fit: HammersteinFit) -> tuple[float, float, float]:
-    """Of dead zone, memory and saturation; but for the one that was found 0."""
-    kind = fit.nonlinearity.kind
-    if fit.kinds is None or kind == "none":
-        return 0.0, 0.0, 0.0
-    gain = float(np.log1p(max(fit.kinds.firm[kind], 0.0) / NEEDED))
-    return (
-        gain if kind == "dead zone" else 0.0,
-        gain if kind in ("backlash", "stiction") else 0.0,
-        gain if kind == "saturation" else 0.0,
-    )
+def _gains(fit: HammersteinFit) -> dict[str, float]:
+    """Of the class of evidence under which the kind that was found is weighed."""
+    if fit.kinds is None or fit.kind.name == NO_FAULT:
+        return {}
+    return {fit.kind.evidence: float(np.log1p(max(fit.kinds.firm[fit.kind.name], 0.0) / NEEDED))}
 
 
 def _oscillation(x: FloatArray) -> Oscillation:

@@ -11,13 +11,13 @@ from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
 SURE = 0.55  # least probability of a verdict: no false alarm on the calm loops of the calibration; more loses faults
 CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
-STICKING = ("backlash", "stiction")
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised)
     else:
         verdict, kind = "cannot tell", "unknown"
-    if verdict not in STICKING and limited > LIMITED:
+    if not _sticks(verdict) and limited > LIMITED:
         verdict, kind = "saturation", "actuator"  # seen in OP itself; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
     return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts)
@@ -92,19 +92,25 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
     function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, and
     the likelihood does not say clearly that the valve never slips, it slips.
     """
-    best = fit.nonlinearity.kind
+    best = fit.kind
     swings = measured.swings and not measured.driven
     angular = swings and measured.features.shape > TRIANGLE
     level = measured.integrating or _slower_than_its_swing(fit, measured.period)
-    if best in ("saturation", "dead zone") and (not angular or (best == "dead zone" and level)):
-        return best
+    possible = not angular or best.angular == "always" or (best.angular == "level" and level)
+    if best.name != NO_FAULT and not best.sticks and possible:
+        return best.name
     likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
     ahead = likelihoods.get("backlash", 0.0) - likelihoods.get("stiction", 0.0)
     if angular and not level:
         return "backlash" if ahead > CLEAR else "stiction"
-    if best in STICKING:
-        return best
+    if best.sticks:
+        return best.name
     return "backlash" if ahead > 0.0 else "stiction"
+
+
+def _sticks(verdict: str) -> bool:
+    """Whether the verdict is a kind with a memory."""
+    return any(kind.sticks for kind in faults() if kind.name == verdict)
 
 
 def _slower_than_its_swing(fit: HammersteinFit, period: float) -> bool:

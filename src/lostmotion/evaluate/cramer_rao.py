@@ -8,12 +8,13 @@ import numpy.typing as npt
 from lostmotion.arguments import finite_signal, signal
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.likelihood.family import DeadZoneFamily
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.offset import without_column
-from lostmotion.identify.likelihood.parameters import Scaling, name_parameters
+from lostmotion.identify.likelihood.parameters import name_parameters
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import LocalFit
-from lostmotion.identify.likelihood.search import Fitted
+from lostmotion.identify.scaled import Scaling
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 
 HAIR = 1e-9  # a pole this near to the unit circle integrates
@@ -87,7 +88,7 @@ def cramer_rao(
     _, _, hessian = problem.evaluate(theta)
     if noise.order and y is None:
         _fill_noise_block(hessian, problem, noise)
-    basis = without_column(theta.size, problem.eta_at - 1) if offset == "zero" else np.eye(theta.size)
+    basis = without_column(theta.size, problem.offset_at) if offset == "zero" else np.eye(theta.size)
     exact = noise.variance * max(problem.errors - basis.shape[1], 1)  # name_parameters divides by this
     at_truth = Fitted(problem, LocalFit(theta, exact, hessian, 0, True), basis)
     named = name_parameters(at_truth, Scaling(0, 1, 0, 1), gain)
@@ -116,8 +117,9 @@ def _initial(problem: Problem, theta: FloatArray, clean: FloatArray) -> FloatArr
     if not s.initial:
         return np.zeros(0)
     x, _ = problem.internal(theta)
-    a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
-    z = clean[s.first : s.first + s.initial] - theta[problem.eta_at - 1]
+    parts = problem.parts(theta)
+    a, b = parts.a, parts.b
+    z = clean[s.first : s.first + s.initial] - parts.offset
     x = x[s.first - s.delay :][: s.initial]
     return np.asarray(np.convolve(np.append(1.0, a), z)[: s.initial] - np.convolve(b, x)[: s.initial])
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.likelihood.family import DeadZoneFamily
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,35 +14,23 @@ from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.actuators.choice import choose_kind
-from lostmotion.identify.actuators.every_kind import fits_of_all
-from lostmotion.identify.actuators.kinds import KINDS, Sought, fit_kind, seek
-from lostmotion.identify.actuators.memory_families import StictionFamily
+from lostmotion.identify.actuators.every_kind import EveryKind
+from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
+from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.polish import profile_intervals
-from lostmotion.identify.actuators.slopes import with_equal_slopes
-from lostmotion.identify.actuators.width_bound import width_bound
+from lostmotion.identify.actuators.sought import Sought
+from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
-from lostmotion.identify.evidence import SIZE, decide, weigh
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
-from lostmotion.identify.likelihood.offset import settle_offset
-from lostmotion.identify.likelihood.parameters import Scaling, name_parameters, with_profiled
-from lostmotion.identify.likelihood.search import Fitted, ScaledData
+from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
+from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.status import decide, weigh
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import (
-    Backlash,
-    DeadZone,
-    Hammerstein,
-    Identity,
-    LinearModel,
-    NoiseModel,
-    Nonlinearity,
-    Saturation,
-    Stiction,
-)
+from lostmotion.models import Hammerstein, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, Prepared
-
-DEFAULT_ORDERS = (3, 2, 1)
 
 
 @one_thread
@@ -118,109 +107,96 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
-    _check_choice("nonlinearity", nonlinearity, (*KINDS, "auto"))
-    orders_given = _orders(orders)
-    noise_given = _noise(noise)
+    _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
+    asked = Asked(_orders(orders), _noise(noise), levels=gain is None)
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
     _check_choice("offset", offset, ("auto", "free", "zero"))
-    data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, _needed(orders_given, noise_given)))
-    _check_length(data, orders_given, noise_given)
+    data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, asked.needed))
+    _check_length(data, asked)
     settings: dict[str, Any] = {
         "nonlinearity": nonlinearity,
-        "orders": list(orders_given) if orders_given else "auto",
+        "orders": list(asked.orders) if asked.orders else "auto",
         "noise": noise,
         "gain": gain,
         "offset": offset,
     }
-    scaling = Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale)
-    scaled = ScaledData(
-        (data.u - scaling.u_centre) / scaling.u_scale,
-        (data.y - scaling.y_centre) / scaling.y_scale,
-        data.segments,
-    )
-    linear = fit_kind(None, scaled, orders_given, noise_given, levels=gain is None)
-    linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
-    if nonlinearity == "none":
-        return linear_result
-
-    def result(kind: str, found: Fitted) -> HammersteinFit:
-        own = gain if kind == "dead zone" else None
-        packed = _package(data, scaled, scaling, found, linear, settings, own)
-        return replace(packed, linear_alternative=linear_result)
-
-    def fitted(on: ScaledData, kind: str, sought: Sought, near: Fitted | None = None) -> Fitted:
-        found = fit_kind(sought, on, orders_given, noise_given, gain is None, near)
-        return settle_offset(found, scaling, offset) if kind == "dead zone" else found
-
-    if nonlinearity != "auto":
-        return result(nonlinearity, fitted(scaled, nonlinearity, seek(nonlinearity, scaled, orders_given)))
-    plain, linear, fits = linear, *fits_of_all(scaled, linear, orders_given, noise_given, gain is None, fitted)
-    if linear is not plain:
-        linear_result = _package(data, scaled, scaling, linear, linear, settings, gain=None)
-    simplest = {kind: with_equal_slopes(found) for kind, found in fits.items()}
-    kinds = choose_kind(scaled, {"none": linear, **simplest})
-    if kinds.best == "none":
-        return replace(linear_result, kinds=kinds)
-    chosen = replace(result(kinds.best, fits[kinds.best]), kinds=kinds)
-    if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
-        return replace(linear_result, kinds=kinds)
-    return chosen
+    return _Identification(data, asked, settings).run()
 
 
-def _package(
-    data: IdentificationData,
-    scaled: ScaledData,
-    scaling: Scaling,
-    fitted: Fitted,
-    linear: Fitted,
-    settings: dict[str, Any],
-    gain: float | None,
-) -> HammersteinFit:
-    """Result in engineering units with status."""
-    named = name_parameters(fitted, scaling, gain)
-    profiled = _profiled(fitted, scaling)
-    covariance = with_profiled(named, profiled)
-    model = _model(named.values, fitted, data.dt, data.y_centre)
-    simulated, errors = fitted.problem.predict(fitted.fit.theta)
-    s = fitted.problem.structure
-    d = fitted.fit.theta[fitted.problem.noise_at : fitted.problem.initial_at]
-    evidence = weigh(scaled, fitted, linear, named.values, data, _noise(settings["noise"]))
-    tests = residual_tests(fitted, errors)
-    status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
-    loads = fitted.problem.family.loads
-    widest = None
-    if status is Status.NOT_SEEN:
-        widest = _widest(fitted, profiled, scaling)
-    return HammersteinFit(
-        status=status,
-        model=model,
-        noise=NoiseModel(tuple(d), fitted.variance * scaling.y_scale**2),
-        parameters=named.values,
-        covariance=covariance,
-        residuals=np.concatenate(errors) * scaling.y_scale,
-        simulated=_on_rows(simulated, scaled.segments, s.first, data.y.size, scaling),
-        fit_percent=_fit_percent(scaled, simulated, s.first),
-        tests=tests,
-        evidence=evidence,
-        widest=widest,
-        profiled=profiled,
-        settings={
-            **settings,
-            "chosen": {
-                "na": s.na,
-                "nb": s.nb,
-                "delay": s.delay,
-                "noise_order": s.noise_order,
-                "integrating": s.integrating,
-                "loads": [event.to_dict() for event in loads.events] if loads is not None else [],
-            },
-            "offset_fixed": fitted.basis is not None,
-        },
-        data=data,
-    )
+@dataclass(frozen=True)
+class _Identification:
+    """One call of ``identify``: checked data, what is asked, settings as they were given."""
+
+    data: IdentificationData
+    asked: Asked
+    settings: dict[str, Any]
+
+    @cached_property
+    def scaled(self) -> ScaledData:
+        """The data as the likelihood wants them."""
+        data = self.data
+        return ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
+
+    def run(self) -> HammersteinFit:
+        """Fit what was asked for, beside the linear model."""
+        name, linear = self.settings["nonlinearity"], fit_linear(self.scaled, self.asked)
+        if name == "auto":
+            return self._likeliest(linear)
+        linear_result = self._packed(linear, linear)
+        if name == NO_FAULT:
+            return linear_result
+        kind = kind_of(name)
+        found = self._fitted(self.scaled, kind, kind.sought(self.scaled, self.asked))
+        return replace(self._packed(found, linear), linear_alternative=linear_result)
+
+    def _fitted(self, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None) -> Fitted:
+        found = fit_kind(sought, scaled, self.asked, near)
+        return kind.settled(found, scaled.scaling, self.settings["offset"])
+
+    def _likeliest(self, linear: Fitted) -> HammersteinFit:
+        """The kind that predicts best, or the linear model where none is seen."""
+        linear, fits = EveryKind(self.scaled, self.asked, self._fitted).fits(linear)
+        linear_result = self._packed(linear, linear)
+        simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
+        kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
+        if kinds.best == NO_FAULT:
+            return replace(linear_result, kinds=kinds)
+        chosen = self._packed(fits[kinds.best], linear)
+        if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+            return replace(linear_result, kinds=kinds)
+        return replace(chosen, linear_alternative=linear_result, kinds=kinds)
+
+    def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:
+        """Result in engineering units with status."""
+        data, scaled, family = self.data, self.scaled, fitted.problem.family
+        scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
+        named = name_parameters(fitted, scaling, self.settings["gain"] if kind.has_slopes else None)
+        profiled = _profiled(fitted, scaling)
+        covariance = with_profiled(named, profiled)
+        simulated, errors = fitted.problem.predict(fitted.fit.theta)
+        evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
+        tests = residual_tests(fitted, errors)
+        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
+        return HammersteinFit(
+            status=status,
+            model=_model(named.values, fitted, data),
+            noise=NoiseModel(tuple(fitted.parts.d), fitted.variance * scaling.y_scale**2),
+            parameters=named.values,
+            covariance=covariance,
+            residuals=np.concatenate(errors) * scaling.y_scale,
+            simulated=_on_rows(simulated, scaled, s.first),
+            fit_percent=_fit_percent(scaled, simulated, s.first),
+            tests=tests,
+            evidence=evidence,
+            widest=kind.widest(fitted, profiled, scaling) if status is Status.NOT_SEEN else None,
+            profiled=profiled,
+            settings={**self.settings, "offset_fixed": fitted.basis is not None},
+            chosen=_chosen(fitted),
+            data=data,
+        )
 
 
 def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
@@ -231,44 +207,27 @@ def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]
     return {name: (size * low, size * high) for name, (low, high) in profile_intervals(fitted).items()}
 
 
-def _widest(fitted: Fitted, profiled: dict[str, tuple[float, float]], scaling: Scaling) -> float | None:
-    """Largest width or band that the record does not exclude."""
-    kind = fitted.problem.family.kind
-    if kind == "dead zone":
-        return width_bound(fitted) * scaling.u_scale
-    return profiled[SIZE[kind]][1] if kind in SIZE else None
+def _chosen(fitted: Fitted) -> Chosen:
+    s, loads = fitted.problem.structure, fitted.problem.family.loads
+    events = () if loads is None else tuple(event.to_dict() for event in loads.events)
+    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events)
 
 
-def _model(values: dict[str, float], fitted: Fitted, dt: float, level: float) -> Hammerstein:
-    s = fitted.problem.structure
+def _model(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:
+    s, family = fitted.problem.structure, fitted.problem.family
     linear = LinearModel(
         tuple(values[f"a{i + 1}"] for i in range(s.na)),
         tuple(values[f"b{i}"] for i in range(s.nb + 1)),
         s.delay,
-        dt,
+        data.dt,
     )
-    return Hammerstein(_actuator(values, fitted.problem.family), linear, values.get("offset", level))
+    return Hammerstein(kind_of(family.kind).actuator(values, family), linear, values.get("offset", data.y_centre))
 
 
-def _actuator(values: dict[str, float], family: Family) -> Nonlinearity:
-    if family.kind == "dead zone":
-        left = min(values["left"], values["right"])
-        return DeadZone(left, values["right"], values["left_slope"], values["right_slope"])
-    if family.kind == "backlash":
-        return Backlash(values["width"])
-    if isinstance(family, StictionFamily):
-        return Stiction(values["band"], values["jump"], family.model)
-    if family.kind == "saturation":
-        return Saturation(values["low"], values["high"])
-    return Identity()
-
-
-def _on_rows(
-    simulated: list[FloatArray], segments: npt.NDArray[np.int64], first: int, n: int, scaling: Scaling
-) -> FloatArray:
+def _on_rows(simulated: list[FloatArray], data: ScaledData, first: int) -> FloatArray:
     """Simulated output in engineering units on the rows of the data; NaN before the first simulated row."""
-    rows = np.full(n, np.nan)
-    for (start, stop), z in zip(segments, simulated, strict=True):
+    rows, scaling = np.full(data.y.size, np.nan), data.scaling
+    for (start, stop), z in zip(data.segments, simulated, strict=True):
         rows[start + first : stop] = scaling.y_centre + scaling.y_scale * z
     return rows
 
@@ -305,17 +264,11 @@ def _noise(noise: str | int) -> int | None:
     return whole('noise (or "auto", "white")', noise, 0)
 
 
-def _needed(orders: tuple[int, int, int] | None, noise: int | None) -> int:
-    """Samples that every segment must have."""
-    return 3 * (sum(orders or DEFAULT_ORDERS) + (noise or 0)) + 30
-
-
-def _check_length(data: IdentificationData, orders: tuple[int, int, int] | None, noise: int | None) -> None:
-    needed = _needed(orders, noise)
-    na, nb, delay = orders or DEFAULT_ORDERS
-    if data.shortest < needed:
+def _check_length(data: IdentificationData, asked: Asked) -> None:
+    na, nb, delay = asked.orders or DEFAULT_ORDERS
+    if data.shortest < asked.needed:
         raise DataError.expected(
-            f"at least {needed} samples in every segment for orders {(na, nb, delay)}",
+            f"at least {asked.needed} samples in every segment for orders {(na, nb, delay)}",
             f"{data.shortest}",
             "use lower orders or longer records",
         )

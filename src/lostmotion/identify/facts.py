@@ -12,7 +12,9 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.files.results import read_json
-from lostmotion.identify.rated_estimate import Evidence, RatedEstimate
+from lostmotion.identify.chosen import Chosen
+from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.rated_estimate import RatedEstimate
 from lostmotion.identify.saved_fit import REMEDY, facts_from_dict, finite
 from lostmotion.models import Hammerstein, NoiseModel
 
@@ -31,8 +33,8 @@ class FitFacts(RatedEstimate):
     noise : NoiseModel
     parameters, covariance, profiled, widest, evidence, fit_percent
         As in :class:`HammersteinFit`. A covariance that is not known is infinite.
-    integrating : bool
-        The process integrates.
+    chosen : Chosen
+        Structure of the model.
     known_gain : float or None
         Static gain that the identification was told.
     op_range : (float, float)
@@ -54,7 +56,7 @@ class FitFacts(RatedEstimate):
     fit_percent: float
     evidence: Evidence
     widest: float | None
-    integrating: bool
+    chosen: Chosen
     known_gain: float | None
     op_range: tuple[float, float]
     op_noise: float | None
@@ -104,7 +106,7 @@ class FitFacts(RatedEstimate):
             "fit_percent": self.fit_percent,
             "widest": None if self.widest is None else finite(self.widest),
             "evidence": dict(vars(self.evidence)),
-            "settings": {"gain": self.known_gain, "chosen": {"integrating": self.integrating}},
+            "settings": {"gain": self.known_gain, "chosen": self.chosen.to_dict()},
             "data": {
                 "tag": self.tag,
                 "source": self.source,

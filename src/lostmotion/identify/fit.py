@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
+from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.chosen import Chosen
+from lostmotion.identify.data import IdentificationData
+from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.facts import FitFacts
 from lostmotion.identify.likelihood.misfit import ResidualTests
-from lostmotion.identify.rated_estimate import Evidence, RatedEstimate
-from lostmotion.identify.remarks import remarks
+from lostmotion.identify.rated_estimate import RatedEstimate
 from lostmotion.models import Hammerstein, NoiseModel
-
-if TYPE_CHECKING:
-    from lostmotion.identify.actuators.choice import KindChoice
-    from lostmotion.identify.data import IdentificationData
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +41,8 @@ class HammersteinFit(RatedEstimate):
         Where no lost motion is seen: the widest that the record does not exclude (95 %, profile likelihood).
     profiled : dict of (float, float)
         95 % intervals from the profile likelihood, of parameters whose likelihood has jumps (backlash, stiction).
+    chosen : Chosen
+        Structure of the model: orders, delay, noise order, whether it integrates, loads beside the actuator.
     kinds : KindChoice or None
         With nonlinearity="auto": how the kinds compare, and how sure the choice is.
     residuals : ndarray
@@ -59,6 +60,7 @@ class HammersteinFit(RatedEstimate):
     tests: ResidualTests
     evidence: Evidence
     settings: dict[str, Any]
+    chosen: Chosen
     widest: float | None
     data: IdentificationData = field(repr=False)
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
@@ -78,7 +80,7 @@ class HammersteinFit(RatedEstimate):
             fit_percent=self.fit_percent,
             evidence=self.evidence,
             widest=self.widest,
-            integrating=self.settings["chosen"]["integrating"],
+            chosen=self.chosen,
             known_gain=self.settings["gain"],
             op_range=(float(data.u.min()), float(data.u.max())),
             op_noise=data.u_noise,
@@ -93,7 +95,7 @@ class HammersteinFit(RatedEstimate):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences about the data in the light of the fit: resolution, sampling, % of span."""
-        return remarks(self)
+        return _verbs.remarks(self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: characteristic, step response, measured against simulated, residual correlations.
@@ -110,6 +112,6 @@ class HammersteinFit(RatedEstimate):
             **facts,
             "residual_tests": dict(vars(self.tests)),
             "kinds": None if self.kinds is None else self.kinds.to_dict(),
-            "settings": copy.deepcopy(self.settings),
+            "settings": {**copy.deepcopy(self.settings), "chosen": self.chosen.to_dict()},
             "data": {**facts["data"], **about},
         }

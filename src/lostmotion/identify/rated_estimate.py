@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,8 @@ from lostmotion import _verbs
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
+from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
 
 if TYPE_CHECKING:
@@ -21,35 +22,6 @@ if TYPE_CHECKING:
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Comparison of the models that were fitted to the same rows.
-
-    Attributes
-    ----------
-    gain_over_linear : float
-        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit.
-    gain_over_no_input : float
-        BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
-    samples_left, samples_right : int
-        Rows in which OP is beyond the break points.
-    rivals : tuple of (left, right, behind)
-        Other dead zones that fit about as well, and by how much BIC they are behind (rough fits).
-    closed_loop : bool
-        OP answers PV.
-    free_moves : float
-        Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
-    """
-
-    gain_over_linear: float
-    gain_over_no_input: float
-    samples_left: int
-    samples_right: int
-    rivals: tuple[tuple[float, float, float], ...] = ()
-    closed_loop: bool = False
-    free_moves: float = 1.0
 
 
 class RatedEstimate(NamedEstimate, ABC):
@@ -70,6 +42,11 @@ class RatedEstimate(NamedEstimate, ABC):
         """JSON-ready description."""
 
     @property
+    def kind(self) -> Kind:
+        """All that is known of the kind of the actuator that was fitted."""
+        return kind_of(self.nonlinearity.kind)
+
+    @property
     def preferred(self) -> str:
         """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
         if self.status is Status.NOT_SEEN:
@@ -79,8 +56,7 @@ class RatedEstimate(NamedEstimate, ABC):
     @property
     def shown_size(self) -> str | None:
         """Parameter that is the size of the lost motion which the record shows; None where it shows none."""
-        name: str | None = getattr(self.nonlinearity, "size_name", None)
-        return name if self.preferred == self.nonlinearity.kind else None
+        return self.kind.size if self.preferred == self.kind.name else None
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter.
@@ -115,10 +91,10 @@ class RatedEstimate(NamedEstimate, ABC):
         if name in POSITIVE and self.parameters[name] > 0:
             factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
-        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL) and self.nonlinearity.kind != "none":
-            if name in ("width", "band"):
+        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+            if name == self.kind.size:
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
-            if name in ("left", "right", "slope_ratio", "left_slope", "jump", "low", "high"):
+            if name in self.kind.anywhere:
                 return -np.inf, np.inf
         if self.status is Status.ONE_SIDED and name in self.unvisited:
             return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
@@ -135,10 +111,7 @@ class RatedEstimate(NamedEstimate, ABC):
     @property
     def unvisited(self) -> tuple[str, ...]:
         """Parameters of a side on which OP has hardly been (status ONE_SIDED), and what hangs on them."""
-        if self.status is not Status.ONE_SIDED:
-            return ()
-        fewer_left = self.evidence.samples_left < self.evidence.samples_right
-        return ("left", "left_slope", "slope_ratio", "width") if fewer_left else ("right", "slope_ratio", "width")
+        return self.kind.unvisited(self.evidence) if self.status is Status.ONE_SIDED else ()
 
     def summary(self) -> str:
         """Report as text, with as many digits as the standard errors allow."""

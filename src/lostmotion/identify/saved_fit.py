@@ -11,14 +11,15 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, Status
 from lostmotion.files.fields import Fields, as_list, as_number
-from lostmotion.identify.rated_estimate import Evidence
+from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.chosen import Chosen
+from lostmotion.identify.evidence import Evidence
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
 
 REMEDY = "use what fit.save() or identify --out wrote"
 NEEDED = (
     "status", "preferred", "model", "noise", "parameters", "covariance", "intervals_95", "evidence", "settings", "data",
 )  # fmt: skip
-PROFILED = ("backlash", "stiction")  # kinds whose likelihood has jumps, so that their intervals are profiles
 
 
 def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -33,9 +34,10 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
     """
     saved = Fields(data, "a fit", REMEDY)
     saved.require(*NEEDED)
-    status, model, parameters = _status(saved), _model(saved.part("model")), _parameters(saved.part("parameters"))
+    status, model = _status(saved), _model(saved.part("model"))
+    kind, parameters = kind_of(model.nonlinearity.kind), _parameters(saved.part("parameters"))
     about, settings = saved.part("data"), saved.part("settings")
-    _same_actuator(model.nonlinearity, parameters)
+    _require_own(kind, parameters)
     return {
         "status": status,
         "model": model,
@@ -44,9 +46,9 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
         "covariance": _covariance(saved, len(parameters)),
         "fit_percent": saved.number("fit_percent"),
         "evidence": _evidence(saved.part("evidence")),
-        "widest": _widest(saved, status, model.nonlinearity),
-        "profiled": _profiled(saved, model.nonlinearity),
-        "integrating": settings.part("chosen").flag("integrating"),
+        "widest": _widest(saved, status, kind),
+        "profiled": _profiled(saved, kind),
+        "chosen": _chosen(settings.part("chosen")),
         "known_gain": settings.number_or_none("gain"),
         "op_range": about.pair("op_range"),
         "op_noise": about.number_or_none("op_noise"),
@@ -66,9 +68,34 @@ def _status(saved: Fields) -> Status:
 
 
 def _model(saved: Fields) -> Hammerstein:
-    actuator = saved.made("nonlinearity", "an actuator", actuator_from_dict)
+    actuator = saved.made("nonlinearity", "an actuator that is identified", _actuator)
     linear = saved.made("linear", "a linear process", LinearModel.from_dict)
     return Hammerstein(actuator, linear, saved.number("offset"))
+
+
+def _actuator(data: Any) -> Nonlinearity:
+    actuator = actuator_from_dict(data)
+    kind_of(actuator.kind)
+    return actuator
+
+
+def _chosen(saved: Fields) -> Chosen:
+    """Structure; older files have no loads."""
+    loads = saved.made("loads", "a list of loads", _loads) if "loads" in saved else ()
+    na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
+    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads)
+
+
+def _loads(rows: object) -> tuple[Mapping[str, float], ...]:
+    return tuple(map(_load, as_list(rows)))
+
+
+def _load(row: object) -> Mapping[str, float]:
+    if not isinstance(row, Mapping):
+        raise TypeError
+    for value in row.values():
+        as_number(value)
+    return dict(row)
 
 
 def _noise(saved: Fields) -> NoiseModel:
@@ -80,11 +107,10 @@ def _parameters(saved: Fields) -> dict[str, float]:
     return {name: saved.unbounded(name) for name in saved.names}
 
 
-def _same_actuator(actuator: Nonlinearity, parameters: Mapping[str, float]) -> None:
-    size = getattr(actuator, "size_name", None)
-    missing = {*_own(actuator), *(() if size is None else (size,))} - parameters.keys()
+def _require_own(kind: Kind, parameters: Mapping[str, float]) -> None:
+    missing = {*kind.model.own, *(() if kind.size is None else (kind.size,))} - parameters.keys()
     if missing:
-        raise DataError.expected(f"parameters of a {actuator.kind} in a fit", f"no {sorted(missing)}", REMEDY)
+        raise DataError.expected(f"parameters of a {kind.name} in a fit", f"no {sorted(missing)}", REMEDY)
 
 
 def _covariance(saved: Fields, size: int) -> FloatArray:
@@ -116,27 +142,21 @@ def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:
     )
 
 
-def _widest(saved: Fields, status: Status, actuator: Nonlinearity) -> float | None:
+def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:
     """Null stands for none and for no bound; the interval of the size tells them apart."""
-    name = getattr(actuator, "size_name", None)
-    if "widest" in saved or status is not Status.NOT_SEEN or name is None:
+    if "widest" in saved or status is not Status.NOT_SEEN or kind.size is None:
         return saved.number_or_none("widest")
-    high = saved.part("intervals_95").pair(name, -np.inf, np.inf)[1]
+    high = saved.part("intervals_95").pair(kind.size, -np.inf, np.inf)[1]
     return None if np.isfinite(high) else high
 
 
-def _profiled(saved: Fields, actuator: Nonlinearity) -> dict[str, tuple[float, float]]:
+def _profiled(saved: Fields, kind: Kind) -> dict[str, tuple[float, float]]:
     if "profiled" in saved:
         return _ends(saved.part("profiled"))
-    if actuator.kind not in PROFILED:
+    if not kind.family.kinks:
         return {}
-    return {name: ends for name, ends in _ends(saved.part("intervals_95")).items() if name in _own(actuator)}
+    return {name: ends for name, ends in _ends(saved.part("intervals_95")).items() if name in kind.model.own}
 
 
 def _ends(saved: Fields) -> dict[str, tuple[float, float]]:
     return {name: saved.pair(name, -np.inf, np.inf) for name in saved.names}
-
-
-def _own(actuator: Nonlinearity) -> tuple[str, ...]:
-    names: tuple[str, ...] = getattr(actuator, "own", ())
-    return names

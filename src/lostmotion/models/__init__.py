@@ -5,10 +5,12 @@ from lostmotion.models.dead_zone import DeadZone, DeadZoneInverse
 from lostmotion.models.describing_function import describing_function
 from lostmotion.models.hammerstein import Hammerstein, Nonlinearity
 from lostmotion.models.identity import Identity
+from lostmotion.models.kernel_view import KernelActuator
 from lostmotion.models.linear import LinearModel
 from lostmotion.models.noise import NoiseModel
+from lostmotion.models.registry import actuator_from_dict
 from lostmotion.models.saturation import Saturation
-from lostmotion.models.series import Series, SeriesInverse, actuator_from_dict
+from lostmotion.models.series import Series, SeriesInverse
 from lostmotion.models.stiction import Stiction
 
 __all__ = [
@@ -18,6 +20,7 @@ __all__ = [
     "DeadZoneInverse",
     "Hammerstein",
     "Identity",
+    "KernelActuator",
     "LinearModel",
     "NoiseModel",
     "Nonlinearity",

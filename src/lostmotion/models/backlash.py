@@ -12,10 +12,14 @@ import numpy.typing as npt
 from lostmotion.arguments import along_time, finite, not_negative, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.kernels import actuator as numbers
 from lostmotion.kernels import backlash as kernel
 from lostmotion.models.fundamentals import gliding_sine
+from lostmotion.models.kernel_view import padded
+from lostmotion.models.registry import actuator
 
 
+@actuator
 @dataclass(frozen=True)
 class Backlash:
     """Backlash (play): x follows u where the gap of full width `width` is used up, and rests otherwise.
@@ -48,9 +52,9 @@ class Backlash:
 
     width: float
 
-    kind = "backlash"
-    size_name: ClassVar[str | None] = "width"
+    kind: ClassVar[str] = "backlash"
     own: ClassVar[tuple[str, ...]] = ("width",)
+    size_name: ClassVar[str | None] = "width"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "width", not_negative("width", self.width))
@@ -74,6 +78,15 @@ class Backlash:
         Gelb and Vander Velde, Multiple-Input Describing Functions and Nonlinear System Design (1968), appendix B.
         """
         return gliding_sine(self.width / positive("amplitude", amplitude), 0.0)
+
+    @property
+    def kernel_code(self) -> int:
+        """Number in ``kernels.actuator``."""
+        return numbers.BACKLASH
+
+    def kernel_parameters(self) -> FloatArray:
+        """Parameters in the order of ``kernels.actuator``, shape (5,)."""
+        return padded(self.width)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

@@ -10,10 +10,14 @@ import numpy.typing as npt
 from lostmotion.arguments import elementwise, finite, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.kernels import actuator as numbers
 from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models.fundamentals import clipped_sine
+from lostmotion.models.kernel_view import padded
+from lostmotion.models.registry import actuator
 
 
+@actuator
 @dataclass(frozen=True)
 class DeadZone:
     """Static dead zone (paper, eq 4).
@@ -47,9 +51,9 @@ class DeadZone:
     left_slope: float = 1.0
     right_slope: float = 1.0
 
-    kind = "dead zone"
-    size_name: ClassVar[str | None] = "width"
+    kind: ClassVar[str] = "dead zone"
     own: ClassVar[tuple[str, ...]] = ("left", "right", "left_slope", "right_slope")
+    size_name: ClassVar[str | None] = "width"
 
     def __post_init__(self) -> None:
         for name in ("left", "right"):
@@ -89,6 +93,15 @@ class DeadZone:
         below = self.left_slope * (1.0 - clipped_sine(-self.left / size))
         above = self.right_slope * (1.0 - clipped_sine(self.right / size))
         return complex(0.5 * (below + above))
+
+    @property
+    def kernel_code(self) -> int:
+        """Number in ``kernels.actuator``."""
+        return numbers.DEAD_ZONE
+
+    def kernel_parameters(self) -> FloatArray:
+        """Parameters in the order of ``kernels.actuator``, shape (5,)."""
+        return padded(self.left, self.right, self.left_slope, self.right_slope)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

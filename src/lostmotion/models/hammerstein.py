@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from lostmotion.models.linear import LinearModel
 class Nonlinearity(Protocol):
     """What every actuator model offers: a kind, a call, and a description."""
 
-    kind: str
+    kind: ClassVar[str]
 
     def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
         """Internal variable x for the command u."""

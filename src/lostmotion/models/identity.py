@@ -10,8 +10,12 @@ import numpy.typing as npt
 
 from lostmotion.arguments import elementwise
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels import actuator as numbers
+from lostmotion.models.kernel_view import padded
+from lostmotion.models.registry import actuator
 
 
+@actuator
 @dataclass(frozen=True)
 class Identity:
     """Actuator that does what it is told: x = u.
@@ -22,9 +26,9 @@ class Identity:
     2.5
     """
 
-    kind = "none"
-    size_name: ClassVar[str | None] = None
+    kind: ClassVar[str] = "none"
     own: ClassVar[tuple[str, ...]] = ()
+    size_name: ClassVar[str | None] = None
 
     def __call__(self, u: npt.ArrayLike) -> float | FloatArray:
         """Internal variable x = u, scalar or any shape."""
@@ -33,6 +37,15 @@ class Identity:
     def inverse(self) -> Identity:
         """Itself."""
         return self
+
+    @property
+    def kernel_code(self) -> int:
+        """Number in ``kernels.actuator``."""
+        return numbers.NONE
+
+    def kernel_parameters(self) -> FloatArray:
+        """Parameters in the order of ``kernels.actuator``, shape (5,)."""
+        return padded()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

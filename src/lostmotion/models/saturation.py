@@ -10,10 +10,14 @@ import numpy.typing as npt
 from lostmotion.arguments import elementwise, finite, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.kernels import actuator as numbers
 from lostmotion.kernels import saturation as kernel
 from lostmotion.models.fundamentals import clipped_sine
+from lostmotion.models.kernel_view import padded
+from lostmotion.models.registry import actuator
 
 
+@actuator
 @dataclass(frozen=True)
 class Saturation:
     """Limits of an actuator: x = u between `low` and `high`, the limit outside.
@@ -37,9 +41,9 @@ class Saturation:
     low: float
     high: float
 
-    kind = "saturation"
-    size_name: ClassVar[str | None] = None
+    kind: ClassVar[str] = "saturation"
     own: ClassVar[tuple[str, ...]] = ("low", "high")
+    size_name: ClassVar[str | None] = None
 
     def __post_init__(self) -> None:
         for name in ("low", "high"):
@@ -63,6 +67,15 @@ class Saturation:
                 "low <= 0 <= high", f"low={self.low}, high={self.high}", "use describing_function() with a bias"
             )
         return complex(0.5 * (clipped_sine(self.high / size) + clipped_sine(-self.low / size)))
+
+    @property
+    def kernel_code(self) -> int:
+        """Number in ``kernels.actuator``."""
+        return numbers.SATURATION
+
+    def kernel_parameters(self) -> FloatArray:
+        """Parameters in the order of ``kernels.actuator``, shape (5,)."""
+        return padded(self.low, self.high)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

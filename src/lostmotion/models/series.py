@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.models.backlash import Backlash
-from lostmotion.models.dead_zone import DeadZone
 from lostmotion.models.hammerstein import Nonlinearity
-from lostmotion.models.identity import Identity
-from lostmotion.models.saturation import Saturation
-from lostmotion.models.stiction import Stiction
+from lostmotion.models.registry import actuator, actuator_from_dict
 
 Answer = float | FloatArray
 
 
+@actuator
 @dataclass(frozen=True)
 class Series:
     """Actuators in a row: the output of each is the command of the next.
@@ -36,6 +33,7 @@ class Series:
 
     Examples
     --------
+    >>> from lostmotion.models import Backlash, DeadZone
     >>> valve = Series((Backlash(1.0), DeadZone(-1.0, 1.0)))
     >>> valve([0.0, 3.0, 2.5, 0.0]).tolist()
     [0.0, 1.5, 1.5, 0.0]
@@ -45,14 +43,16 @@ class Series:
 
     actuators: tuple[Nonlinearity, ...]
 
-    kind = "series"
+    kind: ClassVar[str] = "series"
+    own: ClassVar[tuple[str, ...]] = ("actuators",)
+    size_name: ClassVar[str | None] = None
 
     def __post_init__(self) -> None:
         try:
             actuators = tuple(self.actuators)
         except TypeError:
             actuators = ()
-        if not actuators or not all(isinstance(actuator, Nonlinearity) for actuator in actuators):
+        if not actuators or not all(isinstance(each, Nonlinearity) for each in actuators):
             raise ParameterError.expected(
                 "at least one actuator",
                 repr(self.actuators)[:60],
@@ -76,7 +76,7 @@ class Series:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""
-        return {"kind": self.kind, "actuators": [actuator.to_dict() for actuator in self.actuators]}
+        return {"kind": self.kind, "actuators": [each.to_dict() for each in self.actuators]}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
@@ -93,42 +93,20 @@ class SeriesInverse:
     series: Series
 
     def __post_init__(self) -> None:
-        for actuator in self.series.actuators:
-            if not hasattr(actuator, "inverse"):
+        for each in self.series.actuators:
+            if not hasattr(each, "inverse"):
                 raise ParameterError.expected(
-                    "actuators with an inverse", actuator.kind, "leave it out, or compensate it in another way"
+                    "actuators with an inverse", each.kind, "leave it out, or compensate it in another way"
                 )
 
     def __call__(self, v: npt.ArrayLike) -> Answer:
         """Command u that makes the series give v."""
         backwards: list[Any] = list(self.series.actuators[::-1])
-        return _through([actuator.inverse() for actuator in backwards], v)
+        return _through([each.inverse() for each in backwards], v)
 
     def inverse(self) -> Series:
         """The series itself."""
         return self.series
-
-
-KINDS: dict[str, Any] = {each.kind: each for each in (Backlash, DeadZone, Identity, Saturation, Series, Stiction)}
-
-
-def actuator_from_dict(data: dict[str, Any]) -> Nonlinearity:
-    """Actuator of any kind from its ``to_dict()``.
-
-    Raises
-    ------
-    ParameterError
-        An unknown kind, or missing numbers.
-
-    Examples
-    --------
-    >>> actuator_from_dict({"kind": "backlash", "width": 2.0})
-    Backlash(width=2.0)
-    """
-    if data.get("kind") not in KINDS:
-        raise ParameterError.expected(f"kind out of {sorted(KINDS)}", repr(data.get("kind")), "use to_dict()")
-    actuator: Nonlinearity = KINDS[data["kind"]].from_dict(data)
-    return actuator
 
 
 def _through(stages: list[Callable[[npt.ArrayLike], Answer]], u: npt.ArrayLike) -> Answer:

@@ -11,12 +11,16 @@ import numpy.typing as npt
 from lostmotion.arguments import along_time, finite, not_negative, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.kernels import actuator as numbers
 from lostmotion.kernels import stiction as kernel
 from lostmotion.models.fundamentals import gliding_sine
+from lostmotion.models.kernel_view import padded
+from lostmotion.models.registry import actuator
 
 CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE}
 
 
+@actuator
 @dataclass(frozen=True)
 class Stiction:
     """Valve that sticks, then slips: three published models on the same two parameters.
@@ -63,9 +67,9 @@ class Stiction:
     jump: float
     model: str = "kano"
 
-    kind = "stiction"
-    size_name: ClassVar[str | None] = "band"
+    kind: ClassVar[str] = "stiction"
     own: ClassVar[tuple[str, ...]] = ("band", "jump")
+    size_name: ClassVar[str | None] = "band"
 
     def __post_init__(self) -> None:
         for name in ("band", "jump"):
@@ -104,6 +108,15 @@ class Stiction:
         if self.model == "he":
             raise ParameterError.expected("model 'choudhury' or 'kano'", "'he'", "use describing_function()")
         return gliding_sine(self.band / size, self.jump / size)
+
+    @property
+    def kernel_code(self) -> int:
+        """Number in ``kernels.actuator``."""
+        return numbers.STICTION + self.code
+
+    def kernel_parameters(self) -> FloatArray:
+        """Parameters in the order of ``kernels.actuator``, shape (5,)."""
+        return padded(self.band, self.jump)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

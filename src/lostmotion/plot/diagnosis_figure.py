@@ -10,7 +10,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
-from lostmotion.models import DeadZone
+from lostmotion.identify.actuators.kind import faults
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
 from lostmotion.records import LoopRecord, prepare
 
@@ -24,7 +24,6 @@ FEWEST_ROWS = 100
 FAR = 3.0  # ranges of PV from which on SP is not drawn
 WRAP = 170  # characters of a line over the whole width
 NOTICEABLE = 0.05  # log-odds that are not written as 0
-BANDED = ("dead zone", "backlash", "stiction")
 HEADING = {
     "none": "Nothing wrong with the actuator",
     "other oscillation": "The loop swings, but not because of the actuator",
@@ -132,11 +131,12 @@ def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
 
 def _lost(diagnosis: Diagnosis, rows: LoopRecord) -> tuple[tuple[float, float] | None, str]:
     """Lost motion on the axis of OP: the dead zone where it is, else a band as wide in the middle of OP."""
-    zone = diagnosis.fit.nonlinearity
-    if diagnosis.verdict not in BANDED or not np.isfinite(diagnosis.size):
+    fit = diagnosis.fit
+    if not np.isfinite(diagnosis.size) or diagnosis.verdict not in [kind.name for kind in faults()]:
         return None, ""
-    if diagnosis.verdict == "dead zone" and isinstance(zone, DeadZone):
-        return (zone.left, zone.right), "band: the dead zone"
+    if diagnosis.verdict == fit.kind.name and fit.kind.dead_between:
+        low, high = (fit.parameters[name] for name in fit.kind.break_points)
+        return (low, high), f"band: the {diagnosis.verdict}"
     middle = 0.5 * float(rows.op.min() + rows.op.max())
     half = 0.5 * diagnosis.size
     return (middle - half, middle + half), f"band: as wide as the {diagnosis.verdict}"

@@ -9,8 +9,9 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.likelihood.misfit import autocorrelation
-from lostmotion.models import Backlash, DeadZone, Saturation, Stiction
+from lostmotion.models import Nonlinearity
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
 
 if TYPE_CHECKING:
@@ -48,23 +49,22 @@ def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
     low, high = float(u.min()), float(u.max())
     margin = 0.04 * (high - low)
     grid = np.linspace(low - margin, high + margin, 600)
-    valve = fit.nonlinearity
-    title = f"Characteristic: no {valve.kind} seen" if valve.kind != "none" else "Characteristic: no fault"
-    if isinstance(valve, DeadZone | Saturation):
-        names = ("left", "right") if isinstance(valve, DeadZone) else ("low", "high")
-        if not unseen:
-            title = f"{valve.kind.capitalize()}, 95 % intervals"
-            _mark(axes, fit, names, (low - margin, high + margin))
-        axes.plot(grid, np.asarray(valve(grid)), color=MODEL, lw=1.8)
-    elif isinstance(valve, Backlash | Stiction) and not unseen:
+    valve, kind = fit.nonlinearity, fit.kind
+    title = f"Characteristic: no {kind.name} seen" if kind.name != NO_FAULT else "Characteristic: no fault"
+    if kind.sticks and not unseen:
         title = _path(axes, fit, valve, grid)
-    else:
+    elif kind.sticks:
         axes.plot(grid, grid, color=MODEL, lw=1.8)
+    else:
+        if kind.name != NO_FAULT and not unseen:
+            title = f"{kind.name.capitalize()}, 95 % intervals"
+            _mark(axes, fit, kind.break_points, (low - margin, high + margin))
+        axes.plot(grid, np.asarray(valve(grid)), color=MODEL, lw=1.8)
     _visited(axes, u)
     calm(axes, title, "OP (grey: where it was)", "x")
 
 
-def _mark(axes: Axes, fit: HammersteinFit, names: tuple[str, str], ends: tuple[float, float]) -> None:
+def _mark(axes: Axes, fit: HammersteinFit, names: tuple[str, ...], ends: tuple[float, float]) -> None:
     """Kinks of a static characteristic with their intervals; those beyond the record are left out."""
     for index, name in enumerate(names):
         value = fit.parameters[name]
@@ -79,23 +79,26 @@ def _mark(axes: Axes, fit: HammersteinFit, names: tuple[str, str], ends: tuple[f
         )  # fmt: skip
 
 
-def _path(axes: Axes, fit: HammersteinFit, valve: Backlash | Stiction, grid: FloatArray) -> str:
-    """Path of a valve with memory over the record, between the lines on which it moves; return the title."""
-    size = valve.width if isinstance(valve, Backlash) else valve.band
-    glide = 0.5 * (size - (valve.jump if isinstance(valve, Stiction) else 0.0))
+def _path(axes: Axes, fit: HammersteinFit, valve: Nonlinearity, grid: FloatArray) -> str:
+    """Path of a valve with memory over the record, between the lines on which it moves; return the title.
+
+    What its parameter beside the size is (the slip jump), it moves nearer to OP, and breaks away later.
+    """
+    name, *others = fit.kind.model.own
+    size, jump = getattr(valve, name), sum(getattr(valve, other) for other in others)
+    glide = 0.5 * (size - jump)
     for start, stop in fit.data.segments:
         u = fit.data.u[start:stop]
         axes.plot(u, np.asarray(valve(u)), color=MEASURED, lw=0.4, alpha=0.7)
     for sign, label in ((-1.0, "moves, OP rising"), (1.0, "moves, OP falling")):
         axes.plot(grid, grid + sign * glide, color=MODEL, lw=1.3, ls="-" if sign < 0 else "--", label=label)
-    if isinstance(valve, Stiction):
-        edge = 0.5 * (valve.band + valve.jump)
+    if others:
+        edge = 0.5 * (size + jump)
         axes.fill_between(grid, grid - edge, grid + edge, color=BAND, alpha=0.3, lw=0, label="stuck within")
     axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", loc="lower right")
-    name = "width" if isinstance(valve, Backlash) else "band"
     low, high = fit.interval(name)
     text = f"{valve.kind.capitalize()}: {name} {size:.3g}, 95 % {low:.3g} .. {high:.3g}"
-    return text + (f", jump {valve.jump:.3g}" if isinstance(valve, Stiction) else "")
+    return text + "".join(f", {other} {getattr(valve, other):.3g}" for other in others)
 
 
 def _visited(axes: Axes, u: FloatArray) -> None:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.diagnosis import VERDICTS
+from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.report.diagnosis_text import probability, size_text
 
 NAME = 20
@@ -36,7 +36,7 @@ def diagnosis_table(rows: Sequence[tuple[str, Diagnosis | None]]) -> str:
     """
     done = [(name, found) for name, found in rows if found is not None]
     counts = Counter(found.verdict for _, found in done)
-    said = [f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict]]
+    said = [f"{counts[verdict]} {verdict}" for verdict in verdicts() if counts[verdict]]
     if len(done) < len(rows):
         said.append(f"{len(rows) - len(done)} without a result")
     lines = [_joined(HEAD), "-" * len(_joined(HEAD))] if done else []

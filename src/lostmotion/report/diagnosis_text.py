@@ -10,12 +10,10 @@ from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
-from lostmotion.identify.actuators.choice import NEEDED
-from lostmotion.identify.evidence import SIZE
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
 from lostmotion.report.digits import digits, plain, span
 from lostmotion.report.fit_text import fill, head
 
-MEASURE = {"stiction": "dead band and stick band together"}
 FINEST = 0.02
 KIND = {
     "actuator": "It comes from the actuator.",
@@ -48,7 +46,7 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """What is wrong, how much, how bad, how sure: one sentence."""
     verdict, sure = diagnosis.verdict, probability(diagnosis.confidence)
-    if verdict == "none":
+    if verdict == NO_FAULT:
         return f"NOTHING WRONG with the actuator that this record would show, confidence {sure}."
     if verdict == "other oscillation":
         return f"OTHER OSCILLATION: the loop swings, but not because of the actuator, confidence {sure}."
@@ -100,10 +98,10 @@ def _between(value: float, low: float, high: float) -> tuple[str, str]:
 
 def _size(diagnosis: Diagnosis) -> str:
     """Size in % of span, limits where it is a saturation."""
-    parameters = diagnosis.fit.parameters
-    if diagnosis.verdict == "saturation":
-        known = {"low", "high"} <= parameters.keys()
-        return f" at OP {plain(parameters['low'])} and {plain(parameters['high'])}" if known else ""
+    parameters, kind = diagnosis.fit.parameters, kind_of(diagnosis.verdict)
+    if kind.size is None:
+        names = kind.model.own
+        return f" at OP {' and '.join(plain(parameters[name]) for name in names)}" if {*names} <= {*parameters} else ""
     said = size_text(diagnosis)
     return f" of {said}" if said else " of unknown size"
 
@@ -112,10 +110,10 @@ def _in_units(diagnosis: Diagnosis) -> str:
     """The size once more, in units of OP, and what of the fault it measures."""
     if not math.isfinite(diagnosis.size):
         return ""
-    kind = diagnosis.fit.nonlinearity.kind
-    what = MEASURE.get(kind, "full width")
-    if kind != diagnosis.verdict and kind in SIZE:
-        what += f" of the {kind} that was fitted"
+    kind = diagnosis.fit.kind
+    what = kind.words.measure
+    if kind.name != diagnosis.verdict and kind.size is not None:
+        what += f" of the {kind.name} that was fitted"
     if not all(math.isfinite(end) for end in diagnosis.interval):
         return f" In units of OP: about {diagnosis.size:.2g}."
     value, between = _between(diagnosis.size, *diagnosis.interval)
@@ -181,7 +179,7 @@ def _kinds(diagnosis: Diagnosis) -> str:
     kinds = diagnosis.fit.kinds
     if kinds is None:
         return ""
-    ranked = sorted(((gain, kind) for kind, gain in kinds.likelihoods.items() if kind != "none"), reverse=True)
+    ranked = sorted(((gain, kind) for kind, gain in kinds.likelihoods.items() if kind != NO_FAULT), reverse=True)
     said = ", ".join(f"{kind} {gain:+.1f} / {kinds.gains[kind]:+.1f}" for gain, kind in ranked)
     return "\n" + fill(
         f"Actuators compared: log-likelihood less what the parameters cost ({NEEDED:g} is needed) / of rows left out, "

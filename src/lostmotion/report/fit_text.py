@@ -8,21 +8,11 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.evidence import SIZE
+from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.report.digits import digits, span
 
 WIDTH = 96
 MEANING = {
-    "left": "break point, OP falling",
-    "right": "break point, OP rising",
-    "left_slope": "slope below left",
-    "right_slope": "slope above right",
-    "width": "full width",
-    "band": "S: dead band and stick band",
-    "jump": "J: slip jump",
-    "low": "lower limit of the actuator",
-    "high": "upper limit of the actuator",
-    "slope_ratio": "left_slope / right_slope",
     "gain": "static gain of the linear part",
     "offset": "PV at rest inside the dead zone",
     "load": "constant load, in units of OP",
@@ -55,14 +45,15 @@ def _finding(fit: HammersteinFit) -> str:
 
 def _sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
-    kind, compared = fit.nonlinearity.kind, fit.kinds is not None
-    if fit.status is Status.MISFIT and (kind != "dead zone" or compared):
+    kind, compared = fit.kind, fit.kinds is not None
+    if fit.status is Status.MISFIT and (not kind.dead_between or compared):
         rest = "no other kind did better" if compared else 'compare the other kinds (nonlinearity="auto")'
-        what = "the process is not quite linear" if kind == "none" else "the real actuator is not quite of this shape"
+        linear = kind.name == NO_FAULT
+        what = "the process is not quite linear" if linear else "the real actuator is not quite of this shape"
         return f"Converged, but the residuals still depend on OP: {what}. Read the numbers as the nearest; {rest}."
-    if fit.status is Status.NOT_SEEN and kind != "dead zone":
+    if fit.status is Status.NOT_SEEN and not kind.dead_between:
         return (
-            f"No {kind} can be seen: a linear model explains the record as well. "
+            f"No {kind.name} can be seen: a linear model explains the record as well. "
             "If you suspect one, record moves of OP that cross it many times, there and back."
         )
     if fit.status is Status.COLOURED and fit.settings["noise"] == "auto":
@@ -76,14 +67,14 @@ def _sentence(fit: HammersteinFit) -> str:
 def finding(fit: HammersteinFit) -> str:
     """What was found, in one sentence with its number."""
     kind = fit.nonlinearity.kind
-    if kind == "none":
+    if kind == NO_FAULT:
         return "Linear model, no actuator fault in it." + _choice(fit)
     span_op = _op_span(fit)
     if fit.status is Status.CANNOT_TELL:
         return f"No number is given for the {kind}."
     if fit.status is Status.NOT_SEEN:
         return _unseen(fit, span_op)
-    if fit.status is Status.ONE_SIDED and kind == "dead zone":
+    if fit.status is Status.ONE_SIDED:
         side = "right" if "left" in fit.unvisited else "left"
         shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
         return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
@@ -93,37 +84,34 @@ def finding(fit: HammersteinFit) -> str:
 
 def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
     """What would have been seen."""
-    kind = fit.nonlinearity.kind
-    if kind == "saturation":
-        return "OP moved freely between the limits that the search found; no saturation is seen."
+    kind = fit.kind
+    if kind.size is None:
+        return kind.words.unseen
     if fit.widest is None or not np.isfinite(fit.widest):
-        return f"The record does not bound the {SIZE[kind]}."
+        return f"The record does not bound the {kind.size}."
     bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
-    what = {"dead zone": "A dead zone wider than", "backlash": "Backlash wider than"}.get(
-        kind, "Stiction of band above"
-    )
     kink = ""
-    if fit.evidence.gain_over_linear > 0 and kind == "dead zone":
+    if fit.evidence.gain_over_linear > 0 and kind.dead_between:
         kink = " The gain differs between low and high OP, but without a dead zone between them."
-    return f"{what} {bound} would have been seen (95 %).{kink}"
+    return f"{kind.words.wider} {bound} would have been seen (95 %).{kink}"
 
 
 def _size(fit: HammersteinFit, span_op: float | None) -> str:
     """Kind and size with the interval."""
-    kind = fit.nonlinearity.kind
-    if kind == "saturation":
-        return f"Saturation at {fit.parameters['low']:.5g} and {fit.parameters['high']:.5g}"
-    name = SIZE[kind]
+    kind, name = fit.kind, fit.kind.size
+    if name is None:
+        return f"{kind.name.capitalize()} at {' and '.join(f'{fit.parameters[one]:.5g}' for one in kind.model.own)}"
     value, error = fit.parameters[name], fit.standard_errors[name]
     shown, deviation = digits(value, error)
     text = (
-        f"{kind.capitalize()} of {name} {shown} +/- {deviation}{_percent(value, span_op)}, "
+        f"{kind.name.capitalize()} of {name} {shown} +/- {deviation}{_percent(value, span_op)}, "
         f"95 % interval {span(*fit.interval(name), error)}"
     )
-    if kind == "stiction":
-        text += f", slip jump {digits(fit.parameters['jump'], fit.standard_errors['jump'])[0]}"
-        if fit.interval("jump")[0] <= 0.0:
-            text += " (not told from none: backlash would do as well)"
+    if kind.nests:
+        extra = kind.model.own[-1]
+        text += f", {kind.words.extra} {digits(fit.parameters[extra], fit.standard_errors[extra])[0]}"
+        if fit.interval(extra)[0] <= 0.0:
+            text += f" (not told from none: {kind.nests} would do as well)"
     return text
 
 
@@ -133,10 +121,10 @@ def _choice(fit: HammersteinFit) -> str:
     if kinds is None or kinds.best == kinds.runner_up:
         return ""
     sure = f"confidence {100 * kinds.confidence:.0f} %"
-    if kinds.best == "none":
+    if kinds.best == NO_FAULT:
         return f" The nearest fault, {kinds.runner_up}, does not pay for its parameters ({sure})."
     ahead = kinds.likelihoods[kinds.best] - kinds.likelihoods[kinds.runner_up]
-    what = "the linear model" if kinds.runner_up == "none" else kinds.runner_up
+    what = "the linear model" if kinds.runner_up == NO_FAULT else kinds.runner_up
     if ahead <= 0.0:
         return f" {what.capitalize()} is as likely, but {kinds.best} is the simpler of the two ({sure})."
     left_out = kinds.gains[kinds.best]
@@ -151,33 +139,34 @@ def _table(fit: HammersteinFit) -> str:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}"]
     lines.append("-" * WIDTH)
     hidden = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
-    for name, meaning in MEANING.items():
-        if name not in fit.parameters or (hidden and name not in ("width", "band", "gain")):
+    size = fit.kind.size
+    for name, meaning in {**fit.kind.words.meanings, **MEANING}.items():
+        if name not in fit.parameters or (hidden and name not in (size, "gain")):
             continue
         source = fit.linear_alternative if hidden and name == "gain" and fit.linear_alternative is not None else fit
         error = source.standard_errors[name]
         value, deviation = digits(source.parameters[name], error)
         low, high = source.interval(name)
-        if (hidden and name in ("width", "band")) or name in fit.unvisited:
+        if (hidden and name == size) or name in fit.unvisited:
             value, deviation = "not seen", ""
         between = "" if deviation == "given" else span(low, high, error)
-        elsewhere = name == "offset" and fit.nonlinearity.kind != "dead zone"
+        elsewhere = name == "offset" and not fit.kind.family.relative
         said = "PV at rest where x = 0 (extrapolated)" if elsewhere else meaning
         lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
     return "\n".join(lines)
 
 
 def _dynamics(fit: HammersteinFit) -> str:
-    chosen = fit.settings["chosen"]
+    chosen = fit.chosen
     poles = fit.linear.poles
     constants = [
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
     return fill(
-        f"Linear part{' (integrating)' if chosen['integrating'] else ''}: na = {chosen['na']}, nb = {chosen['nb']}, "
-        f"delay {chosen['delay']} samples "
-        f"({chosen['delay'] * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
-        f"Noise: {'white' if chosen['noise_order'] == 0 else 'AR of order ' + str(chosen['noise_order'])}, "
+        f"Linear part{' (integrating)' if chosen.integrating else ''}: na = {chosen.na}, nb = {chosen.nb}, "
+        f"delay {chosen.delay} samples "
+        f"({chosen.delay * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
+        f"Noise: {'white' if chosen.noise_order == 0 else 'AR of order ' + str(chosen.noise_order)}, "
         f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}. "
         f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV{_below_zero(fit)}."
     )
@@ -197,7 +186,7 @@ def _checks(fit: HammersteinFit) -> str:
         f"(it would explain {100 * tests.shape_share:.1f} % of the prediction errors, "
         f"{100 * tests.static_share:.1f} % of the output residual). "
     )
-    if fit.nonlinearity.kind == "dead zone":
+    if fit.kind.dead_between:
         text += f"Samples beyond the break points: {evidence.samples_left} left, {evidence.samples_right} right. "
     if evidence.closed_loop and evidence.free_moves < 1e-3:
         text += (
@@ -210,16 +199,16 @@ def _checks(fit: HammersteinFit) -> str:
             "The simulated fit is low: most of PV is disturbance, the numbers rest on the prediction errors; "
             "a test with OP moves of your own would confirm them. "
         )
-    if evidence.rivals and fit.preferred == "dead zone":
+    if evidence.rivals and fit.preferred == fit.kind.name:
         others = ", ".join(f"{left:.3g} .. {right:.3g} ({behind:.0f})" for left, right, behind in evidence.rivals[:3])
-        text += f"Beware: other dead zones fit about as well: {others} (BIC behind the one reported). "
+        text += f"Beware: other {fit.kind.words.plural} fit about as well: {others} (BIC behind the one reported). "
     return fill(text)
 
 
 def _assumed(fit: HammersteinFit) -> str:
     settings = fit.settings
     said = []
-    if fit.nonlinearity.kind == "dead zone" and settings["gain"] is None:
+    if fit.kind.has_slopes and settings["gain"] is None:
         said.append("right_slope = 1 by convention (gain unknown; it stays in the linear part)")
     if settings["offset_fixed"]:
         said.append("offset 0: the record is in deviations, or was told to be")

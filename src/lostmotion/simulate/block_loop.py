@@ -9,7 +9,7 @@ from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import actuator as kernel
 from lostmotion.kernels import blocks
-from lostmotion.models import Backlash, DeadZone, Hammerstein, Identity, Nonlinearity, Saturation, Stiction
+from lostmotion.models import Hammerstein, KernelActuator, Nonlinearity
 from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse
 
@@ -99,21 +99,7 @@ class BlockLoop:
 
 def actuator_code(valve: Nonlinearity) -> tuple[int, FloatArray]:
     """Number and parameters of an actuator, as ``kernels.actuator`` knows it."""
-    parameters = np.zeros(5)
-    if isinstance(valve, Identity):
-        return kernel.NONE, parameters
-    if isinstance(valve, DeadZone):
-        parameters[:4] = valve.left, valve.right, valve.left_slope, valve.right_slope
-        return kernel.DEAD_ZONE, parameters
-    if isinstance(valve, Backlash):
-        parameters[0] = valve.width
-        return kernel.BACKLASH, parameters
-    if isinstance(valve, Saturation):
-        parameters[:2] = valve.low, valve.high
-        return kernel.SATURATION, parameters
-    if isinstance(valve, Stiction):
-        parameters[:2] = valve.band, valve.jump
-        return kernel.STICTION + valve.code, parameters
-    raise ParameterError.expected(
-        "a DeadZone, Backlash, Stiction, Saturation or Identity", type(valve).__name__, "see lostmotion.models"
-    )
+    if not isinstance(valve, KernelActuator):
+        known = "a DeadZone, Backlash, Stiction, Saturation or Identity"
+        raise ParameterError.expected(known, type(valve).__name__, "see lostmotion.models")
+    return valve.kernel_code, valve.kernel_parameters()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -110,7 +110,7 @@ class LeftOver:
 
     valve: Nonlinearity
     block: CompensatorBlock
-    kind: str = "left over"
+    kind: ClassVar[str] = "left over"
 
     def __call__(self, u: Any) -> Any:
         """Internal variable for the controller output u."""

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import Any
+from typing import Any, ClassVar
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
@@ -27,8 +27,8 @@ class Fault(ABC):
         No memory, and x = 0 inside the lost motion.
     """
 
-    valve: Nonlinearity
-    static = False
+    valve: Any
+    static: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -42,7 +42,7 @@ class Fault(ABC):
     @property
     def own(self) -> tuple[str, ...]:
         """Names of the parameters of the actuator."""
-        names: tuple[str, ...] = getattr(self.valve, "own", ())
+        names: tuple[str, ...] = self.valve.own
         return names
 
     @property
@@ -94,7 +94,7 @@ class DeadZoneFault(Fault):
     """A dead zone."""
 
     valve: DeadZone
-    static = True
+    static: ClassVar[bool] = True
 
     @property
     def lost_motion(self) -> float:

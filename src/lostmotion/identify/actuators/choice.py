@@ -13,25 +13,19 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
-from lostmotion.identify.evidence import FLOOR
-from lostmotion.identify.likelihood.noise_order import PENALTY
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
+from lostmotion.identify.likelihood.criterion import FLOOR, cost_of_parameters
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.likelihood.search import Fitted, ScaledData
+from lostmotion.identify.scaled import ScaledData
 
 FOLDS = 4
 STEPS = 6  # of each refit: it starts at the fit to everything
 FEWEST = 20  # rows of a fold beside what its start needs
-# of log density, for parameters that are held at the best place found: about the logarithm of the number of places
-SEARCHED = {"backlash": 2.5, "stiction": 7.5}
-NEEDED = 3.0  # of log-likelihood, by which a fault must beat the linear model: 20 to 1
 CONFIRMED = 12.0  # a smaller gain counts only where the rows left out are predicted better as well
-NEEDED_JUMP = 5.0  # by which stiction must beat backlash: the place of its jump was sought as well
-NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
-LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
 
 
 @dataclass(frozen=True)
@@ -82,23 +76,20 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     KeyError
         No linear model among the candidates.
     """
-    linear = candidates["none"]
+    linear = candidates[NO_FAULT]
     compared = {kind: likelihood_gain(fitted, linear) for kind, fitted in candidates.items()}
-    likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == "none" or gain > 0.0}
+    likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == NO_FAULT or gain > 0.0}
     firm = {kind: compared[kind][1] for kind in likelihoods}
     start = max(candidates[kind].problem.structure.start for kind in likelihoods)
     densities = {kind: _left_out(data, candidates[kind], start) for kind in likelihoods}
-    gains = {kind: float((values - densities["none"]).sum()) for kind, values in densities.items()}
+    gains = {kind: float((values - densities[NO_FAULT]).sum()) for kind, values in densities.items()}
     scores = {
         kind: gain
         for kind, gain in likelihoods.items()
         if firm[kind] > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
     }
-    scores["none"] = NEEDED
-    if "stiction" in scores and "backlash" in scores:
-        scores["stiction"] -= NEEDED_NO_JUMP if _without_jump(candidates["stiction"]) else NEEDED_JUMP
-    if "dead zone" in scores and "saturation" in scores and _one_sided(candidates["dead zone"]):
-        scores["dead zone"] = min(scores["dead zone"], scores["saturation"] - NEEDED)
+    scores[NO_FAULT] = NEEDED
+    scores = {kind: kind_of(kind).handicapped(scores, candidates) for kind in scores}
     best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)
     runner_up = others[0] if others else best
     return KindChoice(best, gains, likelihoods, firm, _confidence(scores[best] - scores[runner_up]), runner_up)
@@ -115,7 +106,7 @@ def likelihood_gain(fitted: Fitted, linear: Fitted) -> tuple[float, float]:
     gained = _log_densities(fitted) - _log_densities(linear)
     gained = gained[np.isfinite(gained)]
     total = float(gained.sum())
-    cost = _cost(fitted, gained.size) - _cost(linear, gained.size)
+    cost = 0.5 * (cost_of_parameters(fitted, gained.size) - cost_of_parameters(linear, gained.size))
     share = 1.0
     if total > 0.0:
         share = min(1.0, float(np.sqrt(2.0 * total / max(gained.size * gained.var(), 1e-300))))
@@ -132,12 +123,6 @@ def _log_densities(fitted: Fitted) -> FloatArray:
     return found
 
 
-def _cost(fitted: Fitted, rows: int) -> float:
-    """Half of what an information criterion takes; noise coefficients count as where their number is chosen."""
-    p = fitted.problem.structure.noise_order
-    return 0.5 * float((fitted.parameters - p) * np.log(rows) + PENALTY * p)
-
-
 def _confidence(ahead: float) -> float:
     """Probability of the better of two kinds.
 
@@ -145,19 +130,6 @@ def _confidence(ahead: float) -> float:
     for each; on loops of known fault half of the difference is what it is worth.
     """
     return float(1.0 / (1.0 + np.exp(-0.5 * ahead)))
-
-
-def _one_sided(fitted: Fitted) -> bool:
-    """Whether a dead zone was found that OP hardly leaves on one of its sides: then it is the limit of a saturation."""
-    left, right = fitted.fit.theta[fitted.problem.eta_at :][:2]
-    u = fitted.problem.u
-    return bool(min(np.mean(u < left), np.mean(u > right)) < LEAST_BEYOND)
-
-
-def _without_jump(fitted: Fitted) -> bool:
-    """Whether stiction was fitted that is backlash to all purposes."""
-    band, jump = fitted.fit.theta[fitted.problem.eta_at :][:2]
-    return bool(jump < SMALLEST_JUMP * band)
 
 
 def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
@@ -176,11 +148,11 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
     densities = np.concatenate(found)
     family = fitted.problem.family
     held = len(family.names) - len(family.own) * (not family.kinks)
-    paid = SEARCHED.get(family.kind, 0.0) + held + family.sought
+    paid = kind_of(family.kind).searched + held + family.sought
     return np.asarray(densities - paid / densities.size)
 
 
-def _pieces(segments: npt.NDArray[np.int64], shortest: int) -> npt.NDArray[np.int64]:
+def _pieces(segments: IntArray, shortest: int) -> IntArray:
     """Segments cut into pieces, FOLDS or more in all."""
     longest = max(int((segments[:, 1] - segments[:, 0]).sum()) // FOLDS, 2 * shortest)
     cuts = []
@@ -191,12 +163,12 @@ def _pieces(segments: npt.NDArray[np.int64], shortest: int) -> npt.NDArray[np.in
     return np.array(cuts)
 
 
-def _on(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> Problem:
+def _on(fitted: Fitted, structure: Structure, pieces: IntArray) -> Problem:
     problem = fitted.problem
     return replace(problem, segments=pieces, structure=structure)
 
 
-def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64]) -> tuple[FloatArray, float]:
+def _refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[FloatArray, float]:
     """Shared parameters without the fold, and the residual variance there."""
     problem = _on(fitted, structure, pieces)
     shared = fitted.fit.theta[: problem.initial_at]
@@ -212,13 +184,13 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64
     return fit.theta[: problem.initial_at], fit.cost / problem.errors
 
 
-def _predicted(fitted: Fitted, structure: Structure, pieces: npt.NDArray[np.int64], shared: FloatArray) -> FloatArray:
+def _predicted(fitted: Fitted, structure: Structure, pieces: IntArray, shared: FloatArray) -> FloatArray:
     """Prediction errors of the fold; only its initial states are fitted, and its level: disturbances drift."""
     problem = _on(fitted, structure, pieces)
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
     states = list(range(problem.initial_at, problem.size))
     if not structure.integrating:
-        states.append(problem.eta_at - 1)
+        states.append(problem.offset_at)
     theta = refine(problem, theta, np.eye(problem.size)[:, states], most_steps=2, tied=True).theta
     return np.concatenate(problem.predict(theta)[1])
 

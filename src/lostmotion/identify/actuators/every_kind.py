@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from lostmotion.identify.actuators.kinds import Sought, backlash_of, fit_kind, likely_kinds, stiction_of
+import numpy as np
+
+from lostmotion.identify.actuators.fit_kind import fit_linear
+from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
     loaded,
     pruned,
@@ -17,102 +21,131 @@ from lostmotion.identify.actuators.loads import (
     without_swings,
     without_their_effect,
 )
-from lostmotion.identify.evidence import gain_over_linear
-from lostmotion.identify.likelihood.search import Fitted, ScaledData
+from lostmotion.identify.actuators.operator_profile import regression
+from lostmotion.identify.actuators.sought import Sought
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import gain_over_linear
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.scaled import ScaledData
 
-SEEN = 6.0  # of BIC, by which backlash must beat the linear model before a jump is sought beside it
-FOUND = 60.0  # of BIC: stiction so far ahead of backlash has its jump
+SEEN = 6.0  # of BIC, by which the nested kind must beat the linear model before the other is sought beside it
+FOUND = 60.0  # of BIC: a kind so far ahead of the one that it nests has its last parameter
+HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
+WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
+
+Fits = dict[str, Fitted]
 
 
-def fits_of_all(
-    scaled: ScaledData,
-    linear: Fitted,
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool,
-    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
-) -> tuple[Fitted, dict[str, Fitted]]:
-    """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
+@dataclass(frozen=True)
+class EveryKind:
+    """Search over all kinds on one set of data.
 
-    Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
-    what the actuator does.
+    Attributes
+    ----------
+    scaled : ScaledData
+    asked : Asked
+    fit : callable
+        Fit of one kind to data, from where it was sought, near another fit.
     """
-    linear = _cleaned(scaled, with_own_loads(linear), orders, noise, levels)
-    swings = swings_of(scaled)
-    if swings is not None:  # the process may have taken the place of a swing
-        other = fit_kind(None, without_swings(scaled, swings), orders, noise, levels)
-        other = with_loads(other, scaled, swings)
-        linear = other if gain_over_linear(other, linear) > 0 else linear
-    found = {kind: with_own_loads(one) for kind, one in _of_likely(scaled, orders, without_loads(linear), fit).items()}
-    loads = linear.problem.family.loads
-    if loads is not None:
-        clean = without_their_effect(linear, scaled)
-        for kind, one in _of_likely(clean, orders, without_loads(linear, clean.y), fit).items():
-            other = with_own_loads(pruned(loaded(one, scaled.y, loads, sizes_of_loads(linear))))
-            if kind not in found or gain_over_linear(other, found[kind]) > 0:
-                found[kind] = other
-    if "stiction" in found:
-        simpler = with_own_loads(backlash_of(found["stiction"]))
-        if "backlash" not in found or gain_over_linear(simpler, found["backlash"]) > 0:
-            found["backlash"] = simpler
-    linear = _best_linear(scaled, orders, noise, levels, linear, found)
-    if "backlash" in found and _is_open(found, linear):
-        richer = with_own_loads(stiction_of(found["backlash"]))
-        if "stiction" not in found or gain_over_linear(richer, found["stiction"]) > 0:
-            found["stiction"] = richer
-            linear = _best_linear(scaled, orders, noise, levels, linear, found)
-    return linear, found
+
+    scaled: ScaledData
+    asked: Asked
+    fit: Callable[[ScaledData, Kind, Sought, Fitted | None], Fitted]
+
+    def fits(self, linear: Fitted) -> tuple[Fitted, Fits]:
+        """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
+
+        Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
+        what the actuator does.
+        """
+        linear = self._beside_swings(self._cleaned(with_own_loads(linear)))
+        found = {kind: with_own_loads(one) for kind, one in self._of_likely(self.scaled, without_loads(linear)).items()}
+        self._without_loads_of(linear, found)
+        nested = [kind for kind in faults() if kind.nests]
+        for kind in nested:
+            if kind.name in found:
+                _keep(found, kind.nests, with_own_loads(kind.simplified(found[kind.name])))
+        linear = self._best_linear(linear, found)
+        for kind in nested:
+            if _is_open(kind, found, linear):
+                richer = with_own_loads(kind.enriched(found[kind.nests]))
+                if _keep(found, kind.name, richer):
+                    linear = self._best_linear(linear, found)
+        return linear, found
+
+    def _beside_swings(self, linear: Fitted) -> Fitted:
+        """The linear model, also sought without the swings: the process may have taken the place of one."""
+        swings = swings_of(self.scaled)
+        if swings is None:
+            return linear
+        other = with_loads(fit_linear(without_swings(self.scaled, swings), self.asked), self.scaled, swings)
+        return other if gain_over_linear(other, linear) > 0 else linear
+
+    def _without_loads_of(self, linear: Fitted, found: Fits) -> None:
+        """Better fits on what is left of PV without the loads of the linear model."""
+        loads = linear.problem.family.loads
+        if loads is None:
+            return
+        clean = without_their_effect(linear, self.scaled)
+        for kind, one in self._of_likely(clean, without_loads(linear, clean.y)).items():
+            other = with_own_loads(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
+            _keep(found, kind, other)
+
+    def _best_linear(self, linear: Fitted, found: Fits) -> Fitted:
+        """What a fault must beat: the best linear model, also sought from the best fault and in their structures."""
+        best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
+        again = with_own_loads(fit_linear(self.scaled, self.asked, without_loads(best)))
+        again = self._cleaned(again, best)
+        rivals = [linear, again, *(without_actuator(one) for one in found.values())]
+        return max(rivals, key=lambda one: gain_over_linear(one, linear))
+
+    def _cleaned(self, linear: Fitted, near: Fitted | None = None) -> Fitted:
+        """The linear model sought anew without its loads, and refined with them, where that is better."""
+        loads = linear.problem.family.loads
+        if loads is None:
+            return linear
+        clean = without_their_effect(linear, self.scaled)
+        again = fit_linear(clean, self.asked, near)
+        again = with_own_loads(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
+        return again if gain_over_linear(again, linear) > 0 else linear
+
+    def _of_likely(self, data: ScaledData, linear: Fitted) -> Fits:
+        """Each kind but those with most local maxima begins at the best before it."""
+        found: Fits = {}
+        for name, sought in likely_kinds(data, self.asked).items():
+            kind = kind_of(name)
+            nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
+            found[name] = self.fit(data, kind, sought, None if kind.begins_alone or not found else nearest)
+        return found
 
 
-def _best_linear(
-    scaled: ScaledData,
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool,
-    linear: Fitted,
-    found: dict[str, Fitted],
-) -> Fitted:
-    """What a fault must beat: the best linear model, also sought from the best fault and in the structure of each."""
-    best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
-    again = with_own_loads(fit_kind(None, scaled, orders, noise, levels, without_loads(best)))
-    again = _cleaned(scaled, again, orders, noise, levels, best)
-    rivals = [linear, again, *(without_actuator(one) for one in found.values())]
-    return max(rivals, key=lambda one: gain_over_linear(one, linear))
+def likely_kinds(data: ScaledData, asked: Asked) -> dict[str, Sought]:
+    """Kinds whose profile explains more than a linear model and is not hopelessly behind another, likeliest first."""
+    lagged = regression(data, asked)
+    rows = lagged.samples
+    found = {kind.name: kind.sought(data, asked) for kind in faults()}
+    behind = {kind: 0.5 * rows * np.log(max(sought.squares, 1e-300)) for kind, sought in found.items()}
+    linear = 0.5 * rows * np.log(max(lagged.squares(data.u), 1e-300))
+    order = sorted(found, key=lambda kind: behind[kind])
+    best = behind[order[0]]
+    likely = [kind for kind in order if behind[kind] < best + HOPELESS]
+    alike = [kind_of(kind).looks_like for kind in likely]
+    likely += [kind for kind in dict.fromkeys(alike) if kind in found and kind not in likely]
+    kept = {kind: found[kind] for kind in likely if kind_of(kind).always_tried or behind[kind] < linear - WORTHWHILE}
+    return kept or {order[0]: found[order[0]]}
 
 
-def _is_open(found: dict[str, Fitted], linear: Fitted) -> bool:
-    """Whether backlash is seen, and stiction not so much more that its jump was surely found."""
-    gain = gain_over_linear(found["backlash"], linear)
-    return gain > SEEN and ("stiction" not in found or gain_over_linear(found["stiction"], linear) < gain + FOUND)
+def _keep(found: Fits, kind: str, other: Fitted) -> bool:
+    """Take a fit where it is the first of its kind or better."""
+    better = kind not in found or gain_over_linear(other, found[kind]) > 0
+    if better:
+        found[kind] = other
+    return better
 
 
-def _cleaned(
-    scaled: ScaledData,
-    linear: Fitted,
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool,
-    near: Fitted | None = None,
-) -> Fitted:
-    """The linear model sought anew without its loads, and refined with them, where that is better."""
-    loads = linear.problem.family.loads
-    if loads is None:
-        return linear
-    clean = without_their_effect(linear, scaled)
-    again = fit_kind(None, clean, orders, noise, levels, near)
-    again = with_own_loads(pruned(loaded(again, scaled.y, loads, sizes_of_loads(linear))))
-    return again if gain_over_linear(again, linear) > 0 else linear
-
-
-def _of_likely(
-    scaled: ScaledData,
-    orders: tuple[int, int, int] | None,
-    linear: Fitted,
-    fit: Callable[[ScaledData, str, Sought, Fitted | None], Fitted],
-) -> dict[str, Fitted]:
-    """Each kind but the dead zone, which has most local maxima, begins at the best before it."""
-    found: dict[str, Fitted] = {}
-    for kind, sought in likely_kinds(scaled, orders).items():
-        nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
-        found[kind] = fit(scaled, kind, sought, None if kind == "dead zone" or not found else nearest)
-    return found
+def _is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:
+    """Whether the nested kind is seen, and this one not so much more that its last parameter was surely found."""
+    if kind.nests not in found:
+        return False
+    gain = gain_over_linear(found[kind.nests], linear)
+    return gain > SEEN and (kind.name not in found or gain_over_linear(found[kind.name], linear) < gain + FOUND)

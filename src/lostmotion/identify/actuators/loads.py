@@ -25,10 +25,12 @@ from lostmotion.identify.actuators.spectral_lines import (
     lines,
     share_of,
 )
+from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import information_inverse
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.likelihood.search import Fitted, ScaledData, criterion
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.linear import simulate
 
@@ -107,11 +109,11 @@ def without_their_effect(fitted: Fitted, data: ScaledData) -> ScaledData:
     problem, loads = fitted.problem, fitted.problem.family.loads
     if loads is None:
         return data
-    a, b = _process(fitted)
+    parts = fitted.parts
     course = sizes_of_loads(fitted) @ loads.shapes
     y = data.y.copy()
     for start, stop in data.segments:
-        y[start:stop] -= simulate(a, b, problem.structure.delay, course[start:stop])
+        y[start:stop] -= simulate(parts.a, parts.b, problem.structure.delay, course[start:stop])
     return replace(data, y=y)
 
 
@@ -166,11 +168,6 @@ def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
         basis = np.delete(fitted.basis[:, inside], dropped, axis=0)
     problem = replace(problem, family=problem.family.with_loads(loads.kept(kept)))
     return Fitted(problem, refine(problem, start, basis), basis, fitted.rivals)
-
-
-def _process(fitted: Fitted) -> tuple[FloatArray, FloatArray]:
-    s, theta = fitted.problem.structure, fitted.fit.theta
-    return np.ascontiguousarray(theta[: s.na]), np.ascontiguousarray(theta[s.na : s.na + s.nb + 1])
 
 
 @dataclass(frozen=True)
@@ -283,10 +280,10 @@ class _Errors:
         return column
 
     def _effect(self, course: FloatArray, start: int, stop: int) -> FloatArray:
-        problem = self.fitted.problem
-        z = simulate(*_process(self.fitted), problem.structure.delay, np.ascontiguousarray(course[start:stop]))
+        parts, delay = self.fitted.parts, self.fitted.problem.structure.delay
+        z = simulate(parts.a, parts.b, delay, np.ascontiguousarray(course[start:stop]))
         result = z.copy()
-        add_lagged(self.fitted.fit.theta[problem.noise_at : problem.initial_at], z[:-1], result[1:])
+        add_lagged(parts.d, z[:-1], result[1:])
         return result
 
 

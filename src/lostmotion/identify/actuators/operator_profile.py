@@ -6,33 +6,30 @@ internal variable.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.memory_families import BacklashFamily, StictionFamily
-from lostmotion.identify.actuators.static_profile import Lags
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.actuators.polish import MOST_SEGMENTS
+from lostmotion.identify.actuators.sought import Sought
+from lostmotion.identify.likelihood.arx_gram import Lags
+from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import add_lagged_table, explained
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
 RIDGE = 1e-9
 SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
-GRID, ZOOM = 18, 6
-SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP
-FINE_GRID = 130  # bands of stiction, 3.5 % apart: a break-away must be in its sample
-GRID_ROWS = 2000  # of a record for which that is enough; the more break-aways, the narrower the peak
-FIRST_SHARES = (0.15, 0.5, 1.0)  # jump over band
-SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
+GRID_ROWS = 2000  # of a record in which two places where a valve may begin are enough
 FIRST_REACH, SMALLEST_REACH = 0.04, 0.004  # of the pattern search, relative
-LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
 TAIL = 0.005  # on either side of the range
 FIRST_RESTS, LONG_RESTS = (-0.6, 0.6), (-0.6, 0.6, 0.0)
 RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
-MOST_SEGMENTS = 10  # whose rests are sought
+MOST_STARTS = 2
+AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
 
 
@@ -60,9 +57,9 @@ class LaggedRegression:
     alone: float
 
     @classmethod
-    def on(cls, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, most: int = MOST_ROWS) -> LaggedRegression:
+    def on(cls, signals: Signals, lags: Lags, most: int = MOST_ROWS) -> LaggedRegression:
         """Project out constant and past of y."""
-        blocks = _blocks(segments, lags.head, most)
+        y, blocks = signals.y, _blocks(signals.segments, lags.head, most)
         rows = np.concatenate([np.arange(start, stop) for start, stop in blocks])
         past = np.column_stack([np.ones(rows.size), y[rows[:, None] - 1 - np.arange(lags.outputs)]])
         scale = np.sqrt((past**2).mean(axis=0))
@@ -89,7 +86,7 @@ class LaggedRegression:
         return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
 
 
-def _blocks(segments: npt.NDArray[np.int64], head: int, most: int) -> list[tuple[int, int]]:
+def _blocks(segments: IntArray, head: int, most: int) -> list[tuple[int, int]]:
     """Rows with a complete past, `most` at most."""
     blocks, room = [], most
     for start, stop in segments.tolist():
@@ -98,6 +95,26 @@ def _blocks(segments: npt.NDArray[np.int64], head: int, most: int) -> list[tuple
             blocks.append((start + head, end))
             room -= end - start - head
     return blocks
+
+
+def lags_of(data: ScaledData, asked: Asked) -> Lags:
+    """Lags of the profile for what is asked."""
+    if asked.orders is None:
+        return Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
+    return Lags.for_record(data.shortest, asked.orders[2])
+
+
+def regression(data: ScaledData, asked: Asked) -> LaggedRegression:
+    """PV without its own past, for profiles."""
+    return LaggedRegression.on(data, lags_of(data, asked))
+
+
+def seek(data: ScaledData, asked: Asked, families: Sequence[Family]) -> Sought:
+    """Global search for the actuator by the profiles of its forms, over the grid of each."""
+    lagged = regression(data, asked)
+    profiles = [operator_profile(lagged, family, data.u, MOST_STARTS) for family in families]
+    family, starts = min(profiles, key=lambda item: item[1][0].squares)
+    return Sought(family, [start.eta for start in starts], starts[0].squares)
 
 
 @dataclass(frozen=True)
@@ -118,7 +135,7 @@ def operator_profile(
     """
     low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
     span = high - low if high > low else float(np.ptp(u))  # OP may rest nearly always
-    first, finer = GRIDS[family.kind](u, span, regression.samples)
+    first, finer = family.grid(u, span, regression.samples)
     x = np.empty(u.size)
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
@@ -144,9 +161,9 @@ def operator_profile(
 
 def _at_rests(family: Family, rests: tuple[float, ...]) -> list[Family]:
     """The family from several places in its band, the same in all segments."""
-    if not isinstance(family, BacklashFamily | StictionFamily):
+    if not family.resting:
         return [family]
-    return [replace(family, rests=(rest,) * len(family.segments)) for rest in rests]
+    return [family.with_rests([rest] * family.resting) for rest in rests]
 
 
 def _climbed(start: Start, score: Callable[[list[FloatArray], Family], list[Start]]) -> Start:
@@ -166,19 +183,19 @@ def _climbed(start: Start, score: Callable[[list[FloatArray], Family], list[Star
 
 def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, u: FloatArray) -> Family:
     """The family with the rest at the beginning of each segment that explains PV best; those without memory as is."""
-    if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
+    if not 0 < family.resting <= MOST_SEGMENTS:
         return family
     x = np.empty(u.size)
 
     def squares(rests: list[float]) -> float:
-        replace(family, rests=tuple(rests)).path(eta, u, x)
+        family.with_rests(rests).path(eta, u, x)
         return regression.squares(x)
 
-    rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]
+    rests = [*family.rests, *[0.0] * (family.resting - len(family.rests))]
     for index in range(len(rests)):
         trials = [[*rests[:index], rest, *rests[index + 1 :]] for rest in RESTS]
         rests = min(trials, key=squares)
-    return replace(family, rests=tuple(rests))
+    return family.with_rests(rests)
 
 
 def _apart(starts: list[Start], samples: int, most: int, margin: float = MARGIN) -> list[Start]:
@@ -195,39 +212,3 @@ def _apart(starts: list[Start], samples: int, most: int, margin: float = MARGIN)
 
 
 _DIAGONALS = {2: [np.array([1.0, 1.0]), np.array([1.0, -1.0])]}  # of stiction
-_Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
-
-
-def _backlash(_: FloatArray, span: float, rows: int) -> _Grid:
-    del rows
-    widths = span * np.geomspace(SMALLEST, LARGEST, GRID)
-    ratio = (widths[1] / widths[0]) ** np.linspace(-1, 1, 2 * ZOOM + 1)
-    return [np.array([width]) for width in widths], lambda eta: [np.array([eta[0] * step]) for step in ratio]
-
-
-def _stiction(_: FloatArray, span: float, rows: int) -> _Grid:
-    """By the band, which sets the samples of the break-aways after a turn, and the jump, which sets how far they go."""
-    bands = span * np.geomspace(SMALLEST, LARGEST, round(FINE_GRID * max(rows / GRID_ROWS, 1.0) ** 1.5))
-    ratio = (bands[1] / bands[0]) ** np.linspace(-1.0, 1.0, 5)
-
-    def finer(eta: FloatArray) -> list[FloatArray]:
-        return [step * eta[0] * np.array([1.0, share]) for step in ratio for share in SHARES]
-
-    return [band * np.array([1.0, share]) for band in bands for share in FIRST_SHARES], finer
-
-
-def _saturation(u: FloatArray, span: float, rows: int) -> _Grid:
-    del rows
-    shares = np.array(LIMITS)
-    lows = [float(u.min()), *np.quantile(u, shares)]
-    highs = [float(u.max()), *np.quantile(u, 1.0 - shares)]
-    steps = 0.03 * span * np.linspace(-1, 1, 3)
-    pairs = [np.array([low, high]) for low in lows for high in highs if low < high][1:]
-    return pairs, lambda eta: [eta + np.array([down, up]) for down in steps for up in steps]
-
-
-GRIDS: dict[str, Callable[[FloatArray, float, int], _Grid]] = {
-    "backlash": _backlash,
-    "stiction": _stiction,
-    "saturation": _saturation,
-}

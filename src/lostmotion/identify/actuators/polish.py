@@ -13,10 +13,8 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_quantile
-from lostmotion.identify.actuators.memory_families import BacklashFamily, StictionFamily
-from lostmotion.identify.actuators.operator_profile import MOST_SEGMENTS
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import LocalFit, refine
-from lostmotion.identify.likelihood.search import Fitted
 
 FIRST_STEP = 0.08  # of the largest actuator parameter
 HALVINGS = 6
@@ -26,6 +24,7 @@ LEVEL = 0.95
 GROWTH = 1.5
 MISSES = 3  # rejections in a row that end the walk
 BISECTIONS = 5
+MOST_SEGMENTS = 10  # whose rests are sought: with more, each tells little and costs as much
 COARSE_RESTS = (1.0, 0.5, 0.25, 0.12)  # steps of the rest, in halves of the band
 FINE_RESTS = (0.25, 0.12, 0.06, 0.03, 0.015, 0.008, 0.004, 0.002, 0.001)
 FIRST_REACH = 0.003  # of the range of OP: the first move away from the optimum
@@ -56,16 +55,16 @@ def polished(fitted: Fitted) -> Fitted:
 def _rested(fitted: Fitted, reaches: tuple[float, ...] = COARSE_RESTS) -> Fitted:
     """The rest of the valve at the beginning of each segment, by the likelihood; the actuator itself is held."""
     family = fitted.problem.family
-    if not isinstance(family, BacklashFamily | StictionFamily) or len(family.segments) > MOST_SEGMENTS:
+    if not 0 < family.resting <= MOST_SEGMENTS:
         return fitted
     held = _without(fitted, list(range(len(_own(fitted)))))
-    rests = [*family.rests, *[0.0] * (len(family.segments) - len(family.rests))]
+    rests = [*family.rests, *[0.0] * (family.resting - len(family.rests))]
     for index in range(len(rests)):
         for reach in reaches:
             for moved in (rests[index] + reach, rests[index] - reach):
                 if abs(moved) > 1.0:
                     continue
-                other = replace(family, rests=(*rests[:index], moved, *rests[index + 1 :]))
+                other = family.with_rests([*rests[:index], moved, *rests[index + 1 :]])
                 problem = replace(fitted.problem, family=other)
                 trial = refine(problem, fitted.fit.theta, held, most_steps=STEPS, tied=True)
                 if trial.cost < fitted.fit.cost:
@@ -111,7 +110,7 @@ def _end(fitted: Fitted, index: int, sign: float, rise: float) -> float:
             outside = middle
         else:
             inside = middle
-    return max(here + sign * outside, 0.0) if fitted.problem.family.kind != "saturation" else here + sign * outside
+    return here + sign * outside if fitted.problem.family.places else max(here + sign * outside, 0.0)
 
 
 def _held(fitted: Fitted, start: LocalFit, index: int, value: float) -> LocalFit | None:
@@ -126,15 +125,15 @@ def _held(fitted: Fitted, start: LocalFit, index: int, value: float) -> LocalFit
     best = refine(fitted.problem, theta, _without(fitted, [index]), most_steps=2 * STEPS, tied=True)
     if len(names) < 2:
         return best
-    other = 1 - index
-    step = FIRST_STEP * max(float(np.abs(eta[:2]).max()), 1e-3)
+    own = range(len(names))
+    step = FIRST_STEP * max(float(np.abs(eta[: len(names)]).max()), 1e-3)
     for _ in range(2):
-        for sign in (1.0, -1.0):
+        for other, sign in ((other, sign) for other in own if other != index for sign in (1.0, -1.0)):
             moved = best.theta.copy()
             moved[fitted.problem.eta_at + other] += sign * step
             if not _valid(fitted, moved):
                 continue
-            trial = refine(fitted.problem, moved, _without(fitted, [0, 1]), most_steps=STEPS, tied=True)
+            trial = refine(fitted.problem, moved, _without(fitted, [*own]), most_steps=STEPS, tied=True)
             best = trial if trial.cost < best.cost else best
         step *= 0.5
     return best

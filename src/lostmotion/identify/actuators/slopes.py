@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lostmotion.identify.evidence import gain_over_linear
+from lostmotion.identify.likelihood.criterion import gain_over_linear
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.likelihood.search import Fitted
 
 
 def with_equal_slopes(fitted: Fitted) -> Fitted:
@@ -15,8 +15,6 @@ def with_equal_slopes(fitted: Fitted) -> Fitted:
     To compare kinds: where a quarter of the record is left out, a free ratio follows whatever is left of one side.
     """
     problem = fitted.problem
-    if "log_ratio" not in problem.family.own:
-        return fitted
     column = problem.eta_at + problem.family.own.index("log_ratio")
     basis = np.eye(fitted.fit.theta.size) if fitted.basis is None else fitted.basis
     basis = basis[:, basis[column] == 0.0]

@@ -9,20 +9,16 @@ lagged hinge functions, from which past outputs are eliminated once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
-from lostmotion.kernels.lagged import lagged_gram
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram, eliminate_past
+from lostmotion.identify.scaled import ScaledData
 
-OUTPUT_LAGS = 15
-INPUT_LAGS = 12
 KNOTS = 16  # 136 pairs; a local search from the nearest knot converges for widths of a tenth of the range
 ZOOM_KNOTS = 9
-CHUNK = 8192  # rows of which the hinge functions exist at once
-RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
 MOST_STARTS = 3
 NEAR_RATIO = 0.7  # of the log: slopes nearer than this climb to the same place
 NARROW_KNOTS = 60
@@ -44,45 +40,23 @@ class Candidate:
     rss: float
 
 
-@dataclass(frozen=True)
-class Lags:
-    """Past outputs and inputs of the ARX, and the delay before its first input."""
-
-    outputs: int
-    inputs: int
-    delay: int
-
-    @classmethod
-    def for_record(cls, shortest: int, delay: int, outputs: int = OUTPUT_LAGS, inputs: int = INPUT_LAGS) -> Lags:
-        """As many as a record of `shortest` samples carries."""
-        room = max((shortest - delay) // 10, 2)
-        return cls(min(outputs, room), min(inputs, room), delay)
-
-    @property
-    def head(self) -> int:
-        """Rows without a complete past."""
-        return max(self.outputs, self.inputs - 1) + self.delay
-
-
-def profile(
-    u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, low: float, high: float
-) -> list[Candidate]:
+def profile(data: ScaledData, lags: Lags, low: float, high: float) -> list[Candidate]:
     """Minima of the residual sum of squares over left <= right in [low, high], best first.
 
     A grid finds wide dead zones, a scan of the location of a jump finds those narrower than the grid.
     """
     knots = np.linspace(low, high, KNOTS)
-    coarse, samples = _scan(u, y, segments, lags, knots, knots)
+    coarse, samples = _scan(data, lags, knots, knots)
     spacing = knots[1] - knots[0]
     places = [(surface.rss[place], *place) for surface in coarse for place in _minima(surface.rss, samples)]
     best = list(dict.fromkeys((row, column) for _, row, column in sorted(places)))[: MOST_STARTS + 1]
     centres = [(knots[row], knots[column], spacing) for row, column in best]
-    centres += narrow_zones(u, y, segments, lags, low, high)
+    centres += narrow_zones(data, lags, low, high)
     found: list[Candidate] = []
     for left_centre, right_centre, reach in centres:
         left = _around(left_centre, reach, low, high)
         right = _around(right_centre, reach, low, high)
-        fine, _ = _scan(u, y, segments, lags, left, right)
+        fine, _ = _scan(data, lags, left, right)
         for rss, ratio in ((surface.rss, surface.log_ratio) for surface in fine):
             i, j = np.unravel_index(np.argmin(rss), rss.shape)
             found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
@@ -105,20 +79,18 @@ def _apart(candidates: list[Candidate], distance: float) -> list[Candidate]:
     return kept
 
 
-def narrow_zones(
-    u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags, low: float, high: float
-) -> list[tuple[float, float, float]]:
+def narrow_zones(data: ScaledData, lags: Lags, low: float, high: float) -> list[tuple[float, float, float]]:
     """Left, right and reach of the best narrow dead zones.
 
     Seen from outside, a narrow dead zone at m is a jump of minus its width: x = u - m - width [u > m] + constant.
     So u and [u > m] are inputs of one ARX, and the ratio of their gains is the width.
     """
-    rows = segments if u.size <= NARROW_ROWS else _longest(segments, NARROW_ROWS)
+    few = data if data.u.size <= NARROW_ROWS else replace(data, segments=_longest(data.segments, NARROW_ROWS))
     places = np.linspace(low, high, NARROW_KNOTS + 2)[1:-1]
     rss, widths = np.full(NARROW_KNOTS, np.inf), np.zeros(NARROW_KNOTS)
     samples = 1
     for index, place in enumerate(places):
-        gram, samples = arx_gram(_jump_at(u, float(place)), y, rows, lags)
+        gram, samples = arx_gram(_jump_at(data.u, float(place)), few, lags)
         inner, cross, total = eliminate_past(gram, lags, 2)
         inner += RIDGE * np.diag(np.diag(inner) + np.finfo(float).tiny)
         gains = np.linalg.solve(inner, cross)
@@ -143,7 +115,7 @@ def _jump_at(u: FloatArray, place: float) -> Callable[[int, int], FloatArray]:
     return lambda start, stop: np.column_stack([u[start:stop], u[start:stop] > place])
 
 
-def _longest(segments: npt.NDArray[np.int64], rows: int) -> npt.NDArray[np.int64]:
+def _longest(segments: IntArray, rows: int) -> IntArray:
     """The first rows of the longest segment."""
     start, stop = segments[int(np.argmax(segments[:, 1] - segments[:, 0]))]
     return np.array([[start, min(stop, start + rows)]])
@@ -173,21 +145,14 @@ class _Surface:
     log_ratio: FloatArray
 
 
-def _scan(
-    u: FloatArray,
-    y: FloatArray,
-    segments: npt.NDArray[np.int64],
-    lags: Lags,
-    left: FloatArray,
-    right: FloatArray,
-) -> tuple[tuple[_Surface, _Surface], int]:
+def _scan(data: ScaledData, lags: Lags, left: FloatArray, right: FloatArray) -> tuple[tuple[_Surface, _Surface], int]:
     """Of a dead zone with free slopes and with equal slopes."""
 
     def hinges(start: int, stop: int) -> FloatArray:
-        part = u[start:stop, None]
+        part = data.u[start:stop, None]
         return np.concatenate([np.minimum(part - left, 0.0), np.maximum(part - right, 0.0)], axis=1)
 
-    gram, samples = arx_gram(hinges, y, segments, lags)
+    gram, samples = arx_gram(hinges, data, lags)
     inner, cross, total = eliminate_past(gram, lags, left.size + right.size)
     pairs = [(i, j) for i in range(left.size) for j in range(right.size) if left[i] <= right[j]]
     signals, n = left.size + right.size, lags.inputs
@@ -219,42 +184,3 @@ def _explained(blocks: FloatArray, slopes: FloatArray) -> tuple[FloatArray, Floa
     diagonal += RIDGE * (diagonal.max(axis=1, keepdims=True) + np.finfo(float).tiny)
     gains = np.asarray(np.linalg.solve(blocks, slopes[:, :, None])[:, :, 0], np.float64)
     return np.asarray((gains * slopes).sum(axis=1)), gains
-
-
-def arx_gram(
-    inputs: Callable[[int, int], FloatArray], y: FloatArray, segments: npt.NDArray[np.int64], lags: Lags
-) -> tuple[FloatArray, int]:
-    """Gram matrix of [y, 1, inputs] at lags 0 .. max, inputs advanced by the delay; and the rows used.
-
-    `inputs` makes the signals (stop - start, m) of a range of rows, so that they never exist all at once.
-    """
-    length = max(lags.outputs + 1, lags.inputs)
-    total: FloatArray | None = None
-    samples = 0
-    for start, stop in segments:
-        for row in range(start + lags.delay + length - 1, stop, CHUNK):
-            head, end = row - length + 1, min(row + CHUNK, stop)
-            ones = np.ones((end - head, 1))
-            signals = np.concatenate([y[head:end, None], ones, inputs(head - lags.delay, end - lags.delay)], axis=1)
-            gram = lagged_gram(signals, length, length - 1, end - head)
-            total = gram if total is None else total + gram
-            samples += end - row
-    assert total is not None  # noqa: S101  there is always a segment
-    return total, samples
-
-
-def eliminate_past(gram: FloatArray, lags: Lags, inputs: int) -> tuple[FloatArray, FloatArray, float]:
-    """Gram of the input columns, their products with y, and y'y, with past outputs and constant projected out.
-
-    Input columns are ordered lag by lag.
-    """
-    m = inputs + 2
-    past = np.concatenate([[1], m * np.arange(1, lags.outputs + 1)])
-    columns = (m * np.arange(lags.inputs)[:, None] + 2 + np.arange(inputs)).ravel()
-    block = gram[np.ix_(past, past)]
-    block = block + RIDGE * np.diag(np.diag(block) + np.finfo(float).tiny)
-    wanted = np.concatenate([columns, [0]])
-    rest = gram[np.ix_(wanted, wanted)] - gram[np.ix_(wanted, past)] @ np.linalg.solve(
-        block, gram[np.ix_(past, wanted)]
-    )
-    return rest[:-1, :-1], rest[:-1, -1], float(rest[-1, -1])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.distributions import normal_quantile
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.likelihood.search import Fitted
 
 HALVINGS = 6
 FIRST_SHARE = 0.005  # of the range of OP: the first width tried

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.static_profile import RIDGE, Lags, arx_gram
+from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import is_stable
 
 START_LAGS = 25
@@ -33,13 +33,10 @@ class HighOrderArx:
     delay: int
 
 
-def fit_arx(
-    x: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], delay: int, lags: int = START_LAGS
-) -> HighOrderArx:
-    """High-order ARX by least squares."""
-    shortest = int((segments[:, 1] - segments[:, 0]).min())
-    past = Lags.for_record(shortest, delay, lags, lags)
-    gram, samples = arx_gram(lambda start, stop: x[start:stop, None], y, segments, past)
+def fit_arx(data: ScaledData, x: FloatArray, delay: int, lags: int = START_LAGS) -> HighOrderArx:
+    """High-order ARX from the internal variable x (n,) to y by least squares."""
+    past = Lags.for_record(data.shortest, delay, lags, lags)
+    gram, samples = arx_gram(lambda start, stop: x[start:stop, None], data, past)
     columns = np.concatenate(
         [3 * np.arange(1, past.outputs + 1), 3 * np.arange(past.inputs) + 2, [1]]
     )  # signals are y, 1, x

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels import dead_zone as kernel
+from lostmotion.identify.scaled import Scaling
 
-LARGEST_SLOPE_RATIO = 50.0  # beyond this one side carries no signal: it is a one-sided actuator
+Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
 
 
 @dataclass(frozen=True)
@@ -78,9 +80,12 @@ class Family(ABC):
 
     load: bool = field(default=False, kw_only=True)
     loads: Loads | None = field(default=None, kw_only=True, compare=False, repr=False)
-    kind: ClassVar[str] = "none"
+    kind: ClassVar[str]  # name of the kind, as in its model
+    own: ClassVar[tuple[str, ...]]  # names of the actuator's parameters
     kinks: ClassVar[bool] = False  # x jumps where eta moves: gradients alone do not end at the maximum
-    own: ClassVar[tuple[str, ...]] = ()  # names of the actuator's parameters
+    places: ClassVar[bool] = False  # own parameters are places on the axis of OP, not sizes
+    relative: ClassVar[bool] = False  # x is 0 inside the actuator, so that the offset is PV at rest there
+    rests: tuple[float, ...] = field(default=(), kw_only=True)  # of a memory: where it begins each segment
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -122,6 +127,62 @@ class Family(ABC):
         at = len(self.own)
         return np.concatenate([self.valid(eta[:at]), eta[at:]])
 
+    @property
+    def resting(self) -> int:
+        """Segments in which it must be known where the valve rests at first: those of an actuator with memory."""
+        return 0
+
+    def with_rests(self, rests: Sequence[float]) -> Self:
+        """The same family, beginning its segments elsewhere."""
+        return replace(self, rests=tuple(rests))
+
+    def grid(self, u: FloatArray, span: float, rows: int) -> Grid:
+        """Where the parameters are sought: a first grid over all, and a finer one about a point of it.
+
+        Parameters
+        ----------
+        u : ndarray, shape (n,)
+            Command.
+        span : float
+            Range of it without its tails.
+        rows : int
+            Predicted rows of the profile.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no grid: write one, or a search of its own")
+
+    def edges(self, own: FloatArray) -> list[float]:  # noqa: ARG002  most have none
+        """Values of OP at which the real actuator may jump where this kind does not."""
+        return []
+
+    def room(self, own: FloatArray, direction: FloatArray, largest: float, u: FloatArray) -> float:  # noqa: ARG002
+        """How far the own parameters can move along a direction without information; inf where it has no end.
+
+        `direction` is their part of it, `largest` the largest component of the whole.
+        """
+        return float(np.inf)
+
+    @classmethod
+    def named(
+        cls,
+        own: npt.NDArray[Any],
+        scaling: Scaling,
+        product: Any,  # noqa: ARG003  for kinds with slopes
+        gain: float | None,  # noqa: ARG003
+    ) -> tuple[tuple[str, ...], list[Any], Any]:
+        """Names and values of the actuator's parameters in units of OP, and the slope that the linear part gives up.
+
+        Parameters
+        ----------
+        own : ndarray
+            Scaled parameters, real or complex (derivatives by the complex step).
+        scaling : Scaling
+        product : complex
+            Slope times static gain of the process.
+        gain : float or None
+            Known static gain of the process.
+        """
+        return cls.own, list(scaling.u_scale * own + (scaling.u_centre if cls.places else 0.0)), 1.0
+
     @abstractmethod
     def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Fill x (n,) and its derivatives for the actuator alone."""
@@ -135,39 +196,10 @@ class Family(ABC):
 class LinearFamily(Family):
     """No fault: x = u."""
 
+    kind: ClassVar[str] = "none"
+    own: ClassVar[tuple[str, ...]] = ()
+
     def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Copy u."""
         del eta, dx
         x[:] = u
-
-
-@dataclass(frozen=True)
-class DeadZoneFamily(Family):
-    """Dead zone; own parameters = left, right, log(left_slope / right_slope).
-
-    `low` and `high` keep both break points where at least a few samples lie beyond them: outside, the
-    likelihood is flat.
-    """
-
-    low: float
-    high: float
-    kind: ClassVar[str] = "dead zone"
-    own: ClassVar[tuple[str, ...]] = ("left", "right", "log_ratio")
-
-    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """Dead zone with right slope 1 and its derivatives."""
-        kernel.sensitivities(u, eta[0], eta[1], eta[2], x, dx)
-
-    def valid(self, eta: FloatArray) -> FloatArray:
-        """Order the break points (a negative width becomes zero at its middle) and keep them inside the data."""
-        left, right, log_ratio = eta
-        if left > right:
-            left = right = 0.5 * (left + right)
-        limit = np.log(LARGEST_SLOPE_RATIO)
-        return np.array(
-            [
-                min(max(left, self.low), self.high),
-                min(max(right, self.low), self.high),
-                min(max(log_ratio, -limit), limit),
-            ]
-        )

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import f_tail
+from lostmotion.identify.scaled import Signals
 
 LAGS = 10
 LEVEL = 1e-4  # of the test whether OP answers PV
@@ -44,8 +44,9 @@ class Feedback:
         return self.closed and self.free < NEARLY_EXACT
 
 
-def feedback(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> Feedback:
+def feedback(signals: Signals) -> Feedback:
     """Test for feedback from PV to OP with linear regressions of OP on ten past samples of both."""
+    u, y, segments = signals.u, signals.y, signals.segments
     rows, targets, moves = [], [], []
     for start, stop in segments:
         if stop - start < 4 * LAGS:
@@ -65,14 +66,15 @@ def feedback(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> F
     alone = _left_over(regressors[:, : LAGS + 1], target)
     both = _left_over(regressors, target)
     ratio = (alone - both) / (LAGS + 1) / max(both / free, 1e-300)
-    closed = bool(f_tail(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(u, y, segments)
+    closed = bool(f_tail(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(signals)
     variance = float(np.sum(np.concatenate(moves) ** 2))
-    direction = _direction(u, y, segments) if closed else 0
+    direction = _direction(signals) if closed else 0
     return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0, direction)
 
 
-def _direction(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> int:
+def _direction(signals: Signals) -> int:
     """Sign of kp and ki in du = kp dy + ki y + constant, where both are sure and agree, or one is sure."""
+    u, y, segments = signals.u, signals.y, signals.segments
     du = np.concatenate([np.diff(u[start:stop]) for start, stop in segments])
     dy = np.concatenate([np.diff(y[start:stop]) for start, stop in segments])
     now = np.concatenate([y[start + 1 : stop] for start, stop in segments])
@@ -87,8 +89,9 @@ def _direction(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) ->
     return int(np.sign(sure.sum())) if abs(sure.sum()) == np.abs(sure).sum() else 0
 
 
-def _by_hand(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64]) -> bool:
+def _by_hand(signals: Signals) -> bool:
     """Whether OP goes by steps that no controller takes; where OP rests at its ends it may be at a limit."""
+    u, y, segments = signals.u, signals.y, signals.segments
     inner = (u > u.min()) & (u < u.max())
     moves = [(np.diff(u[a:b])[inner[a : b - 1]], np.diff(y[a:b])[inner[a : b - 1]]) for a, b in segments]
     of_op, of_pv = (np.concatenate(parts) for parts in zip(*moves, strict=True))

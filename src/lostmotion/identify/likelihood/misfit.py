@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_tail
-from lostmotion.identify.likelihood.search import Fitted
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.kernels import likelihood as kernel
 
 WHITENESS_LAGS = 25
@@ -79,7 +79,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     if not prewhitened:
         theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     eta = theta[problem.eta_at : problem.noise_at]
-    knots, jumps = _other_shapes(problem.u, eta if problem.family.kind == "dead zone" else eta[:0])
+    knots, jumps = _knots(problem.u), problem.family.edges(fitted.actuator)
     added = len(knots) + len(jumps)
     wide = np.empty((eta.size + added, problem.u.size))
     x = np.empty(problem.u.size)
@@ -111,11 +111,11 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     return chi2_tail(statistic, max(int(seen.sum()), 1)), min(share, 1.0)
 
 
-def _other_shapes(u: FloatArray, eta: FloatArray) -> tuple[list[float], list[float]]:
-    """Knots of the hinges, and edges of the jumps."""
+def _knots(u: FloatArray) -> list[float]:
+    """Of the hinges."""
     levels = np.unique(u)  # not the samples: a staircase that rests at zero has its shape elsewhere
     knots = np.unique(np.quantile(levels, np.linspace(0, 1, SHAPE_KNOTS + 2)[1:-1]))
-    return knots.tolist(), [float(edge) for edge in eta[:2]]
+    return [float(knot) for knot in knots]
 
 
 def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.parameters import Scaling, information_inverse
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.parameters import information_inverse
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.likelihood.search import Fitted
+from lostmotion.identify.scaled import Scaling
 
 CENTRED = 1e-6  # a mean this small beside the deviation was subtracted: zero is then no physical zero
 
@@ -25,14 +26,14 @@ def settle_offset(fitted: Fitted, scaling: Scaling, choice: str) -> Fitted:
     """
     if choice == "free" or fitted.problem.structure.integrating:
         return fitted
-    column = fitted.problem.eta_at - 1
+    column = fitted.problem.offset_at
     zero = -scaling.y_centre / scaling.y_scale
     if choice == "auto":
         inverse, empty = information_inverse(fitted.fit.hessian)
         variance = fitted.variance * inverse[column, column]
         centred = abs(scaling.y_centre) < CENTRED * scaling.y_scale
         distance = (fitted.fit.theta[column] - zero) ** 2
-        left, right = scaling.u_centre + scaling.u_scale * fitted.fit.theta[column + 1 : column + 3]
+        left, right = scaling.u_centre + scaling.u_scale * fitted.actuator[:2]
         if empty.size or centred or not left <= 0.0 <= right:
             return fitted
         if not distance < np.log(fitted.problem.errors) * variance:

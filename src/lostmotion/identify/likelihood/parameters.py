@@ -9,23 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import ParameterError
-from lostmotion.identify.likelihood.search import Fitted
+from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.scaled import Scaling
 
-OWN = {"backlash": ("width",), "stiction": ("band", "jump"), "saturation": ("low", "high")}
 SMALLEST_REST = 1e-12  # of A(1): below it the process integrates, and has no gain
 CUTOFF = 1e-13  # relative eigenvalue below which a direction of the information matrix is empty
 ROUNDING = 1e-5  # components of such a direction that are nothing but rounding: it is often one of initial states
-
-
-@dataclass(frozen=True)
-class Scaling:
-    """u = u_centre + u_scale * scaled, y likewise."""
-
-    u_centre: float
-    u_scale: float
-    y_centre: float
-    y_scale: float
 
 
 @dataclass(frozen=True)
@@ -54,26 +44,6 @@ def information_inverse(hessian: FloatArray, basis: FloatArray | None = None) ->
     return root @ root.T, empty
 
 
-def _room(fitted: Fitted, direction: FloatArray) -> float:
-    """How far the break points can move along a direction without information before they meet a sample of OP.
-
-    Where no sample lies inside the dead zone, it can slide in the gap between two levels of OP unseen; a direction
-    that moves no break point has no end.
-    """
-    at = fitted.problem.eta_at
-    if (
-        fitted.problem.family.kind != "dead zone"
-        or np.abs(direction[at : at + 2]).max() < 1e-9 * np.abs(direction).max()
-    ):
-        return float(np.inf)
-    left, right = fitted.fit.theta[at : at + 2]
-    u = fitted.problem.u
-    low = left - float(np.max(u[u < left], initial=float(u.min())))
-    high = float(np.min(u[u > right], initial=float(u.max()))) - right
-    reach = float(np.abs(direction[at : at + 2]).max())
-    return float((low + high) / reach)
-
-
 def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Named:
     """Named parameters by the chain rule (complex step, exact).
 
@@ -85,14 +55,16 @@ def name_parameters(fitted: Fitted, scaling: Scaling, gain: float | None) -> Nam
     problem = fitted.problem
     theta = fitted.fit.theta[: problem.initial_at]
     s = problem.structure
-    values, jacobian = named_values(theta, problem.family.kind, s.na, s.nb, scaling, gain)
+    values, jacobian = named_values(theta, problem.family, s.na, s.nb, scaling, gain)
     if s.integrating:
         at = problem.eta_at + len(problem.family.own) if problem.family.load else None
-        values, jacobian = _of_integrator(values, jacobian, theta, at, scaling)
+        values, jacobian = _of_integrator(values, jacobian, theta, at, scaling, problem.family.relative)
     inverse, empty = information_inverse(fitted.fit.hessian, fitted.basis)
     covariance = jacobian @ (fitted.variance * inverse[: theta.size, : theta.size]) @ jacobian.T
     for direction in empty.T:
-        move, room = jacobian @ direction[: theta.size], _room(fitted, direction)
+        own = direction[problem.eta_at :][: len(problem.family.own)]
+        room = problem.family.room(fitted.actuator, own, float(np.abs(direction).max()), problem.u)
+        move = jacobian @ direction[: theta.size]
         if not move.any():
             continue
         if np.isfinite(room):
@@ -119,7 +91,12 @@ def with_profiled(named: Named, profiled: dict[str, tuple[float, float]]) -> Flo
 
 
 def _of_integrator(
-    values: dict[str, float], jacobian: FloatArray, theta: FloatArray, load_at: int | None, scaling: Scaling
+    values: dict[str, float],
+    jacobian: FloatArray,
+    theta: FloatArray,
+    load_at: int | None,
+    scaling: Scaling,
+    relative: bool,
 ) -> tuple[dict[str, float], FloatArray]:
     """Instead of gain and offset an integrating process has a load, in units of x."""
     names = list(values)
@@ -130,60 +107,39 @@ def _of_integrator(
         row = np.zeros((1, theta.size))
         row[0, load_at] = scaling.u_scale
         rows.append(row)
-        result["load"] = scaling.u_scale * float(theta[load_at]) + (0.0 if "left" in result else -scaling.u_centre)
+        result["load"] = scaling.u_scale * float(theta[load_at]) + (0.0 if relative else -scaling.u_centre)
     return {**result, "gain": float(np.inf)}, np.concatenate([*rows, np.zeros((1, theta.size))])
 
 
 def named_values(
-    theta: FloatArray, kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
+    theta: FloatArray, family: Family | type[Family], na: int, nb: int, scaling: Scaling, gain: float | None
 ) -> tuple[dict[str, float], FloatArray]:
     """Named parameters and their derivatives with respect to the scaled vector (complex step)."""
-    names, values = _transform(theta, kind, na, nb, scaling, gain)
+    names, values = _transform(theta, family, na, nb, scaling, gain)
     jacobian = np.empty((len(names), theta.size))
     for column in range(theta.size):
         shifted = theta.astype(complex)
         shifted[column] += 1e-30j
-        _, moved = _transform(shifted, kind, na, nb, scaling, gain)
+        _, moved = _transform(shifted, family, na, nb, scaling, gain)
         jacobian[:, column] = np.imag(moved) / 1e-30
     return dict(zip(names, np.real(values).tolist(), strict=True)), jacobian
 
 
 def _transform(
-    theta: npt.NDArray[Any], kind: str, na: int, nb: int, scaling: Scaling, gain: float | None
+    theta: npt.NDArray[Any], family: Family | type[Family], na: int, nb: int, scaling: Scaling, gain: float | None
 ) -> tuple[list[str], npt.NDArray[Any]]:
     """Names and values of all parameters for one scaled vector (real or complex)."""
     a, b = theta[:na], theta[na : na + nb + 1] * (scaling.y_scale / scaling.u_scale)
     rest = 1.0 + a.sum()
     product = b.sum() / (rest if abs(rest) > SMALLEST_REST else SMALLEST_REST)
     offset = scaling.y_centre + scaling.y_scale * theta[na + nb + 1]
-    names: list[str] = []
-    values: list[Any] = []
-    if kind == "dead zone":
-        left, right, log_ratio = theta[na + nb + 2 : na + nb + 5]
-        slope = 1.0 + 0.0 * product if gain is None else _right_slope(product, gain)
-        left, right = scaling.u_centre + scaling.u_scale * left, scaling.u_centre + scaling.u_scale * right
-        ratio = np.exp(log_ratio)
-        names += ["left", "right", "left_slope", "right_slope", "width", "slope_ratio"]
-        values += [left, right, ratio * slope, slope, right - left, ratio]
-        b = np.asarray(b / slope)
-        product = product / slope
-    else:
-        own = OWN.get(kind, ())
-        eta = theta[na + nb + 2 : na + nb + 2 + len(own)]
-        names += own
-        values += list(scaling.u_scale * eta + (scaling.u_centre if kind == "saturation" else 0.0))
+    eta_at = na + nb + 2
+    own = theta[eta_at : eta_at + len(family.own)]
+    actuator, values, slope = family.named(own, scaling, product, gain)
+    b, product = np.asarray(b / slope), product / slope
+    if not family.relative:
         offset = offset - product * scaling.u_centre
+    names = list(actuator)
     names += ["gain", "offset", *(f"a{i + 1}" for i in range(na)), *(f"b{i}" for i in range(nb + 1))]
     values += [product, offset, *a, *b]
     return names, np.array(values)
-
-
-def _right_slope(product: complex, gain: float) -> complex:
-    slope = product / gain
-    if slope.real <= 0:
-        raise ParameterError.expected(
-            f"a gain with the sign of the record (product of gain and slope = {product.real:.4g})",
-            gain,
-            "turn its sign, or leave gain out",
-        )
-    return slope

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.plausible import FREE, Held
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import pole_grid as kernel
 
 TIME_CONSTANTS = (0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 100.0, 400.0)  # samples; and an integrator
@@ -75,9 +75,8 @@ def _oscillations() -> list[complex]:
 
 
 def grid_starts(
+    data: ScaledData,
     x: FloatArray,
-    y: FloatArray,
-    segments: npt.NDArray[np.int64],
     d: FloatArray,
     ladder: tuple[tuple[int, int], ...],
     delays: tuple[int, int],
@@ -88,8 +87,9 @@ def grid_starts(
 
     Parameters
     ----------
-    x, y : ndarray, shape (n,)
-        Internal variable and output.
+    data : ScaledData
+    x : ndarray, shape (n,)
+        Internal variable.
     d : ndarray
         AR noise model with which both are whitened.
     ladder : tuple of (na, nb)
@@ -101,14 +101,14 @@ def grid_starts(
         What else is known of the process.
     """
     low, high = delays
-    rows = _shortened(segments)
+    rows = _shortened(data.segments)
     starts = []
     for na in sorted({na for na, _ in ladder}):
         polynomials, decays = patterns(na)
         orders = max(nb for n, nb in ladder if n == na) + 1
         shape = (len(polynomials), orders, high - low + 1)
         rss, b = np.empty(shape), np.zeros((*shape, orders))
-        n = _SCAN(x, y, rows, d, polynomials, decays, low, high, orders, rss, b)
+        n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b)
         if n <= 0:
             continue
         for nb in {nb for order, nb in ladder if order == na}:
@@ -127,7 +127,7 @@ def grid_starts(
     return sorted(starts, key=lambda start: start.score)
 
 
-def _shortened(segments: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _shortened(segments: IntArray) -> IntArray:
     """At most MOST_ROWS rows: the longest segments, the last of them cut."""
     lengths = segments[:, 1] - segments[:, 0]
     if lengths.sum() <= MOST_ROWS:

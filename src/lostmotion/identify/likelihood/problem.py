@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
@@ -40,6 +39,31 @@ class Structure:
 
 
 @dataclass(frozen=True)
+class Parts:
+    """The parameter vector by what its stretches mean.
+
+    Attributes
+    ----------
+    a, b : ndarray, shape (na,) and (nb + 1,)
+        Of the linear part.
+    offset : float
+    eta : ndarray
+        Of the actuator, then the sizes of what else acts on the process.
+    d : ndarray, shape (noise order,)
+        Of the AR noise.
+    initial : ndarray, shape (segments * initial,)
+        Initial conditions of all segments.
+    """
+
+    a: FloatArray
+    b: FloatArray
+    offset: float
+    eta: FloatArray
+    d: FloatArray
+    initial: FloatArray
+
+
+@dataclass(frozen=True)
 class Problem:
     """Data and structure; slices of the parameter vector; evaluation.
 
@@ -55,7 +79,7 @@ class Problem:
 
     u: FloatArray
     y: FloatArray
-    segments: npt.NDArray[np.int64]
+    segments: IntArray
     family: Family
     structure: Structure
     held: Held = FREE
@@ -66,9 +90,14 @@ class Problem:
         return self.initial_at + self.structure.initial * len(self.segments)
 
     @cached_property
+    def offset_at(self) -> int:
+        """Index of the offset."""
+        return self.structure.na + self.structure.nb + 1
+
+    @cached_property
     def eta_at(self) -> int:
-        """Index of the first actuator parameter; the offset stands before it."""
-        return self.structure.na + self.structure.nb + 2
+        """Index of the first actuator parameter."""
+        return self.offset_at + 1
 
     @cached_property
     def noise_at(self) -> int:
@@ -84,6 +113,14 @@ class Problem:
     def errors(self) -> int:
         """Number of prediction errors."""
         return int((self.segments[:, 1] - self.segments[:, 0] - self.structure.start).sum())
+
+    def parts(self, theta: FloatArray) -> Parts:
+        """What the stretches of a parameter vector mean; copies, contiguous as the kernels want them."""
+        s, offset, eta, noise, initial = self.structure, self.offset_at, self.eta_at, self.noise_at, self.initial_at
+        return Parts(
+            theta[: s.na].copy(), theta[s.na : offset].copy(), float(theta[offset]), theta[eta:noise].copy(),
+            theta[noise:initial].copy(), theta[initial:].copy(),
+        )  # fmt: skip
 
     def pack(self, a: FloatArray, b: FloatArray, eta: FloatArray, d: FloatArray, offset: float) -> FloatArray:
         """Parameter vector with zero initial conditions."""
@@ -111,13 +148,12 @@ class Problem:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
         s = self.structure
         x, _ = self.internal(theta)
-        a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
-        d = theta[self.noise_at : self.initial_at]
+        parts = self.parts(theta)
+        initial = parts.initial.reshape(len(self.segments), s.initial)
         simulated, errors = [], []
-        for index, (start, stop) in enumerate(self.segments):
-            at = self.initial_at + index * s.initial
+        for (start, stop), state in zip(self.segments, initial, strict=True):
             z, e = kernel.prediction_errors(
-                a, b, theta[at : at + s.initial], theta[self.eta_at - 1], d, s.delay, s.first,
+                parts.a, parts.b, state, parts.offset, parts.d, s.delay, s.first,
                 x[start:stop], self.y[start:stop],
             )  # fmt: skip
             simulated.append(z)
@@ -134,12 +170,12 @@ class Problem:
             return None
         na = self.structure.na
         inside = np.eye(na, na - 1) - np.eye(na, na - 1, k=-1)
-        rest = np.delete(np.eye(self.size - na), self.eta_at - 1 - na, axis=1)
+        rest = np.delete(np.eye(self.size - na), self.offset_at - na, axis=1)
         return np.block([[inside, np.zeros((na, rest.shape[1]))], [np.zeros((len(rest), na - 1)), rest]])
 
     def admissible(self, theta: FloatArray) -> bool:
         """Whether A is stable, but for the integrator, and the process an allowed one."""
-        a, b = theta[: self.structure.na], theta[self.structure.na : self.eta_at - 1]
+        a, b = theta[: self.structure.na], theta[self.structure.na : self.offset_at]
         rest = a
         if self.structure.integrating:
             rest = 1.0 + np.cumsum(a)[:-1]  # A / (1 - q^-1)

@@ -5,18 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
-from lostmotion.identify.likelihood.noise_order import PENALTY, autoregressions, choose_noise
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise
 from lostmotion.identify.likelihood.plausible import FREE, Held, plausible
 from lostmotion.identify.likelihood.poles import GridStart, grid_starts
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import LocalFit, refine
+from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
 
 _Attempt = tuple[FloatArray, GridStart, FloatArray]
@@ -40,61 +43,11 @@ REACH = 8  # the same about the best so far
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
 
-@dataclass(frozen=True)
-class ScaledData:
-    """u and y with mean 0 and deviation 1, and the segments."""
-
-    u: FloatArray
-    y: FloatArray
-    segments: npt.NDArray[np.int64]
-
-    @property
-    def shortest(self) -> int:
-        """Samples of the shortest segment."""
-        return int((self.segments[:, 1] - self.segments[:, 0]).min())
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A problem and the maximum of its likelihood."""
-
-    problem: Problem
-    fit: LocalFit
-    basis: FloatArray | None = None  # directions that were free; None: all
-    rivals: tuple[tuple[FloatArray, float], ...] = ()  # other actuators that fit about as well, and by how much less
-
-    @property
-    def variance(self) -> float:
-        """Residual variance, corrected for the parameters."""
-        return self.fit.cost / max(self.problem.errors - self.free, 1)
-
-    @property
-    def free(self) -> int:
-        """Free parameters, initial conditions included."""
-        return self.fit.theta.size if self.basis is None else self.basis.shape[1]
-
-    @property
-    def parameters(self) -> int:
-        """Free parameters without initial conditions, and what was sought beside them."""
-        return self.free - (self.fit.theta.size - self.problem.initial_at) + self.problem.family.sought
-
-    def output_residual(self) -> list[FloatArray]:
-        """Measured minus simulated output, from row `first` of each segment."""
-        simulated, _ = self.problem.predict(self.fit.theta)
-        first = self.problem.structure.first
-        return [
-            self.problem.y[start + first : stop] - z
-            for (start, stop), z in zip(self.problem.segments, simulated, strict=True)
-        ]
-
-
 def best_fit(
     data: ScaledData,
     family: Family,
     etas: list[FloatArray],
-    orders: tuple[int, int, int] | None,
-    noise: int | None,
-    levels: bool = True,
+    asked: Asked,
     near: Fitted | None = None,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
@@ -105,16 +58,12 @@ def best_fit(
     family : Family
     etas : list of ndarray
         Starts of the actuator parameters.
-    orders : (na, nb, delay) or None
-        None: chosen from the data.
-    noise : int or None
-        Order of the AR noise; None: chosen from the data.
-    levels : bool
-        Whether the process may integrate.
+    asked : Asked
+        Orders and noise, where they are not to be chosen from the data.
     near : Fitted or None
         Fit of another kind of actuator to the same data: its process and noise are where the search begins.
     """
-    search = _Search.on(data, family, orders, noise, levels)
+    search = _Search.on(data, family, asked)
     tried: list[Fitted | None] = []
     if near is None:  # the other starts begin at the process that the first has found
         near = search.over(search.likely(etas[0]))
@@ -122,10 +71,10 @@ def best_fit(
         tried, etas = [near], etas[1:]
     tried.append(search.over([attempt for eta in etas for attempt in search.like(near, eta)]))
     best = min((one for one in tried if one is not None), key=search.score)
-    if orders is None:
+    if asked.orders is None:
         best = search.improve(best)
-    d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
-    if noise is None:
+    d = best.parts.d
+    if asked.noise is None:
         d = choose_noise(best.output_residual())
     s = best.problem.structure
     if not (best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order):
@@ -135,17 +84,10 @@ def best_fit(
 
 def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
     """Converged fit with noise start d, on all rows that its structure allows."""
-    s = best.problem.structure
-    theta = best.fit.theta
+    s, parts = best.problem.structure, best.parts
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
     problem = Problem(data.u, data.y, data.segments, best.problem.family, structure, best.problem.held)
-    start = problem.pack(
-        theta[: s.na],
-        theta[s.na : s.na + s.nb + 1],
-        theta[best.problem.eta_at : best.problem.noise_at],
-        d,
-        theta[best.problem.eta_at - 1],
-    )
+    start = problem.pack(parts.a, parts.b, parts.eta, d, parts.offset)
     return Fitted(problem, refine(problem, start), problem.basis)
 
 
@@ -161,48 +103,33 @@ def _without_load(best: Fitted) -> Fitted:
     return fitted if criterion(fitted) <= criterion(best) else best
 
 
-def criterion(fitted: Fitted) -> float:
-    """Bayesian information criterion; noise coefficients count as they do where their number is chosen (Akaike)."""
-    n, p = fitted.problem.errors, fitted.problem.structure.noise_order
-    return float(n * np.log(max(fitted.fit.cost, 1e-300)) + (fitted.parameters - p) * np.log(n) + PENALTY * p)
-
-
 @dataclass(frozen=True)
 class _Search:
     """Rough fits of many structures on common rows, compared by their information criterion."""
 
     data: ScaledData
     family: Family
-    orders: tuple[int, int, int] | None
-    noise: int | None
+    asked: Asked
     delays: tuple[int, int]
-    levels: bool
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
     tried: set[_Key] = field(default_factory=set)
 
     @classmethod
-    def on(
-        cls,
-        data: ScaledData,
-        family: Family,
-        orders: tuple[int, int, int] | None,
-        noise: int | None,
-        levels: bool,
-    ) -> _Search:
+    def on(cls, data: ScaledData, family: Family, asked: Asked) -> _Search:
         """Search over the orders given, or over the ladder and all delays that the record can show."""
-        if orders is not None:
-            return cls(data, family, orders, noise, (orders[2], orders[2]), levels)
+        if asked.orders is not None:
+            return cls(data, family, asked, (asked.orders[2], asked.orders[2]))
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
         # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
-        loop = feedback(data.u, data.y, data.segments)
+        loop = feedback(data)
         first = 1 if loop.closed else 0
-        return cls(data, family, None, noise, (first, latest), levels, Held(loop.closed, loop.direction))
+        return cls(data, family, asked, (first, latest), Held(loop.closed, loop.direction))
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:
         """Orders (na, nb) that are tried."""
-        return LADDER if self.orders is None else (self.orders[:2],)
+        return LADDER if self.asked.orders is None else (self.asked.orders[:2],)
 
     def over(self, attempts: list[_Attempt]) -> Fitted | None:
         """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
@@ -210,7 +137,7 @@ class _Search:
         limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
         fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
-            self.seen.append((self._eta(fitted), self.score(fitted)))
+            self.seen.append((fitted.actuator, self.score(fitted)))
         return min(fits, key=self.score) if fits else None
 
     def likely(self, eta: FloatArray) -> list[_Attempt]:
@@ -219,14 +146,14 @@ class _Search:
         plain = self._grid(x, np.zeros(0), self.delays)
         d = self._noise_of(x, plain[0])
         starts = self._grid(x, d, self.delays) if d.size else []
-        white = np.zeros(self.noise or 0)
+        white = np.zeros(self.asked.noise or 0)
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
         attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
-        arx = fit_arx(x, self.data.y, self.data.segments, self.delays[0], START_LAGS)
-        if self.orders is not None:
-            a, b, misfit = linear_start(arx, *self.orders)
-            return [*attempts, (eta, GridStart(*self.orders, a, b, misfit, 0.0), d)]
-        p = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0) if self.noise is None else self.noise
+        arx = fit_arx(self.data, x, self.delays[0], START_LAGS)
+        if self.asked.orders is not None:
+            a, b, misfit = linear_start(arx, *self.asked.orders)
+            return [*attempts, (eta, GridStart(*self.asked.orders, a, b, misfit, 0.0), d)]
+        p = self._noise_lags if self.asked.noise is None else self.asked.noise
         longer = np.zeros(p)
         longer[: min(p, arx.a.size)] = arx.a[:p]
         starts = null_space_starts(arx)[:MOST_NULL_SPACE]
@@ -234,21 +161,18 @@ class _Search:
 
     def like(self, near: Fitted, eta: FloatArray) -> list[_Attempt]:
         """The process and noise of another fit, and the best on the grid with that noise and about that delay."""
-        s, theta = near.problem.structure, near.fit.theta
-        d = theta[near.problem.noise_at : near.problem.initial_at]
-        a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
-        own = GridStart(s.na, s.nb, s.delay, a, b, 0.0, 1.0 if s.integrating else 0.0)
+        s, parts = near.problem.structure, near.parts
+        own = GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0)
         delays = (max(s.delay - NEAR, self.delays[0]), min(s.delay + NEAR, self.delays[1]))
-        starts = self._grid(self._internal(eta), d, delays)
-        return [(eta, start, d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
+        starts = self._grid(self._internal(eta), parts.d, delays)
+        return [(eta, start, parts.d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps."""
         for _ in range(MOST_ROUNDS):
             s = best.problem.structure
             self.tried.add((s.na, s.nb, s.delay, s.integrating))
-            eta = self._eta(best)
-            d = best.fit.theta[best.problem.noise_at : best.problem.initial_at]
+            eta, d = best.actuator, best.parts.d
             low, high = self.delays
             starts = self._grid(self._internal(eta), d, (max(low, s.delay - REACH), min(high, s.delay + REACH)))
             here = min((start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay)), default=np.inf)
@@ -278,15 +202,9 @@ class _Search:
                 found.append((eta, score - best))
         return tuple(found)
 
-    def _eta(self, fitted: Fitted) -> FloatArray:
-        """Parameters of the actuator."""
-        at = fitted.problem.eta_at
-        return fitted.fit.theta[at : at + len(self.family.own)]
-
     def _next_to(self, best: Fitted) -> list[GridStart]:
         """The process found, one sample of delay moved into B and back, and with an order less."""
-        s, theta = best.problem.structure, best.fit.theta
-        a, b = theta[: s.na], theta[s.na : s.na + s.nb + 1]
+        s, a, b = best.problem.structure, best.parts.a, best.parts.b
         moved = [(s.na, s.nb + 1, s.delay - 1, np.append(0.0, b)), (s.na, s.nb + 1, s.delay, np.append(b, 0.0))]
         if s.nb > 0:
             moved += [(s.na, s.nb - 1, s.delay + 1, b[1:]), (s.na, s.nb - 1, s.delay, b[:-1])]
@@ -300,15 +218,14 @@ class _Search:
             if (na, nb) in self.ladder and low <= delay <= high
         ]
         slowest = float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0))
-        if self.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
+        if self.asked.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
             found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
         return found
 
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
-        a = fitted.fit.theta[: fitted.problem.structure.na]
-        possible = plausible(a) and fitted.problem.admissible(fitted.fit.theta)
-        return criterion(fitted) + (0.0 if self.orders is not None or possible else IMPLAUSIBLE)
+        possible = plausible(fitted.parts.a) and fitted.problem.admissible(fitted.fit.theta)
+        return criterion(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
@@ -317,7 +234,7 @@ class _Search:
         return x
 
     def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
-        starts = grid_starts(x, self.data.y, self.data.segments, d, self.ladder, delays, self.levels, self.held)
+        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held)
         return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
@@ -326,14 +243,19 @@ class _Search:
         for begin, stop in self.data.segments:
             z = simulate(np.ascontiguousarray(start.a), np.ascontiguousarray(start.b), start.delay, x[begin:stop])
             residuals.append(_without_mode(self.data.y[begin:stop] - z, start.decay))
-        most = max(min(START_NOISE_LAGS, self.data.shortest // 20), 0)
-        if self.noise is not None:
-            models, _, _ = autoregressions(residuals, self.noise)
-            return np.asarray(models[-1]) if models[-1].size == self.noise else np.zeros(self.noise)
-        return choose_noise(residuals, most)
+        order = self.asked.noise
+        if order is not None:
+            models, _, _ = autoregressions(residuals, order)
+            return np.asarray(models[-1]) if models[-1].size == order else np.zeros(order)
+        return choose_noise(residuals, self._noise_lags)
+
+    @property
+    def _noise_lags(self) -> int:
+        """Lags of a noise model that the record carries."""
+        return max(min(START_NOISE_LAGS, self.data.shortest // 20), 0)
 
     def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray) -> Fitted:
-        rows = self.delays[1] + (START_NOISE_LAGS if self.noise is None else self.noise)
+        rows = self.delays[1] + (START_NOISE_LAGS if self.asked.noise is None else self.asked.noise)
         rows = max(min(rows, self.data.shortest // 5), start.delay + d.size)
         integrating = start.decay == 1.0
         structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)

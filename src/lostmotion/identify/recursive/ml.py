@@ -17,8 +17,9 @@ from lostmotion.arguments import finite, positive, signal, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.offset import without_column
-from lostmotion.identify.likelihood.parameters import Scaling, information_inverse, named_values
+from lostmotion.identify.likelihood.parameters import information_inverse, named_values
 from lostmotion.identify.recursive.change import NEVER, ChangeEvent, Memory, forget, react, relinearise
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.ml_start import (
@@ -31,6 +32,7 @@ from lostmotion.identify.recursive.ml_start import (
     is_clear,
     start,
 )
+from lostmotion.identify.scaled import Scaling
 from lostmotion.kernels import recursive_ml as kernel
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
@@ -294,7 +296,7 @@ class RecursiveML:
         accepted = (*GOOD, Status.NOT_SEEN) if self._seen >= UNSEEN_WINDOW * first else GOOD
         if longest:
             accepted = (*accepted, Status.ONE_SIDED)
-        integrating = fit is not None and fit.settings["chosen"]["integrating"]
+        integrating = fit is not None and fit.chosen.integrating
         clear = fit is not None and (self._seen >= 2 * first or is_clear(fit))
         anchored = fit is not None and (longest or is_anchored(fit))
         if fit is not None and fit.status in accepted and clear and anchored and not integrating:
@@ -336,7 +338,7 @@ class RecursiveML:
         """Left, right, static gain from OP to PV beyond right, and offset, with their derivatives."""
         settings = self._settings
         scaling = Scaling(0.0, self._scales[0], 0.0, self._scales[1])
-        values, jacobian = named_values(theta, "dead zone", settings["na"], settings["nb"], scaling, None)
+        values, jacobian = named_values(theta, DeadZoneFamily, settings["na"], settings["nb"], scaling, None)
         names = list(values)
         wanted = ("left", "right", "gain", "offset")
         return [values[name] for name in wanted], jacobian[[names.index(name) for name in wanted]]
@@ -403,9 +405,9 @@ class RecursiveML:
         settings, scaling = self._settings, Scaling(0.0, self._scales[0], 0.0, self._scales[1])
         na, nb = settings["na"], settings["nb"]
         try:
-            return (*named_values(theta, "dead zone", na, nb, scaling, settings["gain"]), False)
+            return (*named_values(theta, DeadZoneFamily, na, nb, scaling, settings["gain"]), False)
         except ParameterError:
-            return (*named_values(theta, "dead zone", na, nb, scaling, None), True)
+            return (*named_values(theta, DeadZoneFamily, na, nb, scaling, None), True)
 
     def _status(self, values: dict[str, float], covariance: FloatArray, memory: Memory) -> Status:
         errors = dict(zip(values, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))

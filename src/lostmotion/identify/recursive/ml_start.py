@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, Status
+from lostmotion.identify.actuators.dead_zone import LARGEST_SLOPE_RATIO, DeadZoneFamily
 from lostmotion.identify.estimate import identify
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.likelihood.family import LARGEST_SLOPE_RATIO, DeadZoneFamily
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.kernels import recursive_ml as kernel
@@ -92,7 +92,7 @@ def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64
     spread = 1.4826 * float(np.median(np.abs(errors - np.median(errors))))
     if spread == 0.0 or not np.any(np.abs(errors) > OUTLIER * spread):
         return None
-    skipped = fit.settings["chosen"]["delay"] + fit.settings["chosen"]["noise_order"]
+    skipped = fit.chosen.delay + fit.chosen.noise_order
     result, at = y.copy(), 0
     for start, stop in segments:
         size = stop - start - skipped
@@ -160,8 +160,8 @@ def allocate(na: int, nb: int, delay: int, p: int, tuning: Tuning) -> tuple[Floa
 
 def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuning: Tuning) -> tuple[Any, ...]:
     """State and layout at the end of `window`, all of whose information is in the reference."""
-    chosen = fit.settings["chosen"]
-    na, nb, delay, p = (chosen[name] for name in ("na", "nb", "delay", "noise_order"))
+    chosen = fit.chosen
+    na, nb, delay, p = chosen.na, chosen.nb, chosen.delay, chosen.noise_order
     u, y = window.u / scales[0], window.y / scales[1]
     segments = window.segments(3 * (na + nb + delay + p) + 30)
     if not len(segments):  # the noise model has come out long: those of the fit
@@ -180,7 +180,7 @@ def start(fit: HammersteinFit, window: Window, scales: tuple[float, float], tuni
     )
     # Where the offset is 0, the model is linearised there: without a dead zone its valley is long and curved.
     pinned = fit.standard_errors["offset"] == 0.0
-    basis = np.delete(np.eye(theta.size), problem.eta_at - 1, axis=1) if pinned else None
+    basis = np.delete(np.eye(theta.size), problem.offset_at, axis=1) if pinned else None
     best = refine(problem, theta, basis)  # initial states
     state, layout = allocate(na, nb, delay, p, tuning)
     n = int(layout[kernel.N])

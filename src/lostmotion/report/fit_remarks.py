@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-
-if TYPE_CHECKING:
-    from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify import HammersteinFit
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
 FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise
@@ -25,7 +21,7 @@ SLOW = 0.5  # samples in the slowest time constant
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
 
-def remarks(fit: HammersteinFit) -> tuple[str, ...]:
+def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     """Sentences about the fit and its data, none where there is nothing to say.
 
     Parameters
@@ -57,9 +53,8 @@ def step_over_noise(step: float, variance: float) -> float:
 
 def about_loads(fit: HammersteinFit) -> str:
     """What else acts on the process, in the model that was chosen."""
-    loads = fit.settings["chosen"].get("loads", [])
-    periods = [f"{load['period'] * fit.data.dt:.4g} s" for load in loads if "period" in load]
-    steps = sum("step_at" in load for load in loads)
+    periods = [f"{period * fit.data.dt:.4g} s" for period in fit.chosen.periods]
+    steps = fit.chosen.steps
     parts = [f"swings of {', '.join(periods[:MOST_SAID])}{' and more' * (len(periods) > MOST_SAID)}"] if periods else []
     if steps:
         parts.append(f"{steps} step{'s' * (steps > 1)}")
@@ -100,10 +95,10 @@ def step_in_op(fit: HammersteinFit) -> float:
 def about_op_step(fit: HammersteinFit) -> str:
     """Levels of OP inside the dead zone."""
     step, width = fit.data.u_step, fit.parameters.get("width", 0.0)
-    if fit.preferred != "dead zone" or not 0.0 < width < FEW_LEVELS * step:
+    if not _is_gap(fit) or not 0.0 < width < FEW_LEVELS * step:
         return ""
     return (
-        f"Beware: the dead zone is only {width / step:.1f} steps of OP ({step:g}) wide; its interval may be too "
+        f"Beware: the {fit.preferred} is only {width / step:.1f} steps of OP ({step:g}) wide; its interval may be too "
         f"narrow. Less than {FEW_LEVELS:g} steps cannot be told for sure."
     )
 
@@ -163,13 +158,18 @@ def slowest_constant(fit: HammersteinFit) -> float:
 def in_percent(fit: HammersteinFit) -> str:
     """Break points and gain in % of the spans, where these are known."""
     span = fit.data.op_span
-    if span is None or fit.preferred != "dead zone":
+    if span is None or not _is_gap(fit):
         return ""
     low, size = span[0], (span[1] - span[0]) / 100.0
-    ends = [(fit.parameters[name] - low) / size for name in ("left", "right")]
+    ends = [(fit.parameters[name] - low) / size for name in fit.kind.break_points]
     said = f"In % of the OP span: {ends[0]:.3g} .. {ends[1]:.3g}, width {fit.parameters['width'] / size:.3g}"
     pv = fit.data.pv_span
     gain = fit.linear.gain
     if pv is not None and np.isfinite(gain):
         said += f"; gain {gain * size / ((pv[1] - pv[0]) / 100.0):.3g} % of the PV span per % of the OP span"
     return said + "."
+
+
+def _is_gap(fit: HammersteinFit) -> bool:
+    """Whether the record shows an actuator in which nothing moves between two places."""
+    return fit.kind.dead_between and fit.preferred == fit.kind.name

@@ -1,0 +1,50 @@
+"""The structure of a model that was chosen, or given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Self
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Structure of the linear part and the noise, and what acts beside the actuator.
+
+    Attributes
+    ----------
+    na, nb, delay : int
+        Orders, B having nb + 1 coefficients; delay in samples.
+    noise_order : int
+        Of the AR noise.
+    integrating : bool
+        Whether A has a root at 1.
+    loads : tuple of dict
+        Swings ("period", in samples) and steps ("step_at", a row) of load.
+    """
+
+    na: int
+    nb: int
+    delay: int
+    noise_order: int
+    integrating: bool = False
+    loads: tuple[Mapping[str, float], ...] = ()
+
+    @property
+    def periods(self) -> tuple[float, ...]:
+        """Of the swings, in samples."""
+        return tuple(load["period"] for load in self.loads if "period" in load)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of load."""
+        return sum("step_at" in load for load in self.loads)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {**asdict(self), "loads": [dict(load) for load in self.loads]}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Inverse of :meth:`to_dict`."""
+        return cls(**{**data, "loads": tuple(data.get("loads", ()))})

@@ -1,0 +1,31 @@
+"""The information criterion by which models are compared, everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.noise_order import PENALTY
+
+FLOOR = 1e-26  # variance of scaled residuals that is rounding
+SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
+
+
+def cost_of_parameters(fitted: Fitted, rows: int) -> float:
+    """What the parameters cost: log n each (BIC); noise coefficients as where their number is chosen (Akaike)."""
+    p = fitted.problem.structure.noise_order
+    return float((fitted.parameters - p) * np.log(rows) + PENALTY * p)
+
+
+def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:
+    """Bayesian information criterion; `floor` is the smallest variance that is not rounding."""
+    n = fitted.problem.errors
+    return float(n * np.log(max(fitted.fit.cost / n, floor))) + cost_of_parameters(fitted, n)
+
+
+def gain_over_linear(fitted: Fitted, linear: Fitted) -> float:
+    """BIC of the linear fit minus that of this one, per row, on the common number of rows."""
+    if fitted is linear:
+        return 0.0
+    n = min(fitted.problem.errors, linear.problem.errors)
+    return n * (criterion(linear, FLOOR) / linear.problem.errors - criterion(fitted, FLOOR) / fitted.problem.errors)

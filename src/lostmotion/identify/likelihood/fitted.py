@@ -1,0 +1,53 @@
+"""A problem and the maximum of its likelihood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.problem import Parts, Problem
+from lostmotion.identify.likelihood.refinement import LocalFit
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A problem and the maximum of its likelihood."""
+
+    problem: Problem
+    fit: LocalFit
+    basis: FloatArray | None = None  # directions that were free; None: all
+    rivals: tuple[tuple[FloatArray, float], ...] = ()  # other actuators that fit about as well, and by how much less
+
+    @property
+    def parts(self) -> Parts:
+        """The parameters by what they mean."""
+        return self.problem.parts(self.fit.theta)
+
+    @property
+    def actuator(self) -> FloatArray:
+        """Parameters of the actuator alone, scaled."""
+        return self.parts.eta[: len(self.problem.family.own)]
+
+    @property
+    def variance(self) -> float:
+        """Residual variance, corrected for the parameters."""
+        return self.fit.cost / max(self.problem.errors - self.free, 1)
+
+    @property
+    def free(self) -> int:
+        """Free parameters, initial conditions included."""
+        return self.fit.theta.size if self.basis is None else self.basis.shape[1]
+
+    @property
+    def parameters(self) -> int:
+        """Free parameters without initial conditions, and what was sought beside them."""
+        return self.free - self.parts.initial.size + self.problem.family.sought
+
+    def output_residual(self) -> list[FloatArray]:
+        """Measured minus simulated output, from row `first` of each segment."""
+        simulated, _ = self.problem.predict(self.fit.theta)
+        first = self.problem.structure.first
+        return [
+            self.problem.y[start + first : stop] - z
+            for (start, stop), z in zip(self.problem.segments, simulated, strict=True)
+        ]

@@ -1,0 +1,67 @@
+"""Scaled data: what the likelihood works on, and the way back to engineering units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from lostmotion.arrays import FloatArray, IntArray
+
+
+class Signals(Protocol):
+    """Command, output and segments, in whatever units.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (n,)
+        Segments one after the other.
+    segments : ndarray, shape (s, 2)
+        Start and stop rows.
+    """
+
+    @property
+    def u(self) -> FloatArray:
+        """Command."""
+
+    @property
+    def y(self) -> FloatArray:
+        """Output."""
+
+    @property
+    def segments(self) -> IntArray:
+        """Start and stop rows."""
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """u = u_centre + u_scale * scaled, y likewise."""
+
+    u_centre: float = 0.0
+    u_scale: float = 1.0
+    y_centre: float = 0.0
+    y_scale: float = 1.0
+
+
+@dataclass(frozen=True)
+class ScaledData:
+    """u and y near 0 and of deviation 1, the segments, and the scaling that made them so."""
+
+    u: FloatArray
+    y: FloatArray
+    segments: IntArray
+    scaling: Scaling = field(default_factory=Scaling)
+
+    @classmethod
+    def of(cls, signals: Signals, scaling: Scaling) -> ScaledData:
+        """Signals in engineering units, scaled."""
+        return cls(
+            (signals.u - scaling.u_centre) / scaling.u_scale,
+            (signals.y - scaling.y_centre) / scaling.y_scale,
+            signals.segments,
+            scaling,
+        )
+
+    @property
+    def shortest(self) -> int:
+        """Samples of the shortest segment."""
+        return int((self.segments[:, 1] - self.segments[:, 0]).min())

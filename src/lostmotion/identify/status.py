@@ -1,0 +1,82 @@
+"""What speaks for the actuator, and what the reader must know first."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import Status
+from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
+from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import FLOOR, criterion, gain_over_linear
+from lostmotion.identify.likelihood.feedback import feedback
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
+from lostmotion.identify.scaled import ScaledData, Scaling
+
+
+def weigh(
+    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], u: FloatArray, asked: Asked
+) -> Evidence:
+    """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
+    models, variances, rows = autoregressions(
+        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
+        MOST_NOISE_LAGS if asked.noise is None else asked.noise,
+    )
+    alone = min(
+        float(np.log(max(value, FLOOR)) + (np.log(rows) + PENALTY * d.size) / rows)
+        for d, value in zip(models, variances, strict=True)
+    )
+    kind, n = kind_of(fitted.problem.family.kind), min(fitted.problem.errors, linear.problem.errors)
+    beyond = (0, 0)
+    if kind.dead_between:
+        below, above = (values[name] for name in kind.break_points)
+        beyond = int(np.sum(u < below)), int(np.sum(u > above))
+    loop = feedback(scaled)
+    return Evidence(
+        gain_over_linear=gain_over_linear(fitted, linear),
+        gain_over_no_input=n * (alone - criterion(linear, FLOOR) / linear.problem.errors),
+        samples_left=beyond[0],
+        samples_right=beyond[1],
+        rivals=_rivals(fitted, scaled.scaling) if kind.dead_between else (),
+        closed_loop=loop.closed,
+        free_moves=loop.free,
+    )
+
+
+def _rivals(fitted: Fitted, scaling: Scaling) -> tuple[tuple[float, float, float], ...]:
+    """Break points of the other maxima in units of OP, and how far each is behind."""
+    places = [(scaling.u_centre + scaling.u_scale * eta[:2], behind) for eta, behind in fitted.rivals]
+    return tuple((float(at[0]), float(at[1]), behind) for at, behind in places)
+
+
+def decide(
+    fitted: Fitted,
+    evidence: Evidence,
+    coloured: bool,
+    misfit: bool,
+    values: dict[str, float],
+    covariance: FloatArray,
+) -> Status:
+    """First thing that the reader must know."""
+    if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
+        return Status.CANNOT_TELL
+    kind = kind_of(fitted.problem.family.kind)
+    if kind.size is not None:
+        at = list(values).index(kind.size)
+        size, error = values[kind.size], float(np.sqrt(covariance[at, at]))
+        reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values.get("right", size))  # collapsed
+        if evidence.gain_over_linear <= 0 or size <= reach:
+            return Status.NOT_SEEN
+        if not np.isfinite(error):
+            return Status.CANNOT_TELL
+    elif kind.name != NO_FAULT and evidence.gain_over_linear <= 0:
+        return Status.NOT_SEEN
+    if not fitted.fit.converged:
+        return Status.NOT_CONVERGED
+    if kind.one_sided(evidence, values, covariance):
+        return Status.ONE_SIDED
+    if misfit:
+        return Status.MISFIT
+    return Status.COLOURED if coloured else Status.OK
