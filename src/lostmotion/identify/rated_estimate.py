@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lostmotion.identify.facts import FitFacts
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
+HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL)  # no number is given for the fault, only a bound
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 
@@ -91,7 +92,7 @@ class RatedEstimate(NamedEstimate, ABC):
         if name in POSITIVE and self.parameters[name] > 0:
             factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
-        if self.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+        if self.status in HIDDEN:
             if name == self.kind.size:
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
             if name in self.kind.anywhere:

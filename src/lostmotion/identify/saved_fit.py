@@ -14,6 +14,7 @@ from lostmotion.files.fields import Fields, as_list, as_number
 from lostmotion.identify.actuators.kind import Kind, kind_of
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
 
 REMEDY = "use what fit.save() or identify --out wrote"
@@ -144,7 +145,7 @@ def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:
 
 def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:
     """Null stands for none and for no bound; the interval of the size tells them apart."""
-    if "widest" in saved or status is not Status.NOT_SEEN or kind.size is None:
+    if "widest" in saved or status not in HIDDEN or kind.size is None:
         return saved.number_or_none("widest")
     high = saved.part("intervals_95").pair(kind.size, -np.inf, np.inf)[1]
     return None if np.isfinite(high) else high

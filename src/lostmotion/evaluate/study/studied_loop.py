@@ -77,7 +77,8 @@ def known(model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseMo
 def _from_fit(facts: FitFacts) -> Known:
     if facts.shown_size is None:
         got = f"{facts.preferred} (status {facts.status.name})"
-        raise DataError.expected("a fit that shows a lost motion with a block", got, facts.status.value)
+        remedy = REMEDY if facts.preferred == facts.kind.name else facts.status.value
+        raise DataError.expected("a fit that shows a lost motion", got, remedy)
     return Known(
         StudyPlant(facts.model, _load(facts)),
         facts.noise,
