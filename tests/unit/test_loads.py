@@ -135,7 +135,7 @@ def test_a_dead_zone_beside_a_swing_is_told():
     fit = lm.identify(lm.LoopRecord(loop.control + 50, loop.measured + 50, dt=1.0), nonlinearity="auto")
     assert fit.nonlinearity.kind == "dead zone"
     assert fit.parameters["width"] == pytest.approx(2.0, rel=0.1)
-    assert any(abs(load.get("period", 0) / 83.0 - 1) < 0.02 for load in fit.settings["chosen"]["loads"])
+    assert any(abs(period / 83.0 - 1) < 0.02 for period in fit.chosen.periods)
 
 
 def test_loads_are_told_to_the_reader():
@@ -143,6 +143,6 @@ def test_loads_are_told_to_the_reader():
     reference = lm.LoopRecord(data.u + 50, data.y + 50, dt=2.0)
     fit = lm.identify(reference, nonlinearity="auto")
     assert fit.nonlinearity.kind == "none"
-    assert {round(load["period"] / PERIOD, 1) for load in fit.settings["chosen"]["loads"]} == {1.0}
+    assert {round(period / PERIOD, 1) for period in fit.chosen.periods} == {1.0}
     assert "swings of 9" in fit.summary()
     assert "of load act on the process" in fit.summary()

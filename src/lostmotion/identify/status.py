@@ -9,7 +9,7 @@ from lostmotion.errors import Status
 from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.criterion import FLOOR, criterion, gain_over_linear
+from lostmotion.identify.likelihood.criterion import FLOOR, gain_over_linear, per_row
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
@@ -36,7 +36,7 @@ def weigh(
     loop = feedback(scaled)
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
-        gain_over_no_input=n * (alone - criterion(linear, FLOOR) / linear.problem.errors),
+        gain_over_no_input=n * (alone - per_row(linear)),
         samples_left=beyond[0],
         samples_right=beyond[1],
         rivals=_rivals(fitted, scaled.scaling) if kind.dead_between else (),

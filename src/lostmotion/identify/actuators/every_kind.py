@@ -65,12 +65,12 @@ class EveryKind:
         for kind in nested:
             if kind.name in found:
                 _keep(found, kind.nests, with_own_loads(kind.simplified(found[kind.name])))
-        linear = self._best_linear(linear, found)
+        linear = _best_linear(linear, found)
         for kind in nested:
             if _is_open(kind, found, linear):
                 richer = with_own_loads(kind.enriched(found[kind.nests]))
                 if _keep(found, kind.name, richer):
-                    linear = self._best_linear(linear, found)
+                    linear = _best_linear(linear, found)
         return linear, found
 
     def _beside_swings(self, linear: Fitted) -> Fitted:
@@ -91,21 +91,13 @@ class EveryKind:
             other = with_own_loads(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
             _keep(found, kind, other)
 
-    def _best_linear(self, linear: Fitted, found: Fits) -> Fitted:
-        """What a fault must beat: the best linear model, also sought from the best fault and in their structures."""
-        best = max(found.values(), key=lambda one: gain_over_linear(one, linear))
-        again = with_own_loads(fit_linear(self.scaled, self.asked, without_loads(best)))
-        again = self._cleaned(again, best)
-        rivals = [linear, again, *(without_actuator(one) for one in found.values())]
-        return max(rivals, key=lambda one: gain_over_linear(one, linear))
-
-    def _cleaned(self, linear: Fitted, near: Fitted | None = None) -> Fitted:
+    def _cleaned(self, linear: Fitted) -> Fitted:
         """The linear model sought anew without its loads, and refined with them, where that is better."""
         loads = linear.problem.family.loads
         if loads is None:
             return linear
         clean = without_their_effect(linear, self.scaled)
-        again = fit_linear(clean, self.asked, near)
+        again = fit_linear(clean, self.asked)
         again = with_own_loads(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
         return again if gain_over_linear(again, linear) > 0 else linear
 
@@ -117,6 +109,12 @@ class EveryKind:
             nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
             found[name] = self.fit(data, kind, sought, None if kind.begins_alone or not found else nearest)
         return found
+
+
+def _best_linear(linear: Fitted, found: Fits) -> Fitted:
+    """What a fault must beat: the best linear model, also in the structure of every fault that was found."""
+    rivals = [linear, *(without_actuator(one) for one in found.values())]
+    return max(rivals, key=lambda one: gain_over_linear(one, linear))
 
 
 def likely_kinds(data: ScaledData, asked: Asked) -> dict[str, Sought]:

@@ -28,6 +28,6 @@ def fit_kind(sought: Sought, data: ScaledData, asked: Asked, near: Fitted | None
     return polished(best) if sought.family.kinks else best
 
 
-def fit_linear(data: ScaledData, asked: Asked, near: Fitted | None = None) -> Fitted:
-    """The same without a fault; `near` leaves its process as a start."""
-    return fit_kind(NONE.sought(data, asked), data, asked, near)
+def fit_linear(data: ScaledData, asked: Asked) -> Fitted:
+    """The same without a fault."""
+    return fit_kind(NONE.sought(data, asked), data, asked)

@@ -18,14 +18,22 @@ def cost_of_parameters(fitted: Fitted, rows: int) -> float:
 
 
 def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:
-    """Bayesian information criterion; `floor` is the smallest variance that is not rounding."""
+    """Bayesian information criterion of fits to the same rows; `floor` is the smallest variance that is not rounding.
+
+    It counts from a variance of 1 / n, so fits to different numbers of rows are compared by ``per_row``.
+    """
     n = fitted.problem.errors
-    return float(n * np.log(max(fitted.fit.cost / n, floor))) + cost_of_parameters(fitted, n)
+    return float(n * np.log(max(fitted.fit.cost, n * floor))) + cost_of_parameters(fitted, n)
+
+
+def per_row(fitted: Fitted) -> float:
+    """Information criterion for each row, counted from a variance of 1."""
+    n = fitted.problem.errors
+    return criterion(fitted, FLOOR) / n - float(np.log(n))
 
 
 def gain_over_linear(fitted: Fitted, linear: Fitted) -> float:
     """BIC of the linear fit minus that of this one, per row, on the common number of rows."""
     if fitted is linear:
         return 0.0
-    n = min(fitted.problem.errors, linear.problem.errors)
-    return n * (criterion(linear, FLOOR) / linear.problem.errors - criterion(fitted, FLOOR) / fitted.problem.errors)
+    return min(fitted.problem.errors, linear.problem.errors) * (per_row(linear) - per_row(fitted))
