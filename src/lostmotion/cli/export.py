@@ -29,7 +29,8 @@ Factor = Annotated[
     typer.Option("--factor", help="Share to compensate; default: from the interval.", show_default=False),
 ]
 Noise = Annotated[
-    float | None, typer.Option("--op-noise", help="Standard deviation of the noise in OP.", show_default=False)
+    float | None,
+    typer.Option("--op-noise", help="Deviation of the noise in OP; default: that of the record.", show_default=False),
 ]
 Ramp = Annotated[float | None, typer.Option("--ramp", help="Units of OP a second while switching.", show_default=False)]
 Centre = Annotated[
