@@ -41,14 +41,17 @@ def read_fit_or_block(path: str | os.PathLike[str]) -> FitFacts | CompensatorBlo
 
 
 def _block(data: Mapping[str, Any]) -> CompensatorBlock:
-    """Block of a checked dictionary."""
+    """Block of a dictionary whose types are checked here and whose values by the block itself."""
     saved = Fields(data, "a block", REMEDY)
     saved.require(*KEYS)
     settings = saved.part("settings")
-    named = {name: settings.number(name) for name in settings.names}
-    notes = saved.texts("notes") if "notes" in saved else ()
-    kind, scan_time = saved.text("kind"), saved.number("scan_time")
+    for name in settings.names:
+        settings.number(name)
+    saved.text("kind")
+    saved.number("scan_time")
+    if "notes" in saved:
+        saved.texts("notes")
     try:
-        return CompensatorBlock.of(kind, scan_time, named, notes)
+        return CompensatorBlock.from_dict({name: data[name] for name in (*KEYS, "notes") if name in saved})
     except InputError as error:
         raise DataError.expected("a block that can run", f"one that cannot ({error})", REMEDY) from error
