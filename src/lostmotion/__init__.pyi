@@ -5,6 +5,7 @@ from .compensate import (
     CompensatorBlock,
     DeadZoneCompensator,
     block_from_model,
+    read_block,
 )
 from .design import Achievable, TestDesign, achievable, design
 from .diagnose import Diagnosis, diagnose
@@ -20,7 +21,7 @@ from .errors import (
 )
 from .evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
 from .files import read_loop
-from .identify import ChangeEvent, HammersteinFit, RecursiveIV, RecursiveML, identify, run_many
+from .identify import ChangeEvent, FitFacts, HammersteinFit, RecursiveIV, RecursiveML, identify, read_fit, run_many
 from .models import (
     Backlash,
     DeadZone,
@@ -53,6 +54,7 @@ __all__ = [
     "DeadZoneCompensator",
     "Diagnosis",
     "FileAccessError",
+    "FitFacts",
     "Hammerstein",
     "HammersteinFit",
     "Identity",
@@ -82,6 +84,8 @@ __all__ = [
     "identify",
     "mean_absolute_error",
     "platforms",
+    "read_block",
+    "read_fit",
     "read_loop",
     "routine_operation",
     "run_many",

@@ -63,9 +63,6 @@ def test_a_command_is_read_without_what_it_needs_to_work(name):
     assert loaded_after(f"import lostmotion.cli.{name}", *HEAVY) == []
 
 
-@pytest.mark.xfail(
-    reason="until lostmotion.records loads its kernels when they run; then remove this mark", strict=True
-)
 def test_check_works_without_numba(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("time_s,OP,PV\n" + "".join(f"{k},{50 + k % 97},{k % 89}\n" for k in range(2000)))

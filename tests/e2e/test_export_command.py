@@ -7,6 +7,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli import main
 from lostmotion.export import TARGETS, Exported, Replay
+from tests.fits import made_fit
 
 pytestmark = pytest.mark.statistics
 BASICS = ("--name", "FY_101", "--date", "2026-01-31")
@@ -25,8 +26,7 @@ def fit(tmp_path_factory):
     record = lm.LoopRecord(loop.command, loop.measured, loop.reference, dt=0.1, source="LIC-7.csv")
     found = lm.identify(record, orders=(3, 2, 3))
     path = tmp_path_factory.mktemp("fit") / "fit.json"
-    path.write_text(json.dumps(found.to_dict()), encoding="utf-8")
-    return found, path
+    return found, found.save(path)
 
 
 @pytest.mark.parametrize("to", TARGETS)
@@ -70,6 +70,19 @@ def test_settings_are_those_of_the_fit(capsys, fit, tmp_path):
     assert data["replay"]["agrees"]
     wanted = found.block(span=(-20.0, 20.0), op_noise=0.1).settings
     assert data["block"]["settings"] == pytest.approx(wanted)
+
+
+def test_without_options_the_block_is_that_of_the_fit(capsys, tmp_path):
+    """The noise of OP is in the file, so the command line and Python give one block to the last bit."""
+    for kind in ("dead zone", "backlash", "stiction"):
+        made = made_fit(kind)
+        path = made.save(tmp_path / f"{kind}.json")
+        words = ("export", path, *BASICS, "--out", tmp_path / kind, "--replay", 100, "--json")
+        code, text, _ = run(capsys, *words)
+        assert code == 0
+        block = json.loads(text)["block"]
+        assert lm.CompensatorBlock.from_dict(block) == made.block()
+        assert any("noise of OP" in note and "from the record" in note for note in block["notes"])
 
 
 def test_a_saved_block_is_exported_as_it_is(capsys, fit, tmp_path):

@@ -15,9 +15,9 @@ from lostmotion.compensate import (
     block_from_fit,
     block_from_model,
 )
-from lostmotion.compensate.derive import noise_of
 from lostmotion.errors import DataError, InputError, ParameterError, Status
 from lostmotion.kernels import block as safeguards
+from lostmotion.records.white_noise import noise_of
 from tests.refusals import refusal
 
 NAN = float("nan")

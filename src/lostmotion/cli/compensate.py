@@ -12,7 +12,7 @@ import lostmotion as lm
 from lostmotion.cli.options import ColumnOptions, File, number
 from lostmotion.cli.output import OutputOptions
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit, write_columns
+from lostmotion.files import write_columns
 
 if TYPE_CHECKING:
     from lostmotion.models import DeadZone
@@ -85,11 +85,11 @@ def _zone(fit: Path | None, left: float | None, right: float | None, left_slope:
         assert left is not None  # noqa: S101
         assert right is not None  # noqa: S101
         return lm.DeadZone(left, right, left_slope, right_slope)
-    data = read_fit(fit)
-    if data["preferred"] != "dead zone":
+    found = lm.read_fit(fit)
+    if found.preferred != "dead zone" or not isinstance(found.nonlinearity, lm.DeadZone):
         raise ParameterError.expected(
             "a fit that shows a dead zone",
-            f"{data['preferred']} (status {data['status']})",
+            f"{found.preferred} (status {found.status.name})",
             "for backlash and stiction `lostmotion simulate` and `export` make the block",
         )
-    return lm.DeadZone.from_dict(data["model"]["nonlinearity"])
+    return found.nonlinearity

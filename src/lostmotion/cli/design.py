@@ -14,9 +14,10 @@ from lostmotion.cli.output import Figure, OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions, RoughModel
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit, write_columns
+from lostmotion.files import write_columns
 
 if TYPE_CHECKING:
+    from lostmotion.identify import FitFacts
     from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 
 Pair = tuple[float, float]
@@ -148,14 +149,12 @@ def _of_numbers(guess: GuessOptions, rough: RoughModel) -> tuple[Hammerstein, No
 
 def _from_fit(
     path: Path, left: float | None, right: float | None, slope_ratio: float
-) -> tuple[dict[str, Any] | Hammerstein, NoiseModel | None]:
+) -> tuple[FitFacts | Hammerstein, NoiseModel | None]:
     """The fit itself, or its process with break points that were guessed."""
-    data = read_fit(path)
+    found = lm.read_fit(path)
     if left is None and right is None:
-        return data, None
-    linear = lm.LinearModel.from_dict(data["model"]["linear"])
-    model = lm.Hammerstein(_zone(left, right, slope_ratio), linear, data["model"]["offset"])
-    return model, lm.NoiseModel(tuple(data["noise"]["d"]), data["noise"]["variance"])
+        return found, None
+    return lm.Hammerstein(_zone(left, right, slope_ratio), found.linear, found.model.offset), found.noise
 
 
 def _zone(left: float | None, right: float | None, slope_ratio: float) -> DeadZone:

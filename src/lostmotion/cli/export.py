@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_module
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,10 +11,11 @@ import typer
 import lostmotion as lm
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
-from lostmotion.errors import DataError, FileAccessError, ParameterError
+from lostmotion.errors import ParameterError
 
 if TYPE_CHECKING:
     from lostmotion.compensate import CompensatorBlock
+    from lostmotion.identify import FitFacts
 
 Saved = Annotated[
     Path, typer.Argument(help="Result of `identify --out`, or a block saved as JSON.", show_default=False)
@@ -31,7 +31,7 @@ Factor = Annotated[
     float | None,
     number("--factor", "Share to compensate; default: from the interval."),
 ]
-Noise = Annotated[float | None, number("--op-noise", "Standard deviation of the noise in OP.")]
+Noise = Annotated[float | None, number("--op-noise", "Deviation of the noise in OP; default: that of the record.")]
 Ramp = Annotated[float | None, number("--ramp", "Units of OP a second while switching.")]
 Centre = Annotated[float | None, number("--centre", "Dead zone: OP at which the valve rests.")]
 Method = Annotated[str, typer.Option("--method", help='Stiction: "knocker" or "two moves".')]
@@ -52,16 +52,18 @@ class BlockOptions:
     method: Method = "knocker"
     settings: Settings = None
 
-    def block(self, data: dict[str, Any]) -> CompensatorBlock:
-        """Block of a saved fit or a saved block."""
-        from lostmotion.compensate.saved import block_from_saved
-
+    def block(self, source: FitFacts | CompensatorBlock) -> CompensatorBlock:
+        """Block of a saved fit, or a saved block with other settings."""
         extra = _settings(self.settings or [])
-        options: dict[str, Any] = {"op_noise": self.op_noise, "ramp": self.ramp, "centre": self.centre, **extra}
+        named = ("op_noise", "ramp", "centre", "factor")
+        options: dict[str, Any] = {**{name: getattr(self, name) for name in named}, **extra}
         given = {key: value for key, value in options.items() if value is not None}
-        if "model" in data:
-            given["method"] = self.method
-        return block_from_saved(data, span=self.span, scan_time=self.scan_time, factor=self.factor, **given)
+        if not isinstance(source, lm.CompensatorBlock):
+            made: CompensatorBlock = source.block(span=self.span, scan_time=self.scan_time, method=self.method, **given)
+            return made
+        if self.scan_time is not None:
+            source.require_scan_time(self.scan_time)
+        return source.with_settings(**given) if given else source
 
 
 def export(
@@ -83,9 +85,10 @@ def export(
     The written code is executed over random and adversarial scans and compared with the simulated block. Exit code 1,
     and nothing is written, where they differ. No file has been verified in a vendor's tool.
     """
-    data = _read(saved)
-    block = asked.block(data)
-    done = lm.export.export(block, to, name=name, date=date, real=real, fit=data if "model" in data else None)
+    source = lm.compensate.read_fit_or_block(saved)
+    block = asked.block(source)
+    fit = None if isinstance(source, lm.CompensatorBlock) else source
+    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit)
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
         output.show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()})
@@ -96,19 +99,6 @@ def export(
     text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
     replayed = None if proof is None else proof.to_dict()
     output.show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed})
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """JSON of a fit or of a block."""
-    try:
-        data = json_module.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-    except ValueError as error:
-        raise DataError.expected("the JSON of a fit or a block", f"{path}: {error}", "use identify --out") from error
-    if not isinstance(data, dict):
-        raise DataError.expected("the JSON of a fit or a block", f"other JSON in {path}", "use identify --out")
-    return data
 
 
 def _settings(words: list[str]) -> dict[str, float]:

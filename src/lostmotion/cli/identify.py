@@ -84,7 +84,8 @@ def identify(
     def work(file: Path) -> HammersteinFit:
         fit = model.identify(columns.read(file))
         output.write_figure(figures.get(file), fit)
-        output.write_json(outs.get(file), fit.to_dict())
+        if file in outs:
+            fit.save(outs[file], output.force)
         return fit
 
     found = each(files, work, fit_line, output.json)

@@ -20,7 +20,6 @@ from lostmotion.cli.identify import Noise, read_orders
 from lostmotion.cli.options import ColumnOptions, number
 from lostmotion.cli.output import Json
 from lostmotion.errors import ParameterError
-from lostmotion.files import read_fit
 
 if TYPE_CHECKING:
     from lostmotion.files.layout import Layout
@@ -146,13 +145,13 @@ def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str)
         raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
     model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
     if fit is not None:
-        found = read_fit(fit)
-        linear = found["model"]["linear"]
-        model |= {"na": len(linear["a"]), "nb": len(linear["b"]) - 1, "delay": linear["delay"]}
+        found = lm.read_fit(fit)
+        linear = found.linear
+        model |= {"na": len(linear.a), "nb": len(linear.b) - 1, "delay": linear.delay}
         if noise == "auto":
-            model["noise"] = len(found["noise"]["d"])
+            model["noise"] = found.noise.order
         if gain is None:
-            model["gain"] = found["settings"].get("gain")
+            model["gain"] = found.known_gain
     if orders is not None:
         model |= dict(zip(("na", "nb", "delay"), read_orders(orders), strict=True))
     return model
@@ -162,7 +161,7 @@ def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: 
     from lostmotion.online import OnlineMonitor
 
     if fit is not None:
-        known = read_fit(fit)["model"]["linear"]["dt"]
+        known = lm.read_fit(fit).dt
         if abs(known - layout.dt) > 0.01 * layout.dt:
             raise ParameterError.expected(f"a fit at dt = {layout.dt:g} s", f"{known:g} s", "check --dt and the fit")
     return OnlineMonitor(lm.RecursiveML(**model, dt=layout.dt), dt=layout.dt, calendar=layout.calendar, **watch)

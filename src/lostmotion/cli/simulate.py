@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_module
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,11 +13,9 @@ from lostmotion.cli.options import RecordOptions, number
 from lostmotion.cli.output import Figure, Out, OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions, RoughModel
-from lostmotion.errors import DataError, FileAccessError, ParameterError
-from lostmotion.files import read_fit
+from lostmotion.errors import ParameterError
 
 if TYPE_CHECKING:
-    from lostmotion.compensate import CompensatorBlock
     from lostmotion.models import NoiseModel, Nonlinearity
     from lostmotion.records import LoopRecord
 
@@ -137,7 +134,7 @@ def simulate(
     if file is None:
         asked = _of_numbers(fault, rough, study.op_now)
     elif file.suffix.lower() == ".json":
-        asked = _Asked(read_fit(file), None if record is None else columns.read(record))
+        asked = _Asked(lm.read_fit(file), None if record is None else columns.read(record))
     else:
         loop = columns.read(file)
         progress(f"simulate: identifying {file} ..")
@@ -145,7 +142,7 @@ def simulate(
     progress("simulate: simulating ..")
     answer = lm.compensation_study(
         asked.model, pi.controller, record=asked.record, noise=asked.noise, span=columns.op_span,
-        block=None if block is None else _read_block(block), **study.given(),
+        block=None if block is None else lm.read_block(block), **study.given(),
     )  # fmt: skip
     output.write_figure(written.figure, answer)
     output.write_json(written.block_out, answer.block.to_dict())
@@ -178,12 +175,3 @@ def _valve(
 def _offset(valve: Nonlinearity, gain: float, op_now: float | None) -> float:
     """PV counts from where it rests with OP in the middle of its lost motion, or at `op_now`."""
     return 0.0 if isinstance(valve, lm.DeadZone) or op_now is None or abs(gain) == float("inf") else -gain * op_now
-
-
-def _read_block(path: Path) -> CompensatorBlock:
-    try:
-        return lm.CompensatorBlock.from_dict(json_module.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-    except (ValueError, TypeError, AttributeError) as error:
-        raise DataError.expected("the JSON of a block", f"{path}: {error}", "use simulate --block-out") from error

@@ -5,15 +5,16 @@ from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
 from lostmotion.compensate.backlash_inverse import BacklashCompensator
 from lostmotion.compensate.block import BlockResponse, CompensatorBlock
 from lostmotion.compensate.dead_zone_inverse import DeadZoneCompensator
-from lostmotion.compensate.derive import block_from_fit, block_from_model
+from lostmotion.compensate.derive import block_from_fit, block_from_model, process_time_of
+from lostmotion.compensate.read import read_block, read_fit_or_block
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.variables import Variable
-from lostmotion.identify import HammersteinFit
+from lostmotion.identify import RatedEstimate
 from lostmotion.models import Backlash, DeadZone
 
 _verbs.compensator.register(DeadZone, DeadZoneCompensator.from_dead_zone)
 _verbs.compensator.register(Backlash, BacklashCompensator)
-_verbs.block.register(HammersteinFit, block_from_fit)
+_verbs.block.register(RatedEstimate, block_from_fit)
 
 __all__ = [
     "SPECIFICATIONS",
@@ -27,4 +28,7 @@ __all__ = [
     "Variable",
     "block_from_fit",
     "block_from_model",
+    "process_time_of",
+    "read_block",
+    "read_fit_or_block",
 ]

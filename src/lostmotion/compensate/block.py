@@ -132,6 +132,18 @@ class CompensatorBlock:
         names = (variable.name.lower() for variable in self.specification.section("parameter"))
         return dict(zip(names, self.values, strict=True))
 
+    def require_scan_time(self, scan_time: float) -> None:
+        """Refuse another scan time: ramp, rate and counts are in scans.
+
+        Raises
+        ------
+        ParameterError
+            `scan_time` is not that of the block.
+        """
+        if not abs(scan_time - self.scan_time) <= 1e-9 * scan_time:
+            remedy = "make the block again for this scan time"
+            raise ParameterError.expected(f"the scan time of the block, {self.scan_time:g} s", scan_time, remedy)
+
     def parameters(self, dtype: npt.DTypeLike = np.float64) -> Reals:
         """Parameter array of the kernel."""
         return np.array(self.values, dtype=dtype)

@@ -17,7 +17,7 @@ from lostmotion.design.plausible_plants import SPREAD
 from lostmotion.design.prior import known
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.identify import HammersteinFit
+from lostmotion.identify import RatedEstimate
 from lostmotion.identify.data import FEWEST_SAMPLES
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
@@ -119,7 +119,7 @@ class Achievable:
 @one_thread
 def achievable(
     u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
-    model: Hammerstein | HammersteinFit | Mapping[str, Any],
+    model: Hammerstein | RatedEstimate | Mapping[str, Any],
     noise: NoiseModel | float | None = None,
     *,
     y: npt.ArrayLike | None = None,

@@ -24,7 +24,7 @@ from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 from lostmotion.design.task import ASSURED, Task
 from lostmotion.errors import ParameterError
-from lostmotion.identify import HammersteinFit
+from lostmotion.identify import RatedEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.simulate import PI
@@ -36,7 +36,7 @@ REACH = 3.0  # widths of the dead zone: deviation of the break points before the
 
 @one_thread
 def design(
-    model: Hammerstein | HammersteinFit | Mapping[str, Any],
+    model: Hammerstein | RatedEstimate | Mapping[str, Any],
     noise: NoiseModel | float | None = None,
     *,
     op_limits: Range | None = None,
@@ -64,7 +64,7 @@ def design(
 
     Parameters
     ----------
-    model : Hammerstein, HammersteinFit or mapping
+    model : Hammerstein, HammersteinFit, FitFacts or mapping
         Rough model with a :class:`DeadZone`, or a fit (or its ``to_dict()``), which brings its noise and covariance.
     noise : NoiseModel or float
         Noise of PV, or the variance of white noise, beside a Hammerstein.

@@ -12,8 +12,8 @@ from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
 from lostmotion.design.plausible_plants import around_guess, drawn, drawn_around_guess, extremes
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.identify import HammersteinFit
-from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
+from lostmotion.identify import FitFacts, RatedEstimate, facts_of
+from lostmotion.models import DeadZone, Hammerstein, NoiseModel
 
 GUESS = (
     "the guess with its break points moved by up to {0:.0f} % of the half-width, slopes, gain and time constants by "
@@ -75,7 +75,7 @@ class Known:
 
 
 def known(
-    model: Hammerstein | HammersteinFit | Mapping[str, Any], noise: NoiseModel | float | None, spread: float
+    model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseModel | float | None, spread: float
 ) -> Known:
     """From what the caller has: a model and its noise, a fit, or the dictionary of a fit.
 
@@ -95,8 +95,7 @@ def known(
         return Known(model, _noise(noise), spread=spread)
     if noise is not None:
         raise ParameterError.expected("a fit alone", "a fit and noise", "the fit has its own noise model")
-    data = model.to_dict() if isinstance(model, HammersteinFit) else model
-    return _from_fit(data)
+    return _from_fit(facts_of(model))
 
 
 def _noise(noise: NoiseModel | float | None) -> NoiseModel:
@@ -111,24 +110,14 @@ def _noise(noise: NoiseModel | float | None) -> NoiseModel:
     return noise
 
 
-def _from_fit(data: Mapping[str, Any]) -> Known:
-    if data.get("preferred") != "dead zone":
+def _from_fit(facts: FitFacts) -> Known:
+    if facts.preferred != "dead zone":
         remedy = "give a Hammerstein model with your guess of the break points instead of the fit"
-        raise DataError.expected("a fit that shows a dead zone", f"status {data.get('status')}", remedy)
-    parts = data["model"]
-    model = Hammerstein(
-        DeadZone.from_dict(parts["nonlinearity"]), LinearModel.from_dict(parts["linear"]), parts["offset"]
-    )
-    load = data["parameters"].get("load")
-    noise = NoiseModel(tuple(data["noise"]["d"]), data["noise"]["variance"])
-    if data.get("covariance") is None:
-        return Known(model, _noise(noise), load=load)
-    covariance = np.array(
-        [[np.inf if value is None else value for value in row] for row in data["covariance"]], dtype=np.float64
-    )
-    parameters = dict(data["parameters"])
-    finite_rows = np.isfinite(np.diag(covariance))
-    if not all(finite_rows[list(parameters).index(name)] for name in BREAK_POINTS):
-        return Known(model, _noise(noise), load=load)
+        raise DataError.expected("a fit that shows a dead zone", f"status {facts.status.name}", remedy)
+    noise, load = _noise(facts.noise), facts.parameters.get("load")
+    covariance = facts.covariance
+    known_rows = dict(zip(facts.parameters, np.isfinite(np.diag(covariance)), strict=True))
+    if not all(known_rows[name] for name in BREAK_POINTS):
+        return Known(facts.model, noise, load=load)
     covariance = np.where(np.isfinite(covariance), covariance, 0.0)
-    return Known(model, _noise(noise), parameters, covariance, load=load)
+    return Known(facts.model, noise, facts.parameters, covariance, load=load)

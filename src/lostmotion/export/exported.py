@@ -17,6 +17,7 @@ from lostmotion.export.replay import Replay, replay
 from lostmotion.export.source import Source
 from lostmotion.export.vectors import vectors
 from lostmotion.files import write_text
+from lostmotion.identify import RatedEstimate, facts_of
 
 TARGETS: dict[str, Callable[[Source], dict[str, str]]] = {
     "st": structured_text.files,
@@ -86,7 +87,7 @@ def export(
     name: str,
     date: str,
     real: str = "lreal",
-    fit: Mapping[str, Any] | None = None,
+    fit: RatedEstimate | Mapping[str, Any] | None = None,
 ) -> Exported:
     """Code of a block for a PLC.
 
@@ -102,8 +103,8 @@ def export(
         Day of the export for the header, YYYY-MM-DD.
     real : {"lreal", "real"}
         64 or 32 bits.
-    fit : mapping, optional
-        ``fit.to_dict()`` of the fit behind the settings, for the header.
+    fit : HammersteinFit, FitFacts or mapping, optional
+        The fit behind the settings (or its ``to_dict()``), for the header.
 
     Returns
     -------
@@ -126,5 +127,5 @@ def export(
     """
     if to not in TARGETS:
         raise ParameterError.expected(f"to out of {list(TARGETS)}", repr(to), "choose one of them")
-    source = Source(block, name, date, real, **({} if fit is None else provenance(fit)))
+    source = Source(block, name, date, real, **({} if fit is None else provenance(facts_of(fit))))
     return Exported(source, to, TARGETS[to](source))

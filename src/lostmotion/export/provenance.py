@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import math
+
+from lostmotion.identify import FitFacts
 
 SHOWN = ("left", "right", "width", "slope_ratio", "band", "jump")
 
 
-def provenance(fit: Mapping[str, Any]) -> dict[str, str]:
-    """Lines "data", "fit" and "interval" from the dictionary of a fit (``HammersteinFit.to_dict``)."""
-    data = fit["data"]
-    numbers = {name: value for name, value in fit["parameters"].items() if name in SHOWN and value is not None}
-    ends = fit["intervals_95"]
-    known = {name: ends[name] for name in numbers if name in ends and None not in ends[name]}
+def provenance(facts: FitFacts) -> dict[str, str]:
+    """Lines "data", "fit" and "interval" from a known fit."""
+    numbers = {name: value for name, value in facts.parameters.items() if name in SHOWN and math.isfinite(value)}
+    ends = {name: facts.interval(name) for name in numbers}
+    bounded = {name: pair for name, pair in ends.items() if all(map(math.isfinite, pair))}
     return {
-        "data": f"{data['source'] or data['tag'] or 'arrays'}, {data['samples']} samples of {data['dt']:g} s, "
-        f"fingerprint {data['fingerprint']}",
-        "fit": f"{fit['preferred']}, status {fit['status']}: "
+        "data": f"{facts.source or facts.tag or 'arrays'}, {facts.samples} samples of {facts.dt:g} s, "
+        f"fingerprint {facts.fingerprint}",
+        "fit": f"{facts.preferred}, status {facts.status.name}: "
         + ", ".join(f"{name} {value:.6g}" for name, value in numbers.items()),
-        "interval": "95 %: " + ", ".join(f"{name} {low:.6g} .. {high:.6g}" for name, (low, high) in known.items()),
+        "interval": "95 %: " + ", ".join(f"{name} {low:.6g} .. {high:.6g}" for name, (low, high) in bounded.items()),
     }

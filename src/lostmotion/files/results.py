@@ -76,23 +76,34 @@ def lock_file(path: Path) -> BinaryIO | None:
     return stream
 
 
-def read_fit(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Dictionary of a fit written by ``lostmotion identify --out``.
+def write_json(path: str | os.PathLike[str], data: Any, force: bool = False) -> Path:
+    """Write a result as JSON whole or not at all; errors as in :func:`write_text`."""
+    return write_text(path, json.dumps(data, indent=2, allow_nan=False) + "\n", force)
+
+
+def read_json(path: str | os.PathLike[str], what: str, remedy: str) -> dict[str, Any]:
+    """Dictionary in a JSON file.
+
+    Parameters
+    ----------
+    path : path
+    what, remedy : str
+        For messages: what should be in the file ("a fit") and how to get it.
 
     Raises
     ------
     FileAccessError
         The file is not there or not readable.
     DataError
-        It is not the JSON of a fit.
+        It is no JSON, or JSON of something else than a dictionary.
     """
     source = Path(path)
     try:
         data = json.loads(source.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileAccessError(f"expected a readable {source}, got {error.strerror}; check the path") from error
-    except ValueError as error:
-        raise DataError.expected("the JSON of a fit", f"{source}: {error}", "use identify --out") from error
-    if not isinstance(data, dict) or not {"status", "preferred", "model"} <= data.keys():
-        raise DataError.expected("the JSON of a fit", f"other JSON in {source}", "use identify --out")
+    except (ValueError, RecursionError) as error:
+        raise DataError.expected(f"the JSON of {what}", f"{source}: {error}", remedy) from error
+    if not isinstance(data, dict):
+        raise DataError.expected(f"the JSON of {what}", f"other JSON in {source}", remedy)
     return data

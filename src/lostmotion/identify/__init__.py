@@ -1,7 +1,9 @@
 """Identification: record -> Hammerstein model with uncertainty."""
 
 from lostmotion.identify.estimate import identify
+from lostmotion.identify.facts import FitFacts, facts_of, read_fit
 from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.rated_estimate import RatedEstimate
 from lostmotion.identify.recursive.change import ChangeEvent
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv import RecursiveIV
@@ -10,11 +12,15 @@ from lostmotion.identify.recursive.ml import RecursiveML
 
 __all__ = [
     "ChangeEvent",
+    "FitFacts",
     "HammersteinFit",
+    "RatedEstimate",
     "RecursiveEstimate",
     "RecursiveIV",
     "RecursiveML",
     "Trajectory",
+    "facts_of",
     "identify",
+    "read_fit",
     "run_many",
 ]

@@ -16,6 +16,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.quantum import quantum
+from lostmotion.records.white_noise import noise_of
 
 FEWEST_SAMPLES = 60  # below this a dead zone and first-order dynamics cannot be told from noise
 
@@ -55,6 +56,11 @@ class IdentificationData:
     def y_step(self) -> float:
         """Step in which y was stored; 0 where none is visible."""
         return quantum(self.y)
+
+    @cached_property
+    def u_noise(self) -> float:
+        """Standard deviation of the white noise in u; 0 where u is held."""
+        return noise_of(self.u)
 
     @property
     def u_centre(self) -> float:

@@ -4,10 +4,11 @@ from lostmotion import _verbs
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis
 from lostmotion.evaluate import CompensationStudy, MonteCarloResult
-from lostmotion.identify import HammersteinFit, RecursiveEstimate
+from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.report.design_text import achievable_summary, design_summary
 from lostmotion.report.diagnosis_table import diagnosis_line, diagnosis_table
 from lostmotion.report.diagnosis_text import diagnosis_summary
+from lostmotion.report.facts_text import facts_summary
 from lostmotion.report.fit_remarks import fit_remarks
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
@@ -18,6 +19,7 @@ _verbs.summary.register(CompensationStudy, study_summary)
 _verbs.summary.register(Achievable, achievable_summary)
 _verbs.summary.register(TestDesign, design_summary)
 _verbs.summary.register(HammersteinFit, fit_summary)
+_verbs.summary.register(FitFacts, facts_summary)
 _verbs.remarks.register(HammersteinFit, fit_remarks)
 _verbs.summary.register(Diagnosis, diagnosis_summary)
 _verbs.summary.register(RecursiveEstimate, recursive_summary)
@@ -29,6 +31,7 @@ __all__ = [
     "diagnosis_line",
     "diagnosis_summary",
     "diagnosis_table",
+    "facts_summary",
     "fit_remarks",
     "fit_summary",
     "monte_carlo_summary",

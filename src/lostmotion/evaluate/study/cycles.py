@@ -11,9 +11,9 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle, measure_limit_cycle, predict_limit_cycles
-from lostmotion.evaluate.study.study_plant import StudyPlant, lost_motion
+from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.evaluate.tuning import integrates
-from lostmotion.models import DeadZone, Nonlinearity
+from lostmotion.models import Nonlinearity
 from lostmotion.simulate import PI
 
 AMPLITUDES = 40
@@ -63,7 +63,7 @@ def simulated_cycle(
         samples = int(min(max(samples, PERIODS_A_RUN * predicted.period / plant.model.linear.dt), MOST_SAMPLES))
     zero = np.zeros(samples)
     worst = LimitCycle()
-    kicks = (test.kick,) if isinstance(plant.valve, DeadZone) else (test.kick, SMALL * test.kick)
+    kicks = (test.kick,) if plant.fault.static else (test.kick, SMALL * test.kick)
     for level, kick in product(test.levels, kicks):
         reference = np.full(samples, level)
         reference[1 : samples // 3] += kick
@@ -83,13 +83,10 @@ def predicted_cycle(plant: StudyPlant, controller: PI, block: CompensatorBlock |
     """
     if block is not None and block.kind in TIMED:
         return None
-    valve = plant.valve
-    if block is not None and block.kind == "dead zone":
-        bias = block.settings["centre"]
-    else:
-        bias = 0.5 * (valve.left + valve.right) if isinstance(valve, DeadZone) else 0.0
+    valve, fault = plant.valve, plant.fault
+    bias = block.settings["centre"] if block is not None and block.kind == "dead zone" else fault.middle
     left: Nonlinearity = valve if block is None else LeftOver(valve, _unhurried(block))
-    size = max(lost_motion(valve), 1e-9)
+    size = max(fault.lost_motion, 1e-9)
 
     def gain(amplitude: float) -> complex:
         return _gain_in_motion(left, amplitude, bias, size)
@@ -149,17 +146,17 @@ def cycle_test(
     span : (float, float)
         Of OP: levels that it cannot hold are left out.
     """
-    linear, valve = plant.model.linear, plant.valve
+    linear, fault = plant.model.linear, plant.fault
     low, high = float(reference.min()) - 2.0 * deviation, float(reference.max()) + 2.0 * deviation
     levels = [float(np.median(reference))]
-    if isinstance(valve, DeadZone) and not integrates(linear):
+    if fault.static and not integrates(linear):
         levels += np.linspace(low, high, 5).tolist()
-        edge = 0.25 * valve.width * min(valve.left_slope, valve.right_slope) * abs(linear.gain)
+        edge = fault.inside * abs(linear.gain)
         centre = plant.model.offset
         levels += [level for level in (centre - edge, centre, centre + edge) if low <= level <= high]
     held = [level for level in dict.fromkeys(levels) if span[0] <= plant.rest(level)[0] <= span[1]]
     kick = max(3.0 * deviation, 0.5 * float(np.ptp(reference)))
     if kick == 0.0:
         reach = abs(linear.gain) if not integrates(linear) else 1.0 / max(abs(controller.kp), 1e-300)
-        kick = 0.5 * lost_motion(valve) * reach
+        kick = 0.5 * fault.lost_motion * reach
     return CycleTest(np.array(held or levels[:1]), kick, samples, 0.1 * deviation)

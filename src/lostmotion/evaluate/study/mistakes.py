@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from lostmotion.evaluate.study.studied_loop import OWN, Known, valve_of
+from lostmotion.evaluate.study.studied_loop import Known
 from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.evaluate.tuning import integrates
-from lostmotion.models import Backlash, DeadZone, Hammerstein, Nonlinearity, Stiction
+from lostmotion.models import Hammerstein
 
 TWO = 2.0  # standard errors
 SHARE = 0.2
@@ -33,10 +33,9 @@ def mistakes(known: Known, draws: int, seed: int) -> list[Mistake]:
 def _of_errors(known: Known) -> Iterator[Mistake]:
     """Corners of the parameters of the actuator, two standard errors either way."""
     errors = known.errors
-    names = [name for name in OWN[known.plant.valve.kind] if errors.get(name, 0.0) > 0.0]
+    names = [name for name in known.plant.fault.own if errors.get(name, 0.0) > 0.0]
     if "right_slope" in names and "left_slope" in names:
         names.remove("right_slope")  # the common factor of both is gain of the loop, not shape of the valve
-    names = names[:2] if known.plant.valve.kind != "dead zone" else names
     for signs in np.ndindex(*(2,) * min(len(names), 2)):
         moves = {name: TWO * errors[name] * (1 - 2 * sign) for name, sign in zip(names, signs, strict=False)}
         yield from _moved(known, moves)
@@ -51,7 +50,7 @@ def _moved(known: Known, moves: Mapping[str, float]) -> Iterator[Mistake]:
     valve = known.plant.valve
     values = {name: getattr(valve, name) + move for name, move in moves.items()}
     said = ", ".join(f"{name} {'too small' if move > 0 else 'too large'}" for name, move in moves.items())
-    moved = _rebuilt_valve(valve, values)
+    moved = known.plant.fault.with_values(values)
     if moved is not None:
         yield GROUPS[0], said, known.plant.with_valve(moved)
 
@@ -59,28 +58,8 @@ def _moved(known: Known, moves: Mapping[str, float]) -> Iterator[Mistake]:
 def _of_share(plant: StudyPlant) -> Iterator[Mistake]:
     """The estimate is a fifth too large or too small."""
     for factor, said in ((1.0 + SHARE, "20 % too large"), (1.0 - SHARE, "20 % too small")):
-        for what, valve in _scaled(plant.valve, 1.0 / factor):
+        for what, valve in plant.fault.scaled(1.0 / factor):
             yield GROUPS[1], f"{what} {said}", plant.with_valve(valve)
-
-
-def _scaled(valve: Nonlinearity, factor: float) -> list[tuple[str, Nonlinearity]]:
-    if isinstance(valve, Backlash):
-        return [("width", Backlash(valve.width * factor))]
-    if isinstance(valve, Stiction):
-        return [
-            ("band", replace(valve, band=valve.band * factor)),
-            ("jump", replace(valve, jump=valve.jump * factor)),
-            ("band and jump", replace(valve, band=valve.band * factor, jump=valve.jump * factor)),
-        ]
-    assert isinstance(valve, DeadZone)  # noqa: S101  checked at the door
-    middle, half = 0.5 * (valve.left + valve.right), 0.5 * valve.width
-    left, right = middle - factor * half, middle + factor * half
-    return [
-        ("width", replace(valve, left=left, right=right)),
-        ("left half", replace(valve, left=left)),
-        ("right half", replace(valve, right=right)),
-        ("left slope", replace(valve, left_slope=valve.left_slope * factor)),
-    ]
 
 
 def _drawn(known: Known, count: int, seed: int) -> list[StudyPlant]:
@@ -110,9 +89,8 @@ def _drawn(known: Known, count: int, seed: int) -> list[StudyPlant]:
 
 def _rebuilt(plant: StudyPlant, values: Mapping[str, float]) -> StudyPlant | None:
     """Plant of drawn parameters; None where they are none."""
-    linear, valve = plant.model.linear, plant.valve
-    own = {name: values[name] for name in OWN[valve.kind] if name in values}
-    moved = _rebuilt_valve(valve, own)
+    linear, fault = plant.model.linear, plant.fault
+    moved = fault.with_values({name: values[name] for name in fault.own if name in values})
     a = tuple(float(values.get(f"a{i + 1}", old)) for i, old in enumerate(linear.a))
     b = tuple(float(values.get(f"b{i}", old)) for i, old in enumerate(linear.b))
     process = replace(linear, a=a, b=b)
@@ -123,13 +101,3 @@ def _rebuilt(plant: StudyPlant, values: Mapping[str, float]) -> StudyPlant | Non
         return None
     offset = float(values.get("offset", plant.model.offset))
     return replace(plant, model=Hammerstein(moved, process, offset))
-
-
-def _rebuilt_valve(valve: Nonlinearity, values: Mapping[str, float]) -> Nonlinearity | None:
-    """Actuator with other parameters; None where there is none such."""
-    data = {**valve.to_dict(), **{name: float(value) for name, value in values.items()}}
-    if isinstance(valve, DeadZone):
-        good = data["left"] <= data["right"] and min(data["left_slope"], data["right_slope"]) > 0.0
-    else:
-        good = all(data[name] >= 0.0 for name in OWN[valve.kind])
-    return valve_of(data) if good else None

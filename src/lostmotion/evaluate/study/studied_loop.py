@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,29 +11,11 @@ import numpy as np
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.evaluate.study.faults import REMEDY, WANTED, NoFault, fault_of
 from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.evaluate.tuning import integrates
-from lostmotion.identify import HammersteinFit
-from lostmotion.models import (
-    Backlash,
-    DeadZone,
-    Hammerstein,
-    LinearModel,
-    NoiseModel,
-    Nonlinearity,
-    Stiction,
-)
-
-VALVES: dict[str, type[DeadZone] | type[Backlash] | type[Stiction]] = {
-    "dead zone": DeadZone,
-    "backlash": Backlash,
-    "stiction": Stiction,
-}
-OWN = {
-    "dead zone": ("left", "right", "left_slope", "right_slope"),
-    "backlash": ("width",),
-    "stiction": ("band", "jump"),
-}
+from lostmotion.identify import FitFacts, RatedEstimate, facts_of
+from lostmotion.models import Hammerstein, NoiseModel
 
 
 @dataclass(frozen=True)
@@ -50,6 +32,8 @@ class Known:
         Of the record.
     source : str
         Where the model comes from, in words.
+    facts : FitFacts or None
+        The fit.
     """
 
     plant: StudyPlant
@@ -58,6 +42,7 @@ class Known:
     covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     op_range: tuple[float, float] | None = None
     source: str = "a model given by numbers"
+    facts: FitFacts | None = None
 
     @property
     def errors(self) -> dict[str, float]:
@@ -67,8 +52,8 @@ class Known:
         return {name: error for name, error in found if np.isfinite(error)}
 
 
-def known(model: Hammerstein | HammersteinFit | Mapping[str, Any], noise: NoiseModel | float | None) -> Known:
-    """From a fit, the dictionary of a fit, or a model with its noise.
+def known(model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseModel | float | None) -> Known:
+    """From a fit, facts or the dictionary of a fit, or a model with its noise.
 
     Raises
     ------
@@ -78,72 +63,37 @@ def known(model: Hammerstein | HammersteinFit | Mapping[str, Any], noise: NoiseM
         A dictionary of something else, or a fit that shows no lost motion.
     """
     if isinstance(model, Hammerstein):
-        _refuse_kind(model.nonlinearity)
+        if isinstance(fault_of(model.nonlinearity), NoFault):
+            raise ParameterError.expected(WANTED, model.nonlinearity.kind, REMEDY)
         if noise is None:
             raise ParameterError.expected("the noise beside a model", None, "give its variance, 0 for none")
         made = noise if isinstance(noise, NoiseModel) else NoiseModel((), finite("noise variance", noise))
         return Known(StudyPlant(model), made)
     if noise is not None:
         raise ParameterError.expected("a fit alone", "a fit and noise", "the fit has its own noise model")
-    if isinstance(model, HammersteinFit):
-        op = (float(model.data.u.min()), float(model.data.u.max()))
-        return _from_dict({**model.to_dict(), "op_range": op})
-    return _from_dict(model)
+    return _from_fit(facts_of(model))
 
 
-def valve_of(data: Mapping[str, Any]) -> Nonlinearity:
-    """Actuator from its dictionary.
-
-    Raises
-    ------
-    DataError
-        A kind without a block.
-    """
-    kind = str(data.get("kind"))
-    if kind not in VALVES:
-        raise DataError.expected("a fit that shows a lost motion", kind, "other faults have no block: mend them")
-    return VALVES[kind].from_dict(dict(data))
-
-
-def _refuse_kind(valve: Nonlinearity) -> None:
-    if valve.kind not in VALVES:
-        raise ParameterError.expected(
-            "an actuator with a dead zone, backlash or stiction", valve.kind, "other faults have no block: mend them"
-        )
-
-
-def _from_dict(data: Mapping[str, Any]) -> Known:
-    if not {"status", "preferred", "model", "noise", "parameters", "covariance", "data"} <= data.keys():
-        raise DataError.expected("the dictionary of a fit", sorted(data), "use identify --out")
-    parts = data["model"]
-    kind = parts["nonlinearity"].get("kind")
-    if data["preferred"] != kind:
-        got = f"{data['preferred']} (status {data['status']})"
-        raise DataError.expected("a fit that shows a lost motion", got, data.get("message", "record more moves of OP"))
-    model = Hammerstein(valve_of(parts["nonlinearity"]), LinearModel.from_dict(parts["linear"]), parts["offset"])
-    covariance = np.array(
-        [[np.inf if value is None else value for value in row] for row in data["covariance"]], dtype=np.float64
-    )
-    parameters = {name: np.inf if value is None else float(value) for name, value in data["parameters"].items()}
-    about = data["data"]
-    op = data.get("op_range", about.get("op_range"))
+def _from_fit(facts: FitFacts) -> Known:
+    if facts.shown_size is None:
+        got = f"{facts.preferred} (status {facts.status.name})"
+        remedy = REMEDY if facts.preferred == facts.kind.name else facts.status.value
+        raise DataError.expected("a fit that shows a lost motion", got, remedy)
     return Known(
-        StudyPlant(model, _load(model, parameters, op)),
-        NoiseModel(tuple(data["noise"]["d"]), data["noise"]["variance"]),
-        parameters,
-        covariance,
-        None if op is None else (float(op[0]), float(op[1])),
-        f"a fit of {about['samples']} samples{' of ' + about['tag'] if about.get('tag') else ''}, "
-        f"status {data['status']}",
+        StudyPlant(facts.model, _load(facts)),
+        facts.noise,
+        facts.parameters,
+        facts.covariance,
+        facts.op_range,
+        f"a fit of {facts.samples} samples{' of ' + facts.tag if facts.tag else ''}, status {facts.status.name}",
+        facts,
     )
 
 
-def _load(model: Hammerstein, parameters: Mapping[str, float], op: Sequence[float] | None) -> float:
+def _load(facts: FitFacts) -> float:
     """Load of an integrating process: as fitted, or such that OP rests in the middle of its range."""
-    if not integrates(model.linear):
+    if not integrates(facts.linear):
         return 0.0
-    if "load" in parameters:
-        return parameters["load"] * parameters.get("right_slope", 1.0)
-    if op is None or isinstance(model.nonlinearity, DeadZone):
-        return 0.0
-    return -0.5 * (op[0] + op[1])
+    if "load" in facts.parameters:
+        return facts.parameters["load"] * facts.parameters.get("right_slope", 1.0)
+    return 0.0 if fault_of(facts.nonlinearity).static else -0.5 * sum(facts.op_range)

@@ -11,9 +11,7 @@ import numpy.typing as npt
 
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
-from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
-from lostmotion.compensate.derive import _process_time, noise_of
-from lostmotion.compensate.saved import block_from_saved
+from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model, process_time_of
 from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
@@ -27,18 +25,20 @@ from lostmotion.evaluate.study.cycles import (
     predicted_cycle,
     simulated_cycle,
 )
+from lostmotion.evaluate.study.faults import fault_of
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.scenario import NAMES, Scenario, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
-from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples, without_fault
+from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
 from lostmotion.evaluate.study.worth import decide
 from lostmotion.evaluate.tuning import integrates, simc
-from lostmotion.identify import HammersteinFit
+from lostmotion.identify import RatedEstimate
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import DeadZone, Hammerstein, NoiseModel
+from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
+from lostmotion.records.white_noise import noise_of
 from lostmotion.simulate import PI, LoopResponse
 
 SAMPLES = 4000
@@ -50,7 +50,7 @@ MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve h
 BAND_IN_DEVIATIONS = 3.0
 FEW_RUNS = 2  # on each plant that the estimate may be wrong about
 TOLERANCE = 1.02
-Model = Hammerstein | HammersteinFit | Mapping[str, Any]
+Model = Hammerstein | RatedEstimate | Mapping[str, Any]
 
 
 @one_thread
@@ -77,8 +77,8 @@ def compensation_study(
 
     Parameters
     ----------
-    model : HammersteinFit, mapping or Hammerstein
-        A fit, its ``to_dict()`` as ``identify --out`` writes it, or a model beside its noise.
+    model : HammersteinFit, FitFacts, mapping or Hammerstein
+        A fit, from memory or from ``read_fit()``, its ``to_dict()``, or a model beside its noise.
     controller : PI, optional
         Gains of the plant's controller; its limits are replaced by the span. None: estimated from `record`, where a
         PI explains the moves of OP.
@@ -134,10 +134,10 @@ def compensation_study(
     gains = replace(gains, low=span[0], high=span[1])
     linear = found.plant.model.linear
     reference, described = _reference(found, record, reference, sp_step, hold, op_now, span, samples)
-    deviation = _deviation(found.noise, _process_time(linear) / linear.dt)
+    deviation = _deviation(found.noise, process_time_of(linear) / linear.dt)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
     if block is None:
-        block = _block(model, found, span, op_noise, options)
+        block = _block(found, span, op_noise, options)
     elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
         raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
@@ -226,10 +226,9 @@ def _reference(
 
 
 def _level(found: Known, op_now: float | None, span: tuple[float, float]) -> tuple[float, str]:
-    valve = found.plant.valve
     if op_now is not None:
         return found.plant.set_point_at(op_now), f"OP {op_now:.4g}"
-    if isinstance(valve, DeadZone):
+    if found.plant.fault.static:
         return found.plant.model.offset, "inside the dead zone"
     middle, where = 0.5 * sum(found.op_range or span), "the record's" if found.op_range else "its span"
     return found.plant.set_point_at(middle), f"OP {middle:.4g}, the middle of {where}"
@@ -242,17 +241,14 @@ def _deviation(noise: NoiseModel, samples: float) -> float:
     return float(min(np.std(v), np.std(v[lag:] - v[:-lag]) / np.sqrt(2.0)))
 
 
-def _block(
-    model: Model, found: Known, span: tuple[float, float], op_noise: float, options: dict[str, Any]
-) -> CompensatorBlock:
+def _block(found: Known, span: tuple[float, float], op_noise: float, options: dict[str, Any]) -> CompensatorBlock:
     """What the rules of ``fit.block()`` make, with the noise of OP that the controller makes of that of PV."""
     given = {"op_noise": op_noise, **options}
-    if isinstance(model, HammersteinFit):
-        return block_from_fit(model, span=span, **given)
-    if isinstance(model, Hammerstein):
-        given = {"process_time": _process_time(model.linear), **given}
-        return block_from_model(found.plant.valve, model.linear.dt, span=span, **given)
-    return block_from_saved(model, span=span, **given)
+    if found.facts is not None:
+        return block_from_fit(found.facts, span=span, **given)
+    linear = found.plant.model.linear
+    given = {"process_time": process_time_of(linear), **given}
+    return block_from_model(found.plant.valve, linear.dt, span=span, **given)
 
 
 def _settle(block: CompensatorBlock, period: float) -> int:
@@ -265,7 +261,7 @@ def _settle(block: CompensatorBlock, period: float) -> int:
 def _cases(
     plant: StudyPlant, controller: PI, block: CompensatorBlock, scenario: Scenario, test: CycleTest
 ) -> tuple[dict[str, LoopCase], dict[str, LoopResponse]]:
-    repaired = plant.with_valve(without_fault(plant.valve, block))
+    repaired = plant.with_valve(plant.fault.repaired(block))
     loops = {
         "without": (plant, controller, None),
         "with": (plant, controller, block),
@@ -302,8 +298,8 @@ def _retuned(
     now = scenario.run(plant, controller, None, FEW_RUNS)[0].mean(axis=0)
     cycle = simulated_cycle(plant, controller, None, test, predicted_cycle(plant, controller, None)).amplitude
     best, least = controller, np.inf
-    linear, valve = plant.model.linear, plant.valve if block is None else without_fault(plant.valve, block)
-    slope = max(valve.left_slope, valve.right_slope) if isinstance(valve, DeadZone) else 1.0
+    linear = plant.model.linear
+    slope = (plant.fault if block is None else fault_of(plant.fault.repaired(block))).slope
     for slowness in SLOWNESS:
         rule = simc(linear.scaled(slope), slowness)
         tried = replace(controller, kp=rule.kp, ki=rule.ki)

@@ -10,8 +10,9 @@ from scipy.signal import lfilter
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
+from lostmotion.evaluate.study.faults import Fault, fault_of
 from lostmotion.evaluate.tuning import integrates
-from lostmotion.models import Backlash, DeadZone, Hammerstein, Identity, NoiseModel, Nonlinearity, Stiction
+from lostmotion.models import Hammerstein, NoiseModel, Nonlinearity
 from lostmotion.simulate import PI, LoopResponse, simulate_loop
 
 MOST_MEMORY = 5000  # samples for which the noise runs before it counts
@@ -36,6 +37,11 @@ class StudyPlant:
         """Actuator."""
         return self.model.nonlinearity
 
+    @property
+    def fault(self) -> Fault:
+        """What the study needs to know of the actuator."""
+        return fault_of(self.valve)
+
     def with_valve(self, valve: Nonlinearity) -> StudyPlant:
         """The same process behind another actuator."""
         return replace(self, model=Hammerstein(valve, self.model.linear, self.model.offset))
@@ -44,11 +50,7 @@ class StudyPlant:
         """Command and internal variable at rest at a set point."""
         linear = self.model.linear
         x = -self.load if integrates(linear) else (set_point - self.model.offset) / linear.gain
-        if not isinstance(self.valve, DeadZone):
-            return x, x
-        if x == 0.0:
-            return 0.5 * (self.valve.left + self.valve.right), 0.0
-        return float(self.valve.inverse()(x)), x
+        return self.fault.command_at(x), x
 
     def set_point_at(self, command: float) -> float:
         """Set point that needs this command at rest; an integrating process rests anywhere."""
@@ -69,31 +71,6 @@ class StudyPlant:
         return simulate_loop(
             self.model, start, reference, compensator=block, disturbance=level, noise=noise, allow_unstable=True
         )
-
-
-def without_fault(valve: Nonlinearity, block: CompensatorBlock) -> Nonlinearity:
-    """What a perfect inverse would make of the actuator: no lost motion, the gain that the block gives the loop."""
-    if isinstance(valve, DeadZone):
-        middle, inverse = 0.5 * (valve.left + valve.right), block.settings
-        slopes = (valve.left_slope, valve.right_slope)
-        if block.kind == "dead zone":
-            middle = inverse["centre"]
-            slopes = (slopes[0] / inverse["left_slope"], slopes[1] / inverse["right_slope"])
-        return DeadZone(middle, middle, *slopes)
-    if isinstance(valve, Backlash | Stiction):
-        return Identity()
-    raise ParameterError.expected(
-        "an actuator with a dead zone, backlash or stiction", valve.kind, "other faults have no block: mend them"
-    )
-
-
-def lost_motion(valve: Nonlinearity) -> float:
-    """Width of what is lost, in units of x."""
-    if isinstance(valve, DeadZone):
-        return valve.width * max(valve.left_slope, valve.right_slope)
-    if isinstance(valve, Stiction):
-        return max(valve.band, valve.jump)
-    return float(getattr(valve, "width", 0.0))
 
 
 def noise_samples(noise: NoiseModel, n: int, seed: int) -> FloatArray:

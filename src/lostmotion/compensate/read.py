@@ -1,0 +1,57 @@
+"""Blocks from files: saved as such, or as the fit that they are made from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from lostmotion.compensate.block import CompensatorBlock
+from lostmotion.errors import DataError, InputError
+from lostmotion.files.fields import Fields
+from lostmotion.files.results import read_json
+from lostmotion.identify import FitFacts
+
+KEYS = ("kind", "scan_time", "settings")
+REMEDY = "use what simulate --block-out wrote, or block.to_dict()"
+EITHER = "use what identify --out or simulate --block-out wrote"
+
+
+def read_block(path: str | os.PathLike[str]) -> CompensatorBlock:
+    """Block from its JSON (``block.to_dict()``, ``lostmotion simulate --block-out``).
+
+    Raises
+    ------
+    FileAccessError
+        The file is not there or not readable.
+    DataError
+        It is not the JSON of a block.
+    """
+    return _block(read_json(path, "a block", REMEDY))
+
+
+def read_fit_or_block(path: str | os.PathLike[str]) -> FitFacts | CompensatorBlock:
+    """What is in the file, a fit or a block; errors as in :func:`read_block` and :func:`lostmotion.read_fit`."""
+    data = read_json(path, "a fit or a block", EITHER)
+    if "model" in data:
+        return FitFacts.from_dict(data)
+    if any(key in data for key in KEYS):
+        return _block(data)
+    raise DataError.expected("the JSON of a fit or of a block", f"keys {sorted(data)} in {path}", EITHER)
+
+
+def _block(data: Mapping[str, Any]) -> CompensatorBlock:
+    """Block of a dictionary whose types are checked here and whose values by the block itself."""
+    saved = Fields(data, "a block", REMEDY)
+    saved.require(*KEYS)
+    settings = saved.part("settings")
+    for name in settings.names:
+        settings.number(name)
+    saved.text("kind")
+    saved.number("scan_time")
+    if "notes" in saved:
+        saved.texts("notes")
+    try:
+        return CompensatorBlock.from_dict({name: data[name] for name in (*KEYS, "notes") if name in saved})
+    except InputError as error:
+        raise DataError.expected("a block that can run", f"one that cannot ({error})", REMEDY) from error

@@ -1,0 +1,143 @@
+"""What a fit and a saved fit have in common: a status, what it supports, and intervals that keep to it."""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lostmotion import _verbs
+from lostmotion.distributions import normal_quantile
+from lostmotion.errors import Status
+from lostmotion.files.results import write_json
+from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.named_estimate import NamedEstimate
+
+if TYPE_CHECKING:
+    from lostmotion.identify.facts import FitFacts
+
+POSITIVE = ("left_slope", "right_slope", "slope_ratio")
+HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL)  # no number is given for the fault, only a bound
+EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
+
+
+class RatedEstimate(NamedEstimate, ABC):
+    """Base of :class:`HammersteinFit` and :class:`FitFacts`."""
+
+    status: Status
+    evidence: Evidence
+    widest: float | None
+    profiled: dict[str, tuple[float, float]]
+
+    @property
+    @abstractmethod
+    def facts(self) -> FitFacts:
+        """What others need to know of the fit, without its signals."""
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready description."""
+
+    @property
+    def kind(self) -> Kind:
+        """All that is known of the kind of the actuator that was fitted."""
+        return kind_of(self.nonlinearity.kind)
+
+    @property
+    def preferred(self) -> str:
+        """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
+        if self.status is Status.NOT_SEEN:
+            return "none"
+        return self.nonlinearity.kind if self.status.ok or self.status is Status.COLOURED else "cannot tell"
+
+    @property
+    def shown_size(self) -> str | None:
+        """Parameter that is the size of the lost motion which the record shows; None where it shows none."""
+        return self.kind.size if self.preferred == self.kind.name else None
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Confidence interval of a parameter.
+
+        Parameters
+        ----------
+        name : str
+            Key of `parameters`.
+        level : float
+            Confidence in (0, 1).
+
+        Returns
+        -------
+        (float, float)
+            Lower and upper end, on a logarithmic scale for slopes. Where no dead zone is seen its break points
+            and slope ratio can be anywhere, so their interval is the whole line; that of the width begins at 0.
+            Other dead zones that fit about as well (`evidence.rivals`, less than 6 of BIC behind) lie inside.
+
+        Raises
+        ------
+        ParameterError
+            Unknown name or a level outside (0, 1).
+        """
+        low, high = super().interval(name, level)
+        if name in self.profiled:  # asymmetric; other levels in proportion
+            share = normal_quantile(0.5 + level / 2) / normal_quantile(0.975)
+            value, ends = self.parameters[name], self.profiled[name]
+            low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
+        low, high = self._with_rivals(name, low, high)
+        if name == "width":
+            low = max(low, 0.0)
+        if name in POSITIVE and self.parameters[name] > 0:
+            factor = np.exp((high - low) / (2.0 * self.parameters[name]))
+            low, high = self.parameters[name] / factor, self.parameters[name] * factor
+        if self.status in HIDDEN:
+            if name == self.kind.size:
+                return 0.0, max(high, 0.0) if self.widest is None else self.widest
+            if name in self.kind.anywhere:
+                return -np.inf, np.inf
+        if self.status is Status.ONE_SIDED and name in self.unvisited:
+            return (0.0, np.inf) if name == "width" else (-np.inf, np.inf)
+        return low, high
+
+    def _with_rivals(self, name: str, low: float, high: float) -> tuple[float, float]:
+        """Interval that holds the other dead zones which fit about as well."""
+        for left, right, behind in self.evidence.rivals:
+            other = {"left": left, "right": right, "width": right - left}
+            if behind < EVEN_ODDS and name in other:
+                low, high = min(low, other[name]), max(high, other[name])
+        return low, high
+
+    @property
+    def unvisited(self) -> tuple[str, ...]:
+        """Parameters of a side on which OP has hardly been (status ONE_SIDED), and what hangs on them."""
+        return self.kind.unvisited(self.evidence) if self.status is Status.ONE_SIDED else ()
+
+    def summary(self) -> str:
+        """Report as text, with as many digits as the standard errors allow."""
+        return _verbs.summary(self)
+
+    def compensator(self, **options: Any) -> Any:
+        """Ideal inverse of the dead zone or backlash; see :class:`lostmotion.compensate.DeadZoneCompensator`.
+
+        What is fit for a PLC, with the uncertainty of this fit in its settings, is :meth:`block`.
+        """
+        return _verbs.compensator(self.nonlinearity, **options)
+
+    def block(self, **options: Any) -> Any:
+        """Compensating block with safeguards; see :func:`lostmotion.compensate.block_from_fit`."""
+        return _verbs.block(self, **options)
+
+    def save(self, path: str | os.PathLike[str], force: bool = False) -> Path:
+        """Write :meth:`to_dict` as JSON, whole or not at all; :func:`lostmotion.read_fit` reads it.
+
+        Raises
+        ------
+        FileAccessError
+            The file exists and `force` is not set, or the folder cannot be written.
+        """
+        return write_json(path, self.to_dict(), force)
+
+    def __str__(self) -> str:
+        return self.summary()

@@ -1,0 +1,163 @@
+"""The dictionary of a fit, read and checked field by field."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import DataError, Status
+from lostmotion.files.fields import Fields, as_list, as_number
+from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.chosen import Chosen
+from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.rated_estimate import HIDDEN
+from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
+
+REMEDY = "use what fit.save() or identify --out wrote"
+NEEDED = (
+    "status", "preferred", "model", "noise", "parameters", "covariance", "intervals_95", "evidence", "settings", "data",
+)  # fmt: skip
+
+
+def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of :class:`FitFacts`.
+
+    Files of older versions have neither ``profiled`` (then the saved intervals stand for it) nor the noise of OP.
+
+    Raises
+    ------
+    DataError
+        Something is missing, of another type, or contradicts itself.
+    """
+    saved = Fields(data, "a fit", REMEDY)
+    saved.require(*NEEDED)
+    status, model = _status(saved), _model(saved.part("model"))
+    kind, parameters = kind_of(model.nonlinearity.kind), _parameters(saved.part("parameters"))
+    about, settings = saved.part("data"), saved.part("settings")
+    _require_own(kind, parameters)
+    return {
+        "status": status,
+        "model": model,
+        "noise": _noise(saved.part("noise")),
+        "parameters": parameters,
+        "covariance": _covariance(saved, len(parameters)),
+        "fit_percent": saved.number("fit_percent"),
+        "evidence": _evidence(saved.part("evidence")),
+        "widest": _widest(saved, status, kind),
+        "profiled": _profiled(saved, kind),
+        "chosen": _chosen(settings.part("chosen")),
+        "known_gain": settings.number_or_none("gain"),
+        "op_range": about.pair("op_range"),
+        "op_noise": about.number_or_none("op_noise"),
+        "dt": about.number("dt"),
+        "samples": about.count("samples"),
+        **{name: about.text(name) for name in ("tag", "source", "fingerprint")},
+    }
+
+
+def finite(value: float) -> float | None:
+    """Number for JSON, which knows no infinity."""
+    return float(value) if np.isfinite(value) else None
+
+
+def _status(saved: Fields) -> Status:
+    return saved.made("status", f"one of {[status.name for status in Status]}", lambda name: Status[name])
+
+
+def _model(saved: Fields) -> Hammerstein:
+    actuator = saved.made("nonlinearity", "an actuator that is identified", _actuator)
+    linear = saved.made("linear", "a linear process", LinearModel.from_dict)
+    return Hammerstein(actuator, linear, saved.number("offset"))
+
+
+def _actuator(data: Any) -> Nonlinearity:
+    actuator = actuator_from_dict(data)
+    kind_of(actuator.kind)
+    return actuator
+
+
+def _chosen(saved: Fields) -> Chosen:
+    """Structure; older files have no loads."""
+    loads = saved.made("loads", "a list of loads", _loads) if "loads" in saved else ()
+    na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
+    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads)
+
+
+def _loads(rows: object) -> tuple[Mapping[str, float], ...]:
+    return tuple(map(_load, as_list(rows)))
+
+
+def _load(row: object) -> Mapping[str, float]:
+    if not isinstance(row, Mapping):
+        raise TypeError
+    for value in row.values():
+        as_number(value)
+    return dict(row)
+
+
+def _noise(saved: Fields) -> NoiseModel:
+    d = saved.numbers("d")
+    return saved.made("variance", "a variance", lambda value: NoiseModel(d, as_number(value)))
+
+
+def _parameters(saved: Fields) -> dict[str, float]:
+    return {name: saved.unbounded(name) for name in saved.names}
+
+
+def _require_own(kind: Kind, parameters: Mapping[str, float]) -> None:
+    missing = {*kind.model.own, *(() if kind.size is None else (kind.size,))} - parameters.keys()
+    if missing:
+        raise DataError.expected(f"parameters of a {kind.name} in a fit", f"no {sorted(missing)}", REMEDY)
+
+
+def _covariance(saved: Fields, size: int) -> FloatArray:
+    rows = saved.rows("covariance")
+    if len(rows) != size or any(len(row) != size for row in rows):
+        got = f"rows of {[len(row) for row in rows]}"
+        raise DataError.expected(f"a covariance of {size} by {size} in a fit", got, REMEDY)
+    return np.array(rows, dtype=np.float64).reshape(size, size)
+
+
+def _evidence(saved: Fields) -> Evidence:
+    found = Evidence(
+        saved.number("gain_over_linear"),
+        saved.number("gain_over_no_input"),
+        saved.count("samples_left"),
+        saved.count("samples_right"),
+    )
+    given: dict[str, Any] = {
+        name: read(name) for name, read in (("closed_loop", saved.flag), ("free_moves", saved.number)) if name in saved
+    }
+    if "rivals" in saved:
+        given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
+    return replace(found, **given)
+
+
+def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:
+    return tuple(
+        (left, right, behind) for left, right, behind in (map(as_number, as_list(row)) for row in as_list(rows))
+    )
+
+
+def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:
+    """Null stands for none and for no bound; the interval of the size tells them apart."""
+    if "widest" in saved or status not in HIDDEN or kind.size is None:
+        return saved.number_or_none("widest")
+    high = saved.part("intervals_95").pair(kind.size, -np.inf, np.inf)[1]
+    return None if np.isfinite(high) else high
+
+
+def _profiled(saved: Fields, kind: Kind) -> dict[str, tuple[float, float]]:
+    if "profiled" in saved:
+        return _ends(saved.part("profiled"))
+    if not kind.family.kinks:
+        return {}
+    return {name: ends for name, ends in _ends(saved.part("intervals_95")).items() if name in kind.model.own}
+
+
+def _ends(saved: Fields) -> dict[str, tuple[float, float]]:
+    return {name: saved.pair(name, -np.inf, np.inf) for name in saved.names}
