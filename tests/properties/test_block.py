@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lostmotion.compensate import SPECIFICATIONS
-from lostmotion.kernels import block as k
+from lostmotion.kernels.blocks import core as k
 
 kinds = st.sampled_from(sorted(SPECIFICATIONS))
 types = st.sampled_from([np.float64, np.float32])
@@ -48,7 +48,7 @@ def play(kind, scans, dtype, state=None):
     with np.errstate(all="ignore"):
         for row, (p, inputs) in enumerate(scans):
             values = specification.parameters(p).astype(dtype)
-            specification.module.run(values, state, np.array([inputs]).astype(dtype), outputs[row : row + 1])
+            specification.run(values, state, np.array([inputs]).astype(dtype), outputs[row : row + 1])
     return outputs
 
 

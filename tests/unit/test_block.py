@@ -17,7 +17,7 @@ from lostmotion.compensate import (
 )
 from lostmotion.compensate.derive import noise_of
 from lostmotion.errors import DataError, InputError, ParameterError, Status
-from lostmotion.kernels import block as safeguards
+from lostmotion.kernels.blocks import core as safeguards
 from tests.refusals import refusal
 
 NAN = float("nan")
@@ -45,6 +45,20 @@ def test_table_and_kernel_have_the_same_order(kind):
     assert all(variable.meaning for variable in specification.variables)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_has_the_same_order_of_a_scan(kind):
+    """The language of the PLC has no function arguments, so each kind writes it out."""
+    module = SPECIFICATIONS[kind].module
+    own = module.__name__.rpartition(".")[2]
+    step = getattr(module.step, "py_func", module.step)
+    calls = [node.func.id for node in ast.walk(ast.parse(inspect.getsource(step))) if isinstance(node, ast.Call)]
+    order = ["check", f"check_{own}", "prepare", "correct", "drive", "return_path", "invert", "report"]
+    taken = ["take", f"take_{own}"]
+    found = [name for name in calls if name not in ("njit", *taken)]
+    assert found == [name for name in order if name != "invert" or hasattr(module, "invert")]
+    assert [name for name in calls if name in taken] == taken
+
+
 CALLS = {"min", "max", "abs", "njit", "range"}
 
 
@@ -53,9 +67,7 @@ def test_kernels_keep_to_the_language_of_the_plc(module):
     functions = {
         node.name: node for node in ast.parse(inspect.getsource(module)).body if isinstance(node, ast.FunctionDef)
     }
-    for name, function in functions.items():
-        if name == "run":
-            continue
+    for function in functions.values():
         for node in ast.walk(ast.Module(function.body[1:], [])):
             assert not isinstance(
                 node, ast.For | ast.While | ast.Return | ast.AugAssign | ast.Tuple | ast.IfExp | ast.Pow

@@ -82,7 +82,7 @@ def compare(kind, seed, dtype, scans=120):
             settings = random_settings(rng, kind)
         p = specification.parameters(settings).astype(dtype)
         named = dict(zip(settings_names(specification), p.tolist(), strict=True))
-        specification.module.run(p, state, row[None].astype(dtype), outputs)
+        specification.run(p, state, row[None].astype(dtype), outputs)
         expected = slow.scan(named, *(value if j in (0, 4) else bool(value) for j, value in enumerate(row.tolist())))
         found = dict(zip(OUTPUTS, outputs[0].tolist(), strict=True))
         for name in OUTPUTS:

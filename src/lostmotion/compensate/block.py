@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import numbers, positive
-from lostmotion.arrays import FloatArray
-from lostmotion.compensate.specification import SPECIFICATIONS, Reals, Specification
+from lostmotion.arrays import FloatArray, Reals
+from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.kernels import block as kernel
+from lostmotion.kernels.blocks import core as kernel
 
 REFUSED = {
     1.0: ("low <= high, ramp >= 0, all finite", "low, high, ramp, safe"),
@@ -113,8 +113,7 @@ class CompensatorBlock:
         """Ask the kernel itself, on a scratch state."""
         outputs = self.specification.outputs(1)
         inputs = np.array([[0.0, 1.0, 1.0, 0.0, 0.0]])
-        with np.errstate(all="ignore"):
-            self.specification.module.run(self.parameters(), self.specification.state(), inputs, outputs)
+        self.specification.run(self.parameters(), self.specification.state(), inputs, outputs)
         fault = float(outputs[0, kernel.ERROR])
         if fault:
             expected, where = REFUSED[fault]
@@ -203,7 +202,7 @@ class CompensatorBlock:
         with np.errstate(all="ignore"):
             inputs = np.column_stack([np.broadcast_to(part, n) for part in parts]).astype(dtype)
             outputs = self.specification.outputs(n, dtype)
-            self.specification.module.run(self.parameters(dtype), self.specification.state(dtype), inputs, outputs)
+            self.specification.run(self.parameters(dtype), self.specification.state(dtype), inputs, outputs)
         return _response(self.specification, outputs)
 
     def __call__(self, uc: npt.ArrayLike) -> float | FloatArray:

@@ -19,13 +19,9 @@ OP_OUT = clamp(clamp(OP_IN) + OFFSET) except while tracking or holding.
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 from numba import njit
 
-Reals = npt.NDArray[np.floating[Any]]
+from lostmotion.arrays import Reals
 
 # Parameters
 FACTOR, BAND, QUIET, RAMP, RATE, CAP, LOW, HIGH, HOLD_ON_DISABLE, SAFE, COUNT_LIMIT = range(11)
