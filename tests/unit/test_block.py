@@ -16,6 +16,7 @@ from lostmotion.compensate import (
     block_from_model,
 )
 from lostmotion.compensate.derive import noise_of
+from lostmotion.compensate.saved import block_from_saved
 from lostmotion.errors import DataError, InputError, ParameterError, Status
 from lostmotion.kernels.blocks import core as safeguards
 from tests.refusals import refusal
@@ -87,7 +88,7 @@ def test_kernels_keep_to_the_language_of_the_plc(module):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_step_is_run(kind):
-    block = CompensatorBlock.of(kind, 0.1, {"ramp": 0.5})
+    block = CompensatorBlock.of(kind, 0.1, {"ramp_step": 0.5})
     rng = np.random.default_rng(1)
     op, enable = 50 + np.cumsum(rng.normal(size=60)), rng.random(60) < 0.8
     expected = block.run(op, enable)
@@ -98,6 +99,25 @@ def test_step_is_run(kind):
     assert block.step(op[0], enable[0]) == found[0]
     np.testing.assert_array_equal(block(op), block.run(op).op_out)
     assert len(expected) == 60
+
+
+def test_a_block_saved_under_the_former_name_of_the_ramp():
+    block = CompensatorBlock.of("backlash", 0.5, {"lead_up": 1.0, "ramp_step": 0.25})
+    saved = block.to_dict()
+    assert "ramp" not in saved["settings"]
+    old = json.loads(json.dumps(saved).replace('"ramp_step"', '"ramp"'))
+    assert CompensatorBlock.from_dict(old).values == block.values
+    assert block_from_saved(old, span=(0.0, 100.0)).values == block.values
+    assert block.with_settings(ramp=0.5).settings["ramp_step"] == 0.5
+    assert "ramp_step once" in refusal(
+        ParameterError, CompensatorBlock.of, "backlash", 0.5, {"ramp": 1, "ramp_step": 1}
+    )
+
+
+def test_the_ramp_of_a_saved_block_is_given_in_units_of_op_a_second():
+    saved = CompensatorBlock.of("backlash", 0.5, {"lead_up": 1.0}).to_dict()
+    assert block_from_saved(saved, span=(0.0, 100.0), ramp=3.0).settings["ramp_step"] == 1.5
+    assert block_from_saved(saved, span=(0.0, 100.0), ramp_step=3.0).settings["ramp_step"] == 3.0
 
 
 def test_types_of_the_response():
@@ -122,7 +142,7 @@ def test_dead_zone_settings():
     expected = {"left_break": 48, "centre": 50, "right_break": 52, "factor": 0.9, "shape": 2, "zone": 0.3, "high": 100}
     assert {name: block.settings[name] for name in expected} == pytest.approx(expected)
     assert block.settings["cap"] == pytest.approx(1.1 * 1.8)
-    assert block.settings["ramp"] == pytest.approx(4 / 100)
+    assert block.settings["ramp_step"] == pytest.approx(4 / 100)
     assert block.notes == ()
     assert "op_noise" in block_from_model(ZONE, 0.1).notes[0]
 
@@ -138,7 +158,7 @@ def test_backlash_and_stiction_settings():
 
 def test_settings_of_the_caller_win():
     block = block_from_model(ZONE, 0.1, ramp=2.0, shape=1.0, zone=0.5, cap=1.5, hold_on_disable=1.0)
-    expected = {"ramp": 0.2, "shape": 1, "zone": 0.5, "cap": 1.5, "rate": 3.0, "hold_on_disable": 1}
+    expected = {"ramp_step": 0.2, "shape": 1, "zone": 0.5, "cap": 1.5, "rate": 3.0, "hold_on_disable": 1}
     assert {name: block.settings[name] for name in expected} == pytest.approx(expected)
     assert block.with_settings(factor=0.5).settings["factor"] == 0.5
 
@@ -157,7 +177,8 @@ def test_frozen_json_and_pickle():
     ("settings", "word"),
     [
         ({"left_break": 60.0}, "kind"), ({"left_slope": 0.0}, "kind"), ({"factor": -1.0}, "factor"),
-        ({"low": 5.0, "high": 1.0}, "low"), ({"ramp": -0.1}, "ramp"), ({"cap": NAN}, "cap"), ({"wide": 1.0}, "wide"),
+        ({"low": 5.0, "high": 1.0}, "low"), ({"ramp_step": -0.1}, "ramp_step"), ({"cap": NAN}, "cap"),
+        ({"wide": 1.0}, "wide"),
     ],
 )  # fmt: skip
 def test_refuses_settings(settings, word):
@@ -190,7 +211,7 @@ def test_default_factor_is_the_lower_end_of_the_interval(fit):
 
 def test_ramp_is_the_width_in_a_time_constant_of_the_process(fit):
     scans = max(1.0 - 1.0 / np.log(abs(fit.linear.poles).max()), 10.0)
-    assert fit.block(span=(-50, 50)).settings["ramp"] == pytest.approx(fit.nonlinearity.width / scans)
+    assert fit.block(span=(-50, 50)).settings["ramp_step"] == pytest.approx(fit.nonlinearity.width / scans)
     assert fit.block(span=(-50, 50)).settings["hunt_scans"] == round(
         3 * (1.0 - 1.0 / np.log(abs(fit.linear.poles).max()))
     )

@@ -23,7 +23,7 @@ def random_settings(rng, kind):
 
     p = {
         "factor": rng.choice([0.0, 0.5, 1.0, 1.5]), "band": grid(0, 1), "quiet": rng.choice([0.0, 0.0, 0.25]),
-        "ramp": grid(0.125, 2), "rate": rng.choice([200.0, 200.0, 1.0]), "cap": rng.choice([200.0, 3.0]),
+        "ramp_step": grid(0.125, 2), "rate": rng.choice([200.0, 200.0, 1.0]), "cap": rng.choice([200.0, 3.0]),
         "low": grid(-5, 5), "high": grid(90, 110), "hold_on_disable": float(rng.random() < 0.3), "safe": grid(0, 50),
         "count_limit": float(rng.integers(1, 9)),
     }  # fmt: skip

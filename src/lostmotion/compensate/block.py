@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from lostmotion.arguments import numbers, positive
 from lostmotion.arrays import FloatArray, Reals
-from lostmotion.compensate.specification import SPECIFICATIONS, Specification
+from lostmotion.compensate.specification import SPECIFICATIONS, Specification, present_names
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels.blocks import core as kernel
 
 REFUSED = {
-    1.0: ("low <= high, ramp >= 0, all finite", "low, high, ramp, safe"),
+    1.0: ("low <= high, ramp_step >= 0, all finite", "low, high, ramp_step, safe"),
     2.0: ("factor, band, quiet, rate, cap >= 0, count_limit >= 1, all finite", "factor, band, quiet, rate, cap"),
     3.0: ("usable settings of the kind, all finite", "widths, slopes, scans"),
 }
@@ -62,7 +62,7 @@ class CompensatorBlock:
     kind : {"dead zone", "backlash", "stiction knocker", "stiction two moves"}
         Kind of block.
     scan_time : float
-        Seconds between two scans. RAMP and RATE are per scan.
+        Seconds between two scans. RAMP_STEP and RATE are per scan.
     values : tuple of float
         Settings in the order of ``specification.section("parameter")``; :meth:`of` takes them by name.
     notes : tuple of str
@@ -75,7 +75,7 @@ class CompensatorBlock:
 
     Examples
     --------
-    >>> block = CompensatorBlock.of("backlash", 0.1, {"lead_up": 0.5, "lead_down": 0.5, "ramp": 0.25})
+    >>> block = CompensatorBlock.of("backlash", 0.1, {"lead_up": 0.5, "lead_down": 0.5, "ramp_step": 0.25})
     >>> [block.step(op) for op in (50.0, 51.0, 52.0, 53.0, 52.0)]
     [50.0, 51.5, 52.5, 53.5, 51.5]
     """
@@ -137,7 +137,8 @@ class CompensatorBlock:
 
     def with_settings(self, **changes: float) -> CompensatorBlock:
         """The same block with other settings; those that run go on from a reset."""
-        return CompensatorBlock.of(self.kind, self.scan_time, {**self.settings, **changes}, self.notes)
+        settings = {**self.settings, **present_names(changes)}
+        return CompensatorBlock.of(self.kind, self.scan_time, settings, self.notes)
 
     def step(self, op_in: float, enable: bool = True, good: bool = True, track_value: float | None = None) -> float:
         """Command of one scan.

@@ -71,9 +71,12 @@ def block_from_saved(
 
 
 def _again(saved: Mapping[str, Any], scan_time: float | None, changes: dict[str, float]) -> CompensatorBlock:
-    """The saved block itself; ramp, rate and counts are in scans, so its scan time stands."""
+    """The saved block itself; ramp_step, rate and counts are in scans, so its scan time stands."""
     block = CompensatorBlock.from_dict(saved)
     if scan_time is not None and scan_time != block.scan_time:
         remedy = "make the block again for this scan time"
         raise ParameterError.expected(f"the scan time of the block, {block.scan_time:g} s", scan_time, remedy)
+    if "ramp" in changes:  # in units of OP a second, as wherever a block is made
+        changes = {**changes, "ramp_step": positive("ramp", changes["ramp"]) * block.scan_time}
+        del changes["ramp"]
     return block.with_settings(**changes) if changes else block

@@ -6,6 +6,7 @@ order of their constants in the kernel.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
 
@@ -51,14 +52,15 @@ class Specification:
         """Index of a variable in its array."""
         return int(getattr(self._owner(name), name))
 
-    def parameters(self, values: dict[str, float], dtype: npt.DTypeLike = np.float64) -> Reals:
-        """Parameter array: defaults, replaced by `values` (keys in lower case).
+    def parameters(self, values: Mapping[str, float], dtype: npt.DTypeLike = np.float64) -> Reals:
+        """Parameter array: defaults, replaced by `values` (keys in lower case; former names are understood).
 
         Raises
         ------
         ParameterError
-            A name that is no parameter of this block.
+            A name that is no parameter of this block, or a parameter under two names.
         """
+        values = present_names(values)
         known = {variable.name.lower(): variable.default for variable in self.section("parameter")}
         unknown = sorted(set(values) - set(known))
         if unknown:
@@ -81,6 +83,20 @@ class Specification:
     def _owner(self, name: str) -> ModuleType:
         """Module that defines a constant: the kind's, or that of the safeguards."""
         return self.module if hasattr(self.module, name) else core
+
+
+def present_names(values: Mapping[str, float]) -> dict[str, float]:
+    """Settings by the names of today, from those of saved blocks of any age.
+
+    Raises
+    ------
+    ParameterError
+        A setting under its present and its former name.
+    """
+    for former, name in listed.FORMER.items():
+        if former in values and name in values:
+            raise ParameterError.expected(f"{name} once", f"{former} as well", f"leave out {former}, its former name")
+    return {listed.FORMER.get(name, name): value for name, value in values.items()}
 
 
 def _specification(

@@ -26,7 +26,7 @@ def page(source: Source, target: str, files: list[str]) -> str:
     """Markdown."""
     declared = declare(source, source.tree, structured_text.types(source.real))
     values = source.values
-    cap, ramp = values["cap"], values["ramp"]
+    cap, ramp = values["cap"], values["ramp_step"]
     scans = math.ceil(cap / ramp) if ramp > 0 else None
     return render(
         "commissioning.md.j2",

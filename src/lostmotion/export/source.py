@@ -121,8 +121,8 @@ class Source:
             f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "
-            f"{values['ramp']:.6g} a scan while switching, units of OP.",
-            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp and rate "
+            f"{values['ramp_step']:.6g} a scan while switching, units of OP.",
+            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp_step and rate "
             "count in scans.",
             f"Arithmetic: {self.real.upper()}. No retained data: the first scan after a start is without a bump.",
             f"Verified: {verified}",
