@@ -57,7 +57,7 @@ class Source:
     tree: Block = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        block_name(self.name)
+        block_name(self.name, {variable.name.lower() for variable in self.specification.variables})
         if self.real not in TYPES:
             raise ParameterError.expected(f"real out of {list(TYPES)}", self.real, "LREAL where the PLC has it")
         try:
