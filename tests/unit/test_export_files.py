@@ -12,9 +12,9 @@ import pytest
 
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.export import TARGETS, export
+from lostmotion.export.dialects import restore
 from lostmotion.export.reader import Program
-from lostmotion.export.reserved import CONVERSION, GROUPS, RESERVED, why_reserved
-from lostmotion.export.restore import restore
+from lostmotion.export.reserved import CONVERSION, GROUPS, WORDS, why_reserved
 from lostmotion.export.source import plain, real_text
 from tests.exports import KINDS, REALS, block, source
 
@@ -23,7 +23,7 @@ NASTY = 'FIC-101 *) (* */ /* ]]> <b> & "ü" \\ // ?? \n END_VAR {x} -- é'
 
 
 def code(kind, to, real, **header):
-    return TARGETS[to](source(kind, real, **header))
+    return TARGETS[to].files(source(kind, real, **header))
 
 
 @pytest.mark.parametrize("to", TARGETS)
@@ -87,7 +87,7 @@ def test_inputs_outputs_and_settings_keep_their_names(kind, to, real):
 
 def test_reserved_words_are_single_words_in_lower_case():
     assert len(GROUPS) > 10
-    for word in RESERVED:
+    for word in WORDS:
         assert re.fullmatch(r"[a-z][a-z0-9_]*", word), word
 
 

@@ -11,12 +11,13 @@ import typer
 from lostmotion.cli.options import Force, Json, show
 from lostmotion.compensate.saved import block_from_saved
 from lostmotion.errors import DataError, FileAccessError, ParameterError
+from lostmotion.export import TARGETS
 from lostmotion.export import export as export_block
 
 Saved = Annotated[
     Path, typer.Argument(help="Result of `identify --out`, or a block saved as JSON.", show_default=False)
 ]
-To = Annotated[str, typer.Option("--to", help="st, plcopen, tcpou, scl, l5x or c.")]
+To = Annotated[str, typer.Option("--to", help=f"{', '.join([*TARGETS][:-1])} or {[*TARGETS][-1]}.")]
 Name = Annotated[str, typer.Option("--name", help="Name of the function block, e.g. FY_101.", show_default=False)]
 Date = Annotated[str, typer.Option("--date", help="Day for the header, YYYY-MM-DD.", show_default=False)]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the files; made if need be.", show_default=False)]

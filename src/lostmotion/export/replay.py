@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.export.dialects import restore
 from lostmotion.export.reader import Program
-from lostmotion.export.restore import restore
 from lostmotion.export.scenarios import Stretch, scenario
 from lostmotion.export.source import Source
 

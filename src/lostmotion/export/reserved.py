@@ -115,7 +115,6 @@ GROUPS: dict[str, str] = {
     """,
 }
 WORDS: dict[str, str] = {word: group for group, words in reversed(GROUPS.items()) for word in words.split()}
-RESERVED = frozenset(WORDS)
 
 # IEC 61131-3 ed. 2, table 22 (INT_TO_REAL, TRUNC_REAL_INT, BCD_TO_INT, ..), ed. 3 TO_REAL; Tc2_Utilities and Util name
 # theirs alike (BYTE_TO_GRAY, LREAL_TO_FMTSTR).
