@@ -20,8 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from lostmotion.export import TARGETS  # noqa: E402
+from lostmotion.export.dialects import restore  # noqa: E402
 from lostmotion.export.replay import compare, expected  # noqa: E402
-from lostmotion.export.restore import restore  # noqa: E402
 from lostmotion.export.scenarios import scenario  # noqa: E402
 from tests.exports import KINDS, REALS, source  # noqa: E402
 from tests.plc.machine import DoesNotCompileError, run_in_c, run_in_machine  # noqa: E402
@@ -49,14 +49,24 @@ def main() -> None:
             print(*rows, seen, sep="\n", flush=True)
     caught = [] if arguments.no_mutants else [mutate(kind) for kind in KINDS]
     if caught and arguments.scans == SCANS:
-        tables = {"agreement": table(agreement), "visits": table(visits), "mutants": table(caught)}
+        tables = {
+            "targets": targets(),
+            "agreement": table(agreement),
+            "visits": table(visits),
+            "mutants": table(caught),
+        }
         OUTPUT.write_text(TEMPLATE.read_text(encoding="utf-8").format(**tables), encoding="utf-8")
+
+
+def targets() -> str:
+    """Rows of what each dialect has gone through."""
+    return "\n".join(f"| `{d.name}` | {d.title} | {d.proven} | {d.unproven} |" for d in TARGETS.values())
 
 
 def execute(kind: str, real: str, scans: int) -> tuple[list[str], str]:
     """Rows of the table of agreement for machine and C, and the row of what the scans visited."""
     one = source(kind, real)
-    text, code = restore(TARGETS["st"](one)), TARGETS["c"](one)
+    text, code = restore(TARGETS["st"].files(one)), TARGETS["c"].files(one)
     worst, flags, seconds = Counter(), Counter(), Counter()
     states, total = Counter(), 0
     for seed in range(max(scans // PART, 1)):
@@ -99,7 +109,7 @@ def mutate(kind: str) -> str:
     stretches = scenario(one.specification, one.parameters, MUTANT_SCANS)
     kernel = expected(one, stretches)
     made, missed = 0, []
-    for what, text in mutants(TARGETS["st"](one)["FY_101.st"]):
+    for what, text in mutants(TARGETS["st"].files(one)["FY_101.st"]):
         made += 1
         if unseen(one, text, stretches[:FIRST], kernel) and unseen(one, text, stretches, kernel):
             missed.append(what)

@@ -127,15 +127,16 @@ def check(run: dict, block: lm.CompensatorBlock) -> list[tuple[str, bool]]:
     apart = float(np.max(np.abs(twin.op_out - run["op_out"])))
     switched = np.flatnonzero(np.diff(run["on"].astype(int)) | np.diff(run["manual"].astype(int))) + 1
     steps = np.abs(np.diff(run["offset"]))[switched - 1]
+    ramp = block.settings["ramp_step"]
     return [
         (f"OP_OUT is that of the simulated block in every scan (largest difference {apart:.1e})", apart < 1e-12),
         (f"every command is a number within {SPAN[0]:g} .. {SPAN[1]:g} %",
          bool(np.isfinite(run["op_out"]).all() and run["op_out"].min() >= SPAN[0] and run["op_out"].max() <= SPAN[1])),
-        (f"switching on, off, to manual and back moves the offset by at most its ramp, {block.settings['ramp']:.4f} "
-         f"(largest {steps.max():.4f})", bool(steps.max() <= block.settings["ramp"] + 1e-12)),
+        (f"switching on, off, to manual and back moves the offset by at most its ramp, {ramp:.4f} "
+         f"(largest {steps.max():.4f})", bool(steps.max() <= ramp + 1e-12)),
         ("while the transmitter has failed the state is 4 and the block passes the held OP through, by its ramp",
          bool((run["state"][run["bad"]] == 4).all() and run["offset"][run["bad"]][-1] == 0.0
-              and np.abs(np.diff(run["offset"])[run["bad"][1:]]).max() <= block.settings["ramp"] + 1e-12)),
+              and np.abs(np.diff(run["offset"])[run["bad"][1:]]).max() <= ramp + 1e-12)),
         ("in manual the state is 3 and the command is the operator's",
          bool((run["state"][run["manual"]] == 3).all() and np.ptp(run["op_out"][run["manual"]]) == 0.0)),
     ]  # fmt: skip

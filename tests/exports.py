@@ -4,7 +4,7 @@ from lostmotion.compensate import CompensatorBlock
 from lostmotion.export.source import Source
 
 COMMON = {
-    "band": 0.5, "quiet": 0.25, "ramp": 0.25, "rate": 3.0, "factor": 0.85, "safe": 30.0, "low": 10.0, "high": 90.0,
+    "band": 0.5, "quiet": 0.25, "ramp_step": 0.25, "rate": 3.0, "factor": 0.85, "safe": 30.0, "low": 10.0, "high": 90.0,
     "count_limit": 500.0,
 }  # fmt: skip
 KINDS = {

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from lostmotion.export import TARGETS
+from lostmotion.export.dialects import restore
 from lostmotion.export.replay import compare, expected
-from lostmotion.export.restore import restore
 from lostmotion.export.scenarios import scenario
 from tests.exports import KINDS, REALS, source
 from tests.plc.machine import (
@@ -51,7 +51,7 @@ def agree(one, kernel, found):
 @pytest.mark.parametrize(("kind", "real"), BOTH)
 def test_st_in_the_machine(run_of, kind, real):
     one, stretches, kernel = run_of(kind, real, ROWS)
-    agree(one, kernel, run_in_machine(restore(TARGETS["st"](one)), one, stretches))
+    agree(one, kernel, run_in_machine(restore(TARGETS["st"].files(one)), one, stretches))
 
 
 @pytest.mark.parametrize("to", ["plcopen", "tcpou", "scl", "l5x"])
@@ -60,19 +60,19 @@ def test_other_dialects_turned_back_in_the_machine(run_of, kind, real, to):
     one, stretches, kernel = run_of(kind, real, ROWS)
     some = stretches[:500]
     rows = sum(len(stretch.inputs) for stretch in some)
-    agree(one, kernel[:rows], run_in_machine(restore(TARGETS[to](one)), one, some))
+    agree(one, kernel[:rows], run_in_machine(restore(TARGETS[to].files(one)), one, some))
 
 
 @pytest.mark.parametrize(("kind", "real"), BOTH)
 def test_c_by_a_compiler(run_of, kind, real, tmp_path):
     one, stretches, kernel = run_of(kind, real, ROWS)
-    agree(one, kernel, run_in_c(TARGETS["c"](one), one, stretches, tmp_path))
+    agree(one, kernel, run_in_c(TARGETS["c"].files(one), one, stretches, tmp_path))
 
 
 @pytest.mark.parametrize(("kind", "real"), BOTH)
 def test_c_with_sanitizers(run_of, kind, real, tmp_path):
     one, stretches, kernel = run_of(kind, real, ROWS)
-    agree(one, kernel, run_in_c(TARGETS["c"](one), one, stretches, tmp_path, SANITIZE))
+    agree(one, kernel, run_in_c(TARGETS["c"].files(one), one, stretches, tmp_path, SANITIZE))
 
 
 @pytest.mark.parametrize("real", REALS)
@@ -92,14 +92,14 @@ def test_every_answer_is_visited(run_of, real):
 
 def test_a_wrong_operator_is_seen_by_the_machine(run_of):
     one, stretches, kernel = run_of("dead zone", "lreal", ROWS)
-    text = restore(TARGETS["st"](one))
+    text = restore(TARGETS["st"].files(one))
     for old, new in (("sensed < extreme - used_band", "sensed <= extreme - used_band"), ("MIN(MAX(", "MIN(MIN(")):
         assert old in text
         assert not compare(one, kernel, run_in_machine(text.replace(old, new), one, stretches)).agrees
 
 
 def test_the_machine_refuses_what_is_wrong():
-    text = restore(TARGETS["st"](source("backlash")))
+    text = restore(TARGETS["st"].files(source("backlash")))
     for old, new in (
         ("END_IF;", "END_I;"),
         ("started : BOOL;", "started : LREAL;"),
@@ -123,7 +123,7 @@ def parse():
 
 @pytest.mark.parametrize(("kind", "real"), BOTH)
 def test_plcopen_by_the_schema(parse, tmp_path, kind, real):
-    (text,) = TARGETS["plcopen"](source(kind, real, data='<&"]]>')).values()
+    (text,) = TARGETS["plcopen"].files(source(kind, real, data='<&"]]>')).values()
     path = tmp_path / "block.xml"
     path.write_text(text, encoding="utf-8")
     assert parse(path) == (0, "")
@@ -132,16 +132,16 @@ def test_plcopen_by_the_schema(parse, tmp_path, kind, real):
 def test_parsers_that_are_not_ours(parse, tmp_path):
     paths = []
     for to, kind, real in (("st", "dead zone", "real"), ("tcpou", "backlash", "lreal")):
-        ((name, text),) = TARGETS[to](source(kind, real)).items()
+        ((name, text),) = TARGETS[to].files(source(kind, real)).items()
         paths.append(tmp_path / name)
         paths[-1].write_text(text, encoding="utf-8")
     assert parse(*paths) == (0, "")
 
 
 def test_parsers_see_what_is_wrong(parse, tmp_path):
-    (text,) = TARGETS["plcopen"](source("backlash")).values()
+    (text,) = TARGETS["plcopen"].files(source("backlash")).values()
     (tmp_path / "bad.xml").write_text(text.replace("<dataTypes/>", ""), encoding="utf-8")
-    (text,) = TARGETS["st"](source("backlash")).values()
+    (text,) = TARGETS["st"].files(source("backlash")).values()
     (tmp_path / "bad.st").write_text(re.sub(r"THEN", "THEM", text, count=1), encoding="utf-8")
     for path in tmp_path.iterdir():
         code, said = parse(path)

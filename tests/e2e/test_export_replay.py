@@ -20,7 +20,7 @@ ROWS = 500 if os.environ.get("NUMBA_DISABLE_JIT") else 5_000
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_dialect_agrees_with_the_kernel(kind, to, real):
     one = source(kind, real)
-    proof = replay(TARGETS[to](one), one, rows=ROWS if to in ("st", "l5x") else ROWS // 4)
+    proof = replay(TARGETS[to].files(one), one, rows=ROWS if to in ("st", "l5x") else ROWS // 4)
     assert proof.agrees, proof.summary()
     assert proof.worst == 0.0
 
@@ -59,7 +59,7 @@ CASES = [(to, old, new) for to, changes in WRONG.items() for old, new in changes
 @pytest.mark.parametrize(("to", "old", "new"), CASES)
 def test_one_wrong_token_is_caught(to, old, new):
     one = source("dead zone")
-    files = TARGETS[to](one)
+    files = TARGETS[to].files(one)
     wrong = {name: text.replace(old, new, 1) for name, text in files.items()}
     assert wrong != files
     proof = replay(wrong, one)
@@ -71,7 +71,7 @@ def test_one_wrong_token_is_caught(to, old, new):
 @pytest.mark.statistics
 def test_most_single_mutations_are_caught():
     one = source("backlash")
-    (text,) = TARGETS["st"](one).values()
+    (text,) = TARGETS["st"].files(one).values()
     chosen = list(mutants(text))[::15]
     assert len(chosen) > 15
     missed = [what for what, wrong in chosen if replay({"FY_101.st": wrong}, one, rows=4000).agrees]
@@ -143,4 +143,4 @@ def test_what_plcs_do_differently_never_happens(kind, real, monkeypatch):
     with_division = np.errstate
     monkeypatch.setattr(np, "errstate", lambda **_: with_division(all="ignore", divide="raise"))
     one = source(kind, real)
-    assert replay(TARGETS["st"](one), one, rows=ROWS, seed=3).agrees
+    assert replay(TARGETS["st"].files(one), one, rows=ROWS, seed=3).agrees

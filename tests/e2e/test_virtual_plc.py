@@ -48,4 +48,4 @@ def test_return_from_manual_is_without_a_bump():
     held = [loop.scan(50.0, round(49.0 * plc.COUNTS), True, True, True, before[1]) for _ in range(50)][-1]
     after = loop.scan(50.0, round(49.0 * plc.COUNTS), True, True, False, before[1])
     assert held[1] == before[1]
-    assert abs(after[1] - held[1]) <= CONTROLLER.ki * 0.1 * 1.0 + BLOCK.settings["ramp"]
+    assert abs(after[1] - held[1]) <= CONTROLLER.ki * 0.1 * 1.0 + BLOCK.settings["ramp_step"]

@@ -11,8 +11,8 @@ def clamp(value, low, high):
 
 
 def usable_limits(p):
-    values = [p["low"], p["high"], p["safe"], p["ramp"]]
-    return math.isfinite(sum(abs(v) for v in values)) and p["low"] <= p["high"] and p["ramp"] >= 0
+    values = [p["low"], p["high"], p["safe"], p["ramp_step"]]
+    return math.isfinite(sum(abs(v) for v in values)) and p["low"] <= p["high"] and p["ramp_step"] >= 0
 
 
 def usable_common(p):
@@ -237,7 +237,7 @@ class NaiveBlock:
         if not usable_limits(p):
             error = 1
         else:
-            self.limits = p["low"], p["high"], clamp(p["safe"], p["low"], p["high"]), p["ramp"]
+            self.limits = p["low"], p["high"], clamp(p["safe"], p["low"], p["high"]), p["ramp_step"]
         if error == 0:
             old = self.settings
             names = ("factor", "cap", "quiet", *self.kind.moving)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lostmotion.compensate import SPECIFICATIONS
-from lostmotion.kernels import block as k
+from lostmotion.kernels.blocks import core as k
 
 kinds = st.sampled_from(sorted(SPECIFICATIONS))
 types = st.sampled_from([np.float64, np.float32])
@@ -21,7 +21,11 @@ EXAMPLES = settings(max_examples=60)
 @st.composite
 def some_settings(draw, kind, broken):
     """Settings that are usable, or in which each may be anything."""
-    p = {"ramp": draw(st.sampled_from([0.125, 0.5, 1.0])), "cap": draw(st.sampled_from([2.0, 50.0])), "rate": 100.0}
+    p = {
+        "ramp_step": draw(st.sampled_from([0.125, 0.5, 1.0])),
+        "cap": draw(st.sampled_from([2.0, 50.0])),
+        "rate": 100.0,
+    }
     p |= {"band": draw(st.sampled_from([0.0, 0.5])), "quiet": draw(st.sampled_from([0.0, 0.25]))}
     p |= {"low": draw(st.sampled_from([0.0, 45.0])), "high": draw(st.sampled_from([100.0, 52.0])), "safe": 10.0}
     p |= {
@@ -48,7 +52,7 @@ def play(kind, scans, dtype, state=None):
     with np.errstate(all="ignore"):
         for row, (p, inputs) in enumerate(scans):
             values = specification.parameters(p).astype(dtype)
-            specification.module.run(values, state, np.array([inputs]).astype(dtype), outputs[row : row + 1])
+            specification.run(values, state, np.array([inputs]).astype(dtype), outputs[row : row + 1])
     return outputs
 
 
@@ -66,7 +70,7 @@ def test_no_input_and_no_setting_gets_a_bad_number_to_the_valve(kind, dtype, inp
     low = high = None
     for (settings_now, _), row in zip(scans, outputs, strict=True):
         with np.errstate(all="ignore"):
-            limits = np.array([settings_now[name] for name in ("low", "high", "safe", "ramp")]).astype(dtype)
+            limits = np.array([settings_now[name] for name in ("low", "high", "safe", "ramp_step")]).astype(dtype)
             usable = np.isfinite(np.abs(limits).sum(dtype=dtype)) and limits[0] <= limits[1] and limits[3] >= 0
         if usable:
             low, high = limits[:2]
@@ -85,7 +89,7 @@ def test_offset_moves_by_the_ramp_while_anything_is_switched(kind, dtype, inputs
         changed = data.draw(st.integers(0, 9)) == 0
         if changed:
             fresh = data.draw(some_settings(kind, broken=False))
-            p = {**fresh, "low": p["low"], "high": p["high"], "ramp": p["ramp"]}
+            p = {**fresh, "low": p["low"], "high": p["high"], "ramp_step": p["ramp_step"]}
         scans.append((p, row))
     outputs = play(kind, scans, dtype)
     eps = 1e-9 if dtype is np.float64 else 1e-4
@@ -97,7 +101,7 @@ def test_offset_moves_by_the_ramp_while_anything_is_switched(kind, dtype, inputs
         moved = abs(outputs[now, k.OFFSET] - outputs[now - 1, k.OFFSET])
         switched = not active[now] or not active[now - 1] or scans[now][0] is not scans[now - 1][0]
         if switched or outputs[now, k.RAMPING] or outputs[now - 1, k.RAMPING]:
-            assert moved <= scans[now][0]["ramp"] + eps
+            assert moved <= scans[now][0]["ramp_step"] + eps
         held = np.clip(
             np.clip(scans[now][1][0], *limits_of(scans[now])) + outputs[now, k.OFFSET], *limits_of(scans[now])
         )
@@ -138,7 +142,7 @@ def test_a_controller_that_follows_back_leaves_manual_without_a_step(kind, input
         back = play(kind, [(p, (back, 1.0, 1.0, 1.0, manual))], np.float64, state)[-1, k.BACK]
     after = play(kind, [(p, (back, 1.0, 1.0, 0.0, 0.0))], np.float64, state)[0]
     inside = kind == "dead zone" and back == 50.0  # any command of the dead zone is one and the same x
-    assert after[k.OP_OUT] == pytest.approx(manual, abs=1e-9 if not inside else p["ramp"])
+    assert after[k.OP_OUT] == pytest.approx(manual, abs=1e-9 if not inside else p["ramp_step"])
 
 
 @EXAMPLES
@@ -173,4 +177,4 @@ def test_bad_input_holds_the_command_and_comes_back_on_the_ramp(kind, inputs, da
     assert (held[:, k.OP_OUT] == before[k.OP_OUT]).all()
     assert (held[:, k.STATE] == 4.0).all()
     after = play(kind, [(p, (inputs[-1][0], 1.0, 1.0, 0.0, 0.0))], np.float64, state)[0]
-    assert abs(after[k.OP_OUT] - before[k.OP_OUT]) <= p["ramp"] + 1e-9
+    assert abs(after[k.OP_OUT] - before[k.OP_OUT]) <= p["ramp_step"] + 1e-9

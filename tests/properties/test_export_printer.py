@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lostmotion.export.dialects.structured_text import syntax
 from lostmotion.export.lower import without_bool_values, without_min_max
 from lostmotion.export.printer import Printer
 from lostmotion.export.reader import Program
-from lostmotion.export.structured_text import dialect
 from lostmotion.export.tree import COMPARISONS, Assign, Block, Name, Number, Operation
 
 REALS = [Name("input", letter, "real") for letter in "ABC"]
@@ -63,7 +63,7 @@ def printed_value(tree, known, lower):
     names = {name: f"v_{name.name.lower()}" for name in every}
     types = {"real": "LREAL", "bool": "BOOL"}
     declared = "\n".join(f"{names[name]} : {types[name.kind]};" for name in every)
-    body = "\n".join(Printer(dialect("lreal"), names).lines(block.body))
+    body = "\n".join(Printer(syntax("lreal"), names).lines(block.body))
     program = Program(f"FUNCTION_BLOCK x\nVAR\n{declared}\nEND_VAR\n{body}\nEND_FUNCTION_BLOCK")
     columns = [names[name] for name in (*REALS, *FLAGS)]
     return program.run({}, columns, [[known[name.name] for name in (*REALS, *FLAGS)]], [names[OUT[tree.kind]]])[0, 0]

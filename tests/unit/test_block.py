@@ -16,7 +16,7 @@ from lostmotion.compensate import (
     block_from_model,
 )
 from lostmotion.errors import DataError, InputError, ParameterError, Status
-from lostmotion.kernels import block as safeguards
+from lostmotion.kernels.blocks import core as safeguards
 from lostmotion.records.white_noise import noise_of
 from tests.refusals import refusal
 
@@ -45,6 +45,20 @@ def test_table_and_kernel_have_the_same_order(kind):
     assert all(variable.meaning for variable in specification.variables)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_has_the_same_order_of_a_scan(kind):
+    """The language of the PLC has no function arguments, so each kind writes it out."""
+    module = SPECIFICATIONS[kind].module
+    own = module.__name__.rpartition(".")[2]
+    step = getattr(module.step, "py_func", module.step)
+    calls = [node.func.id for node in ast.walk(ast.parse(inspect.getsource(step))) if isinstance(node, ast.Call)]
+    order = ["check", f"check_{own}", "prepare", "correct", "drive", "return_path", "invert", "report"]
+    taken = ["take", f"take_{own}"]
+    found = [name for name in calls if name not in ("njit", *taken)]
+    assert found == [name for name in order if name != "invert" or hasattr(module, "invert")]
+    assert [name for name in calls if name in taken] == taken
+
+
 CALLS = {"min", "max", "abs", "njit", "range"}
 
 
@@ -53,9 +67,7 @@ def test_kernels_keep_to_the_language_of_the_plc(module):
     functions = {
         node.name: node for node in ast.parse(inspect.getsource(module)).body if isinstance(node, ast.FunctionDef)
     }
-    for name, function in functions.items():
-        if name == "run":
-            continue
+    for function in functions.values():
         for node in ast.walk(ast.Module(function.body[1:], [])):
             assert not isinstance(
                 node, ast.For | ast.While | ast.Return | ast.AugAssign | ast.Tuple | ast.IfExp | ast.Pow
@@ -75,7 +87,7 @@ def test_kernels_keep_to_the_language_of_the_plc(module):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_step_is_run(kind):
-    block = CompensatorBlock.of(kind, 0.1, {"ramp": 0.5})
+    block = CompensatorBlock.of(kind, 0.1, {"ramp_step": 0.5})
     rng = np.random.default_rng(1)
     op, enable = 50 + np.cumsum(rng.normal(size=60)), rng.random(60) < 0.8
     expected = block.run(op, enable)
@@ -86,6 +98,26 @@ def test_step_is_run(kind):
     assert block.step(op[0], enable[0]) == found[0]
     np.testing.assert_array_equal(block(op), block.run(op).op_out)
     assert len(expected) == 60
+
+
+def test_a_block_saved_under_the_former_name_of_the_ramp():
+    block = CompensatorBlock.of("backlash", 0.5, {"lead_up": 1.0, "ramp_step": 0.25})
+    saved = block.to_dict()
+    assert "ramp" not in saved["settings"]
+    old = json.loads(json.dumps(saved).replace('"ramp_step"', '"ramp"'))
+    assert CompensatorBlock.from_dict(old).values == block.values
+    assert block.with_settings(ramp=0.5).settings["ramp_step"] == 0.5
+    assert "ramp_step once" in refusal(
+        ParameterError, CompensatorBlock.of, "backlash", 0.5, {"ramp": 1, "ramp_step": 1}
+    )
+
+
+def test_the_ramp_of_a_saved_block_is_given_in_units_of_op_a_second():
+    saved = CompensatorBlock.of("backlash", 0.5, {"lead_up": 1.0})
+    assert saved.changed(ramp=3.0).settings["ramp_step"] == 1.5
+    assert saved.changed(ramp_step=3.0).settings["ramp_step"] == 3.0
+    assert saved.changed() is saved
+    assert "scan time" in refusal(ParameterError, saved.changed, scan_time=1.0)
 
 
 def test_types_of_the_response():
@@ -110,7 +142,7 @@ def test_dead_zone_settings():
     expected = {"left_break": 48, "centre": 50, "right_break": 52, "factor": 0.9, "shape": 2, "zone": 0.3, "high": 100}
     assert {name: block.settings[name] for name in expected} == pytest.approx(expected)
     assert block.settings["cap"] == pytest.approx(1.1 * 1.8)
-    assert block.settings["ramp"] == pytest.approx(4 / 100)
+    assert block.settings["ramp_step"] == pytest.approx(4 / 100)
     assert block.notes == ()
     assert "op_noise" in block_from_model(ZONE, 0.1).notes[0]
 
@@ -126,7 +158,7 @@ def test_backlash_and_stiction_settings():
 
 def test_settings_of_the_caller_win():
     block = block_from_model(ZONE, 0.1, ramp=2.0, shape=1.0, zone=0.5, cap=1.5, hold_on_disable=1.0)
-    expected = {"ramp": 0.2, "shape": 1, "zone": 0.5, "cap": 1.5, "rate": 3.0, "hold_on_disable": 1}
+    expected = {"ramp_step": 0.2, "shape": 1, "zone": 0.5, "cap": 1.5, "rate": 3.0, "hold_on_disable": 1}
     assert {name: block.settings[name] for name in expected} == pytest.approx(expected)
     assert block.with_settings(factor=0.5).settings["factor"] == 0.5
 
@@ -145,7 +177,8 @@ def test_frozen_json_and_pickle():
     ("settings", "word"),
     [
         ({"left_break": 60.0}, "kind"), ({"left_slope": 0.0}, "kind"), ({"factor": -1.0}, "factor"),
-        ({"low": 5.0, "high": 1.0}, "low"), ({"ramp": -0.1}, "ramp"), ({"cap": NAN}, "cap"), ({"wide": 1.0}, "wide"),
+        ({"low": 5.0, "high": 1.0}, "low"), ({"ramp_step": -0.1}, "ramp_step"), ({"cap": NAN}, "cap"),
+        ({"wide": 1.0}, "wide"),
     ],
 )  # fmt: skip
 def test_refuses_settings(settings, word):
@@ -178,7 +211,7 @@ def test_default_factor_is_the_lower_end_of_the_interval(fit):
 
 def test_ramp_is_the_width_in_a_time_constant_of_the_process(fit):
     scans = max(1.0 - 1.0 / np.log(abs(fit.linear.poles).max()), 10.0)
-    assert fit.block(span=(-50, 50)).settings["ramp"] == pytest.approx(fit.nonlinearity.width / scans)
+    assert fit.block(span=(-50, 50)).settings["ramp_step"] == pytest.approx(fit.nonlinearity.width / scans)
     assert fit.block(span=(-50, 50)).settings["hunt_scans"] == round(
         3 * (1.0 - 1.0 / np.log(abs(fit.linear.poles).max()))
     )

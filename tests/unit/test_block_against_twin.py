@@ -23,7 +23,7 @@ def random_settings(rng, kind):
 
     p = {
         "factor": rng.choice([0.0, 0.5, 1.0, 1.5]), "band": grid(0, 1), "quiet": rng.choice([0.0, 0.0, 0.25]),
-        "ramp": grid(0.125, 2), "rate": rng.choice([200.0, 200.0, 1.0]), "cap": rng.choice([200.0, 3.0]),
+        "ramp_step": grid(0.125, 2), "rate": rng.choice([200.0, 200.0, 1.0]), "cap": rng.choice([200.0, 3.0]),
         "low": grid(-5, 5), "high": grid(90, 110), "hold_on_disable": float(rng.random() < 0.3), "safe": grid(0, 50),
         "count_limit": float(rng.integers(1, 9)),
     }  # fmt: skip
@@ -82,7 +82,7 @@ def compare(kind, seed, dtype, scans=120):
             settings = random_settings(rng, kind)
         p = specification.parameters(settings).astype(dtype)
         named = dict(zip(settings_names(specification), p.tolist(), strict=True))
-        specification.module.run(p, state, row[None].astype(dtype), outputs)
+        specification.run(p, state, row[None].astype(dtype), outputs)
         expected = slow.scan(named, *(value if j in (0, 4) else bool(value) for j, value in enumerate(row.tolist())))
         found = dict(zip(OUTPUTS, outputs[0].tolist(), strict=True))
         for name in OUTPUTS:

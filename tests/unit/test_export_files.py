@@ -12,9 +12,9 @@ import pytest
 
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.export import TARGETS, export
-from lostmotion.export.names import RESERVED
+from lostmotion.export.dialects import restore
 from lostmotion.export.reader import Program
-from lostmotion.export.restore import restore
+from lostmotion.export.reserved import CONVERSION, GROUPS, WORDS, why_reserved
 from lostmotion.export.source import plain, real_text
 from tests.exports import KINDS, REALS, block, source
 
@@ -23,7 +23,7 @@ NASTY = 'FIC-101 *) (* */ /* ]]> <b> & "ü" \\ // ?? \n END_VAR {x} -- é'
 
 
 def code(kind, to, real, **header):
-    return TARGETS[to](source(kind, real, **header))
+    return TARGETS[to].files(source(kind, real, **header))
 
 
 @pytest.mark.parametrize("to", TARGETS)
@@ -73,7 +73,40 @@ def test_only_what_every_tool_takes(kind, to, real):
     for name in program.variables:
         assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name), name
         assert len(name) <= 32
-        assert name not in RESERVED
+        assert why_reserved(name) is None, name
+        assert name == name.lower()
+
+
+@pytest.mark.parametrize(("kind", "to", "real"), EVERY)
+def test_inputs_outputs_and_settings_keep_their_names(kind, to, real):
+    program = Program(restore(code(kind, to, real)))
+    for section in ("input", "parameter", "output"):
+        for variable in source(kind, real).specification.section(section):
+            assert variable.name.lower() in program.variables
+
+
+def test_reserved_words_are_single_words_in_lower_case():
+    assert len(GROUPS) > 10
+    for word in WORDS:
+        assert re.fullmatch(r"[a-z][a-z0-9_]*", word), word
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["ramp", "RAMP", "Integral", "sema", "BCD_TO_INT", "int_to_real", "TRUNC", "r_trig", "limitalarm", "pide",
+     "norm_x", "norm_X", "restrict", "fabs", "and_then", "BLINK", "to_lreal", "op_out", "Offset"],
+)  # fmt: skip
+def test_a_block_name_that_a_tool_has_taken_is_refused_with_another(name):
+    with pytest.raises(ParameterError, match=rf"no tool has taken, got {name} \(.+\); e\.g\. {name}_comp"):
+        export(block("backlash"), name=name, date="2026-01-31")
+    assert export(block("backlash"), name=f"{name}_comp", date="2026-01-31").replay(rows=20).agrees
+
+
+def test_conversions_between_all_types_are_taken():
+    for name in ("dint_to_lreal", "bool_to_date_and_time", "byte_to_gray", "gray_to_byte", "trunc_real_int"):
+        assert CONVERSION.fullmatch(name)
+    for name in ("way_to_go", "time_to_go", "int_to_real_comp"):
+        assert not CONVERSION.fullmatch(name)
 
 
 @pytest.mark.parametrize("to", ["tcpou", "plcopen", "l5x"])

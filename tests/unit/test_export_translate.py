@@ -4,12 +4,13 @@ import pytest
 
 from lostmotion.compensate.variables import Variable
 from lostmotion.errors import ParameterError
+from lostmotion.export.dialects.structured_text import syntax
 from lostmotion.export.lower import without_bool_values, without_min_max
-from lostmotion.export.names import LONGEST, RESERVED, block_name, plc_names
+from lostmotion.export.names import LONGEST, block_name, plc_names
 from lostmotion.export.printer import Printer
-from lostmotion.export.structured_text import dialect
+from lostmotion.export.reserved import why_reserved
 from lostmotion.export.translate import translate
-from lostmotion.export.tree import Name, Operation, expressions
+from lostmotion.export.tree import Assign, If, Name, Operation, parts
 
 WIDTH, SCANS, HOLD = range(3)
 OP_IN, ENABLE = range(2)
@@ -68,7 +69,7 @@ def lines(function, real="lreal", lower=False):
         block = without_bool_values(without_min_max(block, two_operands=True))
     variables = [Name(variable.section, variable.name, variable.kind) for variable in TABLE]
     names = plc_names([*variables, *block.local_names])
-    return Printer(dialect(real), names).lines(block.body)
+    return Printer(syntax(real), names).lines(block.body)
 
 
 def test_every_construct_in_structured_text():
@@ -100,6 +101,18 @@ def test_every_construct_in_structured_text():
 
 def test_constants_in_real_arithmetic_have_a_type():
     assert "op_out := x - (REAL#1.0 - x);" in lines(every_construct, "real")
+
+
+def expressions(statements):
+    """Every expression of the statements, the parts of expressions included."""
+    for statement in statements:
+        if isinstance(statement, Assign):
+            yield from parts(statement.value)
+        elif isinstance(statement, If):
+            for condition, body in statement.branches:
+                yield from parts(condition)
+                yield from expressions(body)
+            yield from expressions(statement.otherwise)
 
 
 def test_lowered_tree_has_two_operands_and_no_min_max():
@@ -247,4 +260,4 @@ def test_names_that_a_tool_would_not_take(name):
 def test_reserved_words_get_a_prefix():
     names = plc_names([Name("state", word.upper(), "real") for word in ("limit", "en", "step")])
     assert sorted(names.values()) == ["kept_en", "kept_limit", "kept_step"]
-    assert not set(names.values()) & RESERVED
+    assert not any(why_reserved(name) for name in names.values())

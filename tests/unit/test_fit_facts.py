@@ -127,8 +127,8 @@ def test_saved_blocks(fit, tmp_path):
     path.write_text(json.dumps(block.to_dict()), encoding="utf-8")
     assert lm.read_block(path) == read_fit_or_block(path) == block
     assert lm.read_block(path).notes == block.notes
-    block.require_scan_time(0.5)
-    assert "scan time" in refusal(ParameterError, block.require_scan_time, 7.0)
+    assert block.changed(0.5) is block
+    assert "scan time" in refusal(ParameterError, block.changed, 7.0)
     for wrong in ({"cap": "x"}, {"cap": -1.0}, {"caps": 1.0}, {"cap": None}):
         path.write_text(json.dumps({**block.to_dict(), "settings": wrong}), encoding="utf-8")
         refusal(DataError, lm.read_block, path)

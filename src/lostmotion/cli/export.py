@@ -61,9 +61,7 @@ class BlockOptions:
         if not isinstance(source, lm.CompensatorBlock):
             made: CompensatorBlock = source.block(span=self.span, scan_time=self.scan_time, method=self.method, **given)
             return made
-        if self.scan_time is not None:
-            source.require_scan_time(self.scan_time)
-        return source.with_settings(**given) if given else source
+        return source.changed(self.scan_time, **given)
 
 
 def export(

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import numbers, positive
-from lostmotion.arrays import FloatArray
-from lostmotion.compensate.specification import SPECIFICATIONS, Reals, Specification
+from lostmotion.arrays import FloatArray, Reals
+from lostmotion.compensate.specification import SPECIFICATIONS, Specification, present_names
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.kernels import block as kernel
+from lostmotion.kernels.blocks import core as kernel
 
 REFUSED = {
-    1.0: ("low <= high, ramp >= 0, all finite", "low, high, ramp, safe"),
+    1.0: ("low <= high, ramp_step >= 0, all finite", "low, high, ramp_step, safe"),
     2.0: ("factor, band, quiet, rate, cap >= 0, count_limit >= 1, all finite", "factor, band, quiet, rate, cap"),
     3.0: ("usable settings of the kind, all finite", "widths, slopes, scans"),
 }
@@ -62,7 +62,7 @@ class CompensatorBlock:
     kind : {"dead zone", "backlash", "stiction knocker", "stiction two moves"}
         Kind of block.
     scan_time : float
-        Seconds between two scans. RAMP and RATE are per scan.
+        Seconds between two scans. RAMP_STEP and RATE are per scan.
     values : tuple of float
         Settings in the order of ``specification.section("parameter")``; :meth:`of` takes them by name.
     notes : tuple of str
@@ -75,7 +75,7 @@ class CompensatorBlock:
 
     Examples
     --------
-    >>> block = CompensatorBlock.of("backlash", 0.1, {"lead_up": 0.5, "lead_down": 0.5, "ramp": 0.25})
+    >>> block = CompensatorBlock.of("backlash", 0.1, {"lead_up": 0.5, "lead_down": 0.5, "ramp_step": 0.25})
     >>> [block.step(op) for op in (50.0, 51.0, 52.0, 53.0, 52.0)]
     [50.0, 51.5, 52.5, 53.5, 51.5]
     """
@@ -113,8 +113,7 @@ class CompensatorBlock:
         """Ask the kernel itself, on a scratch state."""
         outputs = self.specification.outputs(1)
         inputs = np.array([[0.0, 1.0, 1.0, 0.0, 0.0]])
-        with np.errstate(all="ignore"):
-            self.specification.module.run(self.parameters(), self.specification.state(), inputs, outputs)
+        self.specification.run(self.parameters(), self.specification.state(), inputs, outputs)
         fault = float(outputs[0, kernel.ERROR])
         if fault:
             expected, where = REFUSED[fault]
@@ -132,17 +131,31 @@ class CompensatorBlock:
         names = (variable.name.lower() for variable in self.specification.section("parameter"))
         return dict(zip(names, self.values, strict=True))
 
-    def require_scan_time(self, scan_time: float) -> None:
-        """Refuse another scan time: ramp, rate and counts are in scans.
+    def changed(
+        self, scan_time: float | None = None, *, ramp: float | None = None, **settings: float
+    ) -> CompensatorBlock:
+        """The block as it was saved, with other settings where they are given.
+
+        Parameters
+        ----------
+        scan_time : float, optional
+            Must be that of the block: ramp, rate and counts are in scans.
+        ramp : float, optional
+            In units of OP a second, as wherever a block is made; `ramp_step` is a scan's.
+        **settings : float
+            Any other setting by name.
 
         Raises
         ------
         ParameterError
-            `scan_time` is not that of the block.
+            Another scan time, or settings that the block refuses.
         """
-        if not abs(scan_time - self.scan_time) <= 1e-9 * scan_time:
+        if scan_time is not None and not abs(scan_time - self.scan_time) <= 1e-9 * self.scan_time:
             remedy = "make the block again for this scan time"
             raise ParameterError.expected(f"the scan time of the block, {self.scan_time:g} s", scan_time, remedy)
+        if ramp is not None:
+            settings["ramp_step"] = positive("ramp", ramp) * self.scan_time
+        return self.with_settings(**settings) if settings else self
 
     def parameters(self, dtype: npt.DTypeLike = np.float64) -> Reals:
         """Parameter array of the kernel."""
@@ -150,7 +163,8 @@ class CompensatorBlock:
 
     def with_settings(self, **changes: float) -> CompensatorBlock:
         """The same block with other settings; those that run go on from a reset."""
-        return CompensatorBlock.of(self.kind, self.scan_time, {**self.settings, **changes}, self.notes)
+        settings = {**self.settings, **present_names(changes)}
+        return CompensatorBlock.of(self.kind, self.scan_time, settings, self.notes)
 
     def step(self, op_in: float, enable: bool = True, good: bool = True, track_value: float | None = None) -> float:
         """Command of one scan.
@@ -215,7 +229,7 @@ class CompensatorBlock:
         with np.errstate(all="ignore"):
             inputs = np.column_stack([np.broadcast_to(part, n) for part in parts]).astype(dtype)
             outputs = self.specification.outputs(n, dtype)
-            self.specification.module.run(self.parameters(dtype), self.specification.state(dtype), inputs, outputs)
+            self.specification.run(self.parameters(dtype), self.specification.state(dtype), inputs, outputs)
         return _response(self.specification, outputs)
 
     def __call__(self, uc: npt.ArrayLike) -> float | FloatArray:

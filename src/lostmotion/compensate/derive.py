@@ -72,8 +72,8 @@ def block_from_model(
     --------
     >>> from lostmotion.models import Backlash
     >>> block = block_from_model(Backlash(2.0), scan_time=1.0, op_noise=0.1)
-    >>> {name: round(block.settings[name], 3) for name in ("lead_up", "quiet", "ramp", "cap")}
-    {'lead_up': 1.0, 'quiet': 0.25, 'ramp': 0.01, 'cap': 1.375}
+    >>> {name: round(block.settings[name], 3) for name in ("lead_up", "quiet", "ramp_step", "cap")}
+    {'lead_up': 1.0, 'quiet': 0.25, 'ramp_step': 0.01, 'cap': 1.375}
     """
     low, high = finite("span", span[0]), finite("span", span[1])
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
@@ -87,7 +87,7 @@ def block_from_model(
     else:
         per_scan = derived.size / min(max(100.0 if scans is None else scans, RAMP_SCANS[0]), RAMP_SCANS[1])
     cap = settings.get("cap", derived.settings["cap"])
-    common = {"factor": plan.factor, "low": low, "high": high, "safe": low, "ramp": per_scan, "rate": 2.0 * cap}
+    common = {"factor": plan.factor, "low": low, "high": high, "safe": low, "ramp_step": per_scan, "rate": 2.0 * cap}
     return CompensatorBlock.of(derived.kind, scan_time, {**common, **derived.settings, **settings}, notes)
 
 

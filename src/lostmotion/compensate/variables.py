@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 SECTIONS = ("parameter", "input", "state", "output")
 OP = "units of OP"
+FORMER = {"ramp": "ramp_step"}  # settings of blocks saved before; RAMP is a function block of IEC 61131-3
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ COMMON = (
         ("FACTOR", "real", "1", "share of the lost motion that is compensated, 0 none, 1 all", 1.0),
         ("BAND", "real", OP, "noise band: the direction turns only after a return by more than this"),
         ("QUIET", "real", OP, "the command rests while OP_IN stays within +- this of where it rests; 0 off"),
-        ("RAMP", "real", f"{OP} a scan", "largest change of the offset while anything is switched", 0.1),
+        ("RAMP_STEP", "real", f"{OP} a scan", "largest change of the offset while anything is switched", 0.1),
         ("RATE", "real", f"{OP} a scan", "largest change of the offset while compensating", 200.0),
         ("CAP", "real", OP, "largest offset, either sign", 5.0),
         ("LOW", "real", OP, "lower clamp of OP_OUT"),

@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import FileAccessError, ParameterError
-from lostmotion.export import c99, l5x, plcopen, scl, structured_text, tcpou
 from lostmotion.export.commissioning import page
+from lostmotion.export.dialects import TARGETS
 from lostmotion.export.provenance import provenance
 from lostmotion.export.replay import Replay, replay
 from lostmotion.export.source import Source
 from lostmotion.export.vectors import vectors
 from lostmotion.files import write_text
 from lostmotion.identify import RatedEstimate, facts_of
-
-TARGETS: dict[str, Callable[[Source], dict[str, str]]] = {
-    "st": structured_text.files,
-    "plcopen": plcopen.files,
-    "tcpou": tcpou.files,
-    "scl": scl.files,
-    "l5x": l5x.files,
-    "c": c99.files,
-}
 
 
 @dataclass(frozen=True)
@@ -54,7 +45,7 @@ class Exported:
         return {
             **self.code,
             f"{name}_vectors.csv": vectors(self.source),
-            f"{name}_commissioning.md": page(self.source, self.target, list(self.code)),
+            f"{name}_commissioning.md": page(self.source, TARGETS[self.target], list(self.code)),
         }
 
     def replay(self, rows: int = 10_000, seed: int = 0) -> Replay:
@@ -95,8 +86,9 @@ def export(
     ----------
     block : CompensatorBlock
         The block as it was simulated, e.g. ``fit.block()``.
-    to : {"st", "plcopen", "tcpou", "scl", "l5x", "c"}
-        IEC 61131-3 Structured Text, PLCopen XML, TwinCAT .TcPOU, Siemens SCL, Rockwell L5X, C99.
+    to : str
+        Name of a dialect out of ``TARGETS``, e.g. "st" for IEC 61131-3 Structured Text; ``TARGETS[to].title`` says
+        which tools it is for.
     name : str
         Name of the function block, letters, digits and single underscores, up to 32.
     date : str
@@ -128,4 +120,4 @@ def export(
     if to not in TARGETS:
         raise ParameterError.expected(f"to out of {list(TARGETS)}", repr(to), "choose one of them")
     source = Source(block, name, date, real, **({} if fit is None else provenance(facts_of(fit))))
-    return Exported(source, to, TARGETS[to](source))
+    return Exported(source, to, TARGETS[to].files(source))

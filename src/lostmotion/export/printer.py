@@ -1,4 +1,4 @@
-"""Trees as text: one printer, told by a dialect how operators, numbers, functions and statements are written.
+"""Trees as text: one printer, told by a syntax how operators, numbers, functions and statements are written.
 
 Parentheses stand wherever the tools rank operators differently: around every comparison inside a condition, every
 operand that is an operation on the right, and a minus sign.
@@ -27,7 +27,7 @@ RANK = {"+": 1, "-": 1, "*": 2, "/": 2}
 
 
 @dataclass(frozen=True)
-class Dialect:
+class Syntax:
     """How a language writes what the tree holds.
 
     `operators` maps those that differ from ST; `calls` are patterns with {0}, {1}; `variable` is a pattern per section
@@ -55,21 +55,21 @@ class Dialect:
 class Printer:
     """Text of statements in one dialect, with the names of variables."""
 
-    dialect: Dialect
+    syntax: Syntax
     names: Mapping[Name, str]
 
     def name(self, variable: Name) -> str:
         """Variable as the body writes it."""
-        return self.dialect.variable.get(variable.section, "{}").format(self.names[variable])
+        return self.syntax.variable.get(variable.section, "{}").format(self.names[variable])
 
     def number(self, number: Number, typed: bool = False) -> str:
         """Constant as the body writes it."""
         if number.kind == "bool":
-            return self.dialect.true if number.value else self.dialect.false
+            return self.syntax.true if number.value else self.syntax.false
         if number.kind == "int":
             return str(int(number.value))
-        text = f"{number.value:.1f}{self.dialect.number_suffix}"
-        return self.dialect.numbers.format(text) if typed and number.value >= 0 else text
+        text = f"{number.value:.1f}{self.syntax.number_suffix}"
+        return self.syntax.numbers.format(text) if typed and number.value >= 0 else text
 
     def expression(self, tree: Expression, typed: bool = False) -> str:
         """Text of an expression; `typed` inside arithmetic, where a bare constant could widen it."""
@@ -78,17 +78,17 @@ class Printer:
         if isinstance(tree, Number):
             return self.number(tree, typed)
         if isinstance(tree, Convert):
-            return self.dialect.calls[f"to {tree.kind}"].format(self.expression(tree.operand))
+            return self.syntax.calls[f"to {tree.kind}"].format(self.expression(tree.operand))
         operator, operands = tree.operator, tree.operands
         if operator in ("min", "max", "abs"):
-            calls = self.dialect.calls
+            calls = self.syntax.calls
             pattern = calls.get(f"{operator} {tree.kind}") or calls[operator]
             return pattern.format(*(self.expression(operand, True) for operand in operands))
         if operator == "neg":
             return "-" + self.operand(operands[0], True)
         if operator == "not":
-            return self.dialect.negation.format(self.operand(operands[0]))
-        word = self.dialect.operators.get(operator, operator.upper())
+            return self.syntax.negation.format(self.operand(operands[0]))
+        word = self.syntax.operators.get(operator, operator.upper())
         left, right = operands
         if operator in ARITHMETIC:
             return f"{self.left(left, operator)} {word} {self.operand(right, True)}"
@@ -116,12 +116,12 @@ class Printer:
     def lines(self, statements: tuple[Statement, ...], depth: int = 0) -> list[str]:
         """Lines of the statements, indented."""
         result: list[str] = []
-        pad = self.dialect.indent * depth
+        pad = self.syntax.indent * depth
         for statement in statements:
             if isinstance(statement, Remark):
-                result.append(pad + self.dialect.remark.format(statement.text))
+                result.append(pad + self.syntax.remark.format(statement.text))
             elif isinstance(statement, Assign):
-                text = self.dialect.assign.format(self.name(statement.target), self.expression(statement.value))
+                text = self.syntax.assign.format(self.name(statement.target), self.expression(statement.value))
                 result.append(pad + text)
             else:
                 result += self.branch(statement, pad, depth)
@@ -131,11 +131,11 @@ class Printer:
         """Lines of an IF."""
         result: list[str] = []
         for number, (condition, body) in enumerate(statement.branches):
-            head = self.dialect.elsif if number else self.dialect.if_
+            head = self.syntax.elsif if number else self.syntax.if_
             result.append(pad + head.format(self.expression(condition)))
             result += self.lines(body, depth + 1)
         if statement.otherwise:
-            result.append(pad + self.dialect.else_)
+            result.append(pad + self.syntax.else_)
             result += self.lines(statement.otherwise, depth + 1)
-        result.append(pad + self.dialect.end_if)
+        result.append(pad + self.syntax.end_if)
         return result

@@ -57,7 +57,7 @@ class Source:
     tree: Block = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        block_name(self.name)
+        block_name(self.name, {variable.name.lower() for variable in self.specification.variables})
         if self.real not in TYPES:
             raise ParameterError.expected(f"real out of {list(TYPES)}", self.real, "LREAL where the PLC has it")
         try:
@@ -121,8 +121,8 @@ class Source:
             f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "
-            f"{values['ramp']:.6g} a scan while switching, units of OP.",
-            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp and rate "
+            f"{values['ramp_step']:.6g} a scan while switching, units of OP.",
+            f"Scan time: {self.block.scan_time:g} s. Call it once in each scan of this length: ramp_step and rate "
             "count in scans.",
             f"Arithmetic: {self.real.upper()}. No retained data: the first scan after a start is without a bump.",
             f"Verified: {verified}",

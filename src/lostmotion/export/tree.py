@@ -12,7 +12,6 @@ from typing import TypeAlias
 COMPARISONS = ("<", "<=", ">", ">=", "=", "<>")
 ARITHMETIC = ("+", "-", "*", "/")
 LOGIC = ("and", "or")
-FUNCTIONS = ("min", "max", "abs")
 
 
 @dataclass(frozen=True)
@@ -84,18 +83,6 @@ class Block:
 
     body: tuple[Statement, ...]
     local_names: tuple[Name, ...] = field(default=())
-
-
-def expressions(statements: tuple[Statement, ...]) -> Iterator[Expression]:
-    """Every expression of the statements, the parts of expressions included."""
-    for statement in statements:
-        if isinstance(statement, Assign):
-            yield from parts(statement.value)
-        elif isinstance(statement, If):
-            for condition, body in statement.branches:
-                yield from parts(condition)
-                yield from expressions(body)
-            yield from expressions(statement.otherwise)
 
 
 def parts(expression: Expression) -> Iterator[Expression]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lostmotion.export.tree import COMPARISONS, Convert, Expression, Name, Number, Operation
+from lostmotion.export.tree import COMPARISONS, Convert, Expression, Number, Operation
 
 RANK = {"literal": 0, "int": 1, "real": 2}
 
@@ -62,13 +62,3 @@ def _flags(operator: str, trees: Sequence[Expression]) -> Expression | None:
         return None
     true = (operator == "=") == (numbers[0].value == 1.0)
     return flags[0] if true else Operation("not", (flags[0],), "bool")
-
-
-def is_nan_test(tree: Expression) -> bool:
-    """True for ``x <> x``."""
-    return (
-        isinstance(tree, Operation)
-        and tree.operator == "<>"
-        and isinstance(tree.operands[0], Name)
-        and tree.operands[0] == tree.operands[1]
-    )

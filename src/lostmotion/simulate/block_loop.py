@@ -8,17 +8,10 @@ from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.kernels import actuator as kernel
-from lostmotion.kernels import blocks
+from lostmotion.kernels.blocks import loop as blocks
 from lostmotion.models import Hammerstein, KernelActuator, Nonlinearity
 from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse
-
-_CODES = {
-    "dead zone": blocks.DEAD_ZONE,
-    "backlash": blocks.BACKLASH,
-    "stiction knocker": blocks.KNOCKER,
-    "stiction two moves": blocks.TWO_MOVES,
-}
 
 
 class BlockLoop:
@@ -76,8 +69,8 @@ class BlockLoop:
         linear, pi = self.plant.linear, self.controller
         blocks.loop_with_block(
             self._a, self._b, linear.delay, self.plant.offset, self._kind, self._parameters, self._valve_state,
-            _CODES[self.block.kind], self._settings, self._memory, self.enabled, pi.kp, pi.ki * linear.dt, pi.low,
-            pi.high, self._carry, reference, disturbance, noise, self._x, self._z, self._signals, start, stop,
+            self.block.specification.number, self._settings, self._memory, self.enabled, pi.kp, pi.ki * linear.dt,
+            pi.low, pi.high, self._carry, reference, disturbance, noise, self._x, self._z, self._signals, start, stop,
         )  # fmt: skip
         self.done = stop
 

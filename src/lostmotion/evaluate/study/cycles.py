@@ -124,7 +124,7 @@ class LeftOver:
 def _unhurried(block: CompensatorBlock) -> CompensatorBlock:
     """The block without clamps and ramp: a sine of any amplitude, from the first scan on."""
     wide = 1e9
-    limits = {"low": -wide, "high": wide, "safe": 0.0, "ramp": wide, "rate": wide, "cap": wide}
+    limits = {"low": -wide, "high": wide, "safe": 0.0, "ramp_step": wide, "rate": wide, "cap": wide}
     return block.with_settings(**limits)
 
 

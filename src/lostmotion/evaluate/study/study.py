@@ -253,7 +253,7 @@ def _block(found: Known, span: tuple[float, float], op_noise: float, options: di
 
 def _settle(block: CompensatorBlock, period: float) -> int:
     """Rows until the offset is in force and a limit cycle has set in."""
-    scans = block.settings["cap"] / max(block.settings["ramp"], 1e-12)
+    scans = block.settings["cap"] / max(block.settings["ramp_step"], 1e-12)
     periods = PERIODS * period if np.isfinite(period) else 0.0
     return int(min(max(2.0 * scans, periods, FEWEST_SETTLE), MOST_SETTLE))
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+
+from lostmotion.export.dialects.assemble import only_file
+from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import declare, render
-from lostmotion.export.printer import Dialect, Printer
+from lostmotion.export.printer import Printer, Syntax
 from lostmotion.export.source import Source
 
 VERIFIED = (
@@ -17,7 +22,7 @@ def files(source: Source) -> dict[str, str]:
     real = source.real.upper()
     types = {"real": "LReal" if source.real == "lreal" else "Real", "bool": "Bool", "int": "DInt"}
     declared = declare(source, source.tree, types)
-    dialect = Dialect(
+    syntax = Syntax(
         calls={
             "min": "MIN(IN1 := {0}, IN2 := {1})",
             "max": "MAX(IN1 := {0}, IN2 := {1})",
@@ -28,7 +33,29 @@ def files(source: Source) -> dict[str, str]:
         variable=dict.fromkeys(("input", "parameter", "output", "state", "local"), "#{}"),
         numbers="REAL#{}" if source.real == "real" else "{}",
     )
-    body = Printer(dialect, declared.names).lines(source.tree.body, depth=1)
+    body = Printer(syntax, declared.names).lines(source.tree.body, depth=1)
     header = source.header(VERIFIED)
     text = render("scl.scl.j2", name=source.name, header=header, rows=declared.rows, body=body)
     return {f"{source.name}.scl": text}
+
+
+def restore(files: Mapping[str, str]) -> str:
+    """Without what SCL adds: # before names, names of arguments, attributes, quotes."""
+    text = only_file(files)[1]
+    text = re.sub(r"\bREAL#", "REAL@", text)
+    text = re.sub(r"^\{ S7.*\}$|^VERSION.*$|^BEGIN$|\bIN[12] := |#", "", text, flags=re.MULTILINE)
+    text = text.replace("REAL@", "REAL#").replace("VAR_TEMP", "VAR")
+    text = re.sub(r'^FUNCTION_BLOCK "(\w+)"', r"FUNCTION_BLOCK \1", text, flags=re.MULTILINE)
+    return re.sub(r": (LReal|Real|Bool|DInt)\b", lambda found: f": {found[1].upper()}", text)
+
+
+DIALECT = Dialect(
+    name="scl",
+    title="Siemens S7-1200, S7-1500",
+    endings=("scl",),
+    files=files,
+    restore=restore,
+    how_to_import="TIA Portal: External source files, Add new external file, then Generate blocks from source.",
+    proven="structure, names and words checked; the body turned back into ST by rules on the text, then executed",
+    unproven="any Siemens compiler",
+)

@@ -12,23 +12,19 @@ one as a whole; an unusable one changes nothing and sets ERROR), :func:`prepare`
 the kind (``s[WANTED]``, the offset that it would like), :func:`drive` (what of it is applied), the inverse of the kind
 where it is asked for (``s[INVERTING]``), :func:`report`.
 
-Laws, for any input whatever: OP_OUT is finite and within the last usable clamps; OFFSET moves by at most RAMP a scan
-while anything is switched (enable, disable, end of tracking, bad quality, new settings) and by at most RATE otherwise;
-OP_OUT = clamp(clamp(OP_IN) + OFFSET) except while tracking or holding.
+Laws, for any input whatever: OP_OUT is finite and within the last usable clamps; OFFSET moves by at most RAMP_STEP a
+scan while anything is switched (enable, disable, end of tracking, bad quality, new settings) and by at most RATE
+otherwise; OP_OUT = clamp(clamp(OP_IN) + OFFSET) except while tracking or holding.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
 from numba import njit
 
-Reals = npt.NDArray[np.floating[Any]]
+from lostmotion.arrays import Reals
 
 # Parameters
-FACTOR, BAND, QUIET, RAMP, RATE, CAP, LOW, HIGH, HOLD_ON_DISABLE, SAFE, COUNT_LIMIT = range(11)
+FACTOR, BAND, QUIET, RAMP_STEP, RATE, CAP, LOW, HIGH, HOLD_ON_DISABLE, SAFE, COUNT_LIMIT = range(11)
 PARAMETERS = 11  # those of the kind follow
 
 # Inputs
@@ -62,14 +58,14 @@ def check(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[FAULT] = 1.0 + 1.0
     elif p[RATE] < 0.0 or p[CAP] < 0.0 or p[COUNT_LIMIT] < 1.0:
         s[FAULT] = 1.0 + 1.0
-    s[TOTAL] = abs(p[LOW]) + abs(p[HIGH]) + abs(p[SAFE]) + abs(p[RAMP])
-    if s[TOTAL] - s[TOTAL] != 0.0 or p[LOW] > p[HIGH] or p[RAMP] < 0.0:
+    s[TOTAL] = abs(p[LOW]) + abs(p[HIGH]) + abs(p[SAFE]) + abs(p[RAMP_STEP])
+    if s[TOTAL] - s[TOTAL] != 0.0 or p[LOW] > p[HIGH] or p[RAMP_STEP] < 0.0:
         s[FAULT] = 1.0
     else:
         s[USED_LOW] = p[LOW]
         s[USED_HIGH] = p[HIGH]
         s[USED_SAFE] = min(max(p[SAFE], p[LOW]), p[HIGH])
-        s[USED_RAMP] = p[RAMP]
+        s[USED_RAMP] = p[RAMP_STEP]
         s[HAS_LIMITS] = 1.0
 
 
@@ -234,7 +230,7 @@ def choose(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
 
 @njit(cache=True)
 def approach(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """APPLIED goes to WANTED, by at most RAMP after a switch until it is there, by at most RATE otherwise."""
+    """APPLIED goes to WANTED, by at most RAMP_STEP after a switch until it is there, by at most RATE otherwise."""
     s[ALLOWED] = s[USED_RATE]
     if s[CHASING] != 0.0:
         s[ALLOWED] = s[USED_RAMP]

@@ -14,14 +14,15 @@ is multiplied by BACK_OFF, again and again until it is calm; it is whole again a
 new settings. HUNT_SCANS = 0: no guard.
 
 FACTOR scales the way from the centre to the break points, not the slopes. QUIET (a play of +-QUIET in front of the
-inverse, :mod:`lostmotion.kernels.block`) takes the small turns out of the command as well.
+inverse, :mod:`lostmotion.kernels.blocks.core`) takes the small turns out of the command as well.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from lostmotion.kernels.block import (
+from lostmotion.arrays import Reals
+from lostmotion.kernels.blocks.core import (
     ACTIVE,
     ALIVE,
     BASE,
@@ -41,7 +42,6 @@ from lostmotion.kernels.block import (
     TRACKING,
     USED_FACTOR,
     WANTED,
-    Reals,
     check,
     drive,
     prepare,
@@ -231,10 +231,3 @@ def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     return_path(p, s, i, o)
     invert(p, s, i, o)
     report(p, s, i, o)
-
-
-@njit(cache=True)
-def run(p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
-    """All scans of `inputs` (n, INPUTS) into `outputs` (n, OUTPUTS)."""
-    for k in range(inputs.shape[0]):
-        step(p, s, inputs[k], outputs[k])

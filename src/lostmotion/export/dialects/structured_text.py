@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from lostmotion.export.dialects.assemble import only_file
+from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import Declared, declare, render
-from lostmotion.export.printer import Dialect, Printer
+from lostmotion.export.printer import Printer, Syntax
 from lostmotion.export.source import Source
 
 VERIFIED = (
@@ -17,10 +21,10 @@ def types(real: str) -> dict[str, str]:
     return {"real": real.upper(), "bool": "BOOL", "int": "DINT"}
 
 
-def dialect(real: str) -> Dialect:
+def syntax(real: str) -> Syntax:
     """How ST is written."""
     name = real.upper()
-    return Dialect(
+    return Syntax(
         calls={
             "min": "MIN({0}, {1})",
             "max": "MAX({0}, {1})",
@@ -35,7 +39,7 @@ def dialect(real: str) -> Dialect:
 def parts(source: Source) -> tuple[Declared, list[str]]:
     """Declarations and lines of the body."""
     declared = declare(source, source.tree, types(source.real))
-    return declared, Printer(dialect(source.real), declared.names).lines(source.tree.body)
+    return declared, Printer(syntax(source.real), declared.names).lines(source.tree.body)
 
 
 def files(source: Source) -> dict[str, str]:
@@ -44,3 +48,23 @@ def files(source: Source) -> dict[str, str]:
     header = source.header(VERIFIED)
     text = render("structured_text.st.j2", name=source.name, header=header, rows=declared.rows, body=body)
     return {f"{source.name}.st": text}
+
+
+def restore(files: Mapping[str, str]) -> str:
+    """The file itself."""
+    return only_file(files)[1]
+
+
+DIALECT = Dialect(
+    name="st",
+    title="IEC 61131-3: CODESYS, TwinCAT, OpenPLC",
+    endings=("st",),
+    files=files,
+    restore=restore,
+    how_to_import=(
+        "Paste the file into a new function block (CODESYS, TwinCAT, OpenPLC: declaration and body where the tool "
+        "keeps them apart)."
+    ),
+    proven="compiled and executed by the ST machine of pyplcopen; parsed by blark and tree-sitter",
+    unproven="import into a vendor's tool",
+)

@@ -1,30 +1,17 @@
-"""Any compensating block by number, and a loop with one in it that can be stopped, changed and continued."""
+"""A loop with a compensating block in it that can be stopped, changed and continued."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from lostmotion.arrays import FloatArray
-from lostmotion.kernels import actuator, block, block_backlash, block_dead_zone, block_knocker, block_two_moves
-from lostmotion.kernels.block import Reals
+from lostmotion.arrays import FloatArray, Reals
+from lostmotion.kernels import actuator
+from lostmotion.kernels.blocks import core
+from lostmotion.kernels.blocks.run import step
 from lostmotion.kernels.loop import pi_step
 
-DEAD_ZONE, BACKLASH, KNOCKER, TWO_MOVES = 1, 2, 3, 4
 CONTROL, COMMAND, CLEAN, MEASURED = range(4)  # rows of the signals of a loop
-
-
-@njit(cache=True)
-def step(kind: int, p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """One scan of a block."""
-    if kind == DEAD_ZONE:
-        block_dead_zone.step(p, s, i, o)
-    elif kind == BACKLASH:
-        block_backlash.step(p, s, i, o)
-    elif kind == KNOCKER:
-        block_knocker.step(p, s, i, o)
-    else:
-        block_two_moves.step(p, s, i, o)
 
 
 @njit(cache=True)
@@ -62,9 +49,9 @@ def loop_with_block(
     controller's own limits: BACK tells the direction.
     """
     before = max(delay + b.size, a.size)
-    inputs, outputs = np.zeros(block.INPUTS), np.zeros(block.OUTPUTS)
-    inputs[block.ENABLE] = 1.0 if enable else 0.0
-    inputs[block.GOOD] = 1.0
+    inputs, outputs = np.zeros(core.INPUTS), np.zeros(core.OUTPUTS)
+    inputs[core.ENABLE] = 1.0 if enable else 0.0
+    inputs[core.GOOD] = 1.0
     for k in range(start, stop):
         value = 0.0
         newest = before + k - delay
@@ -79,11 +66,11 @@ def loop_with_block(
         integral = carry[0]
         out, carry[0] = pi_step(reference[k] - signals[MEASURED, k], integral, kp, ki_dt, low, high)
         signals[CONTROL, k] = out
-        inputs[block.OP_IN] = out
+        inputs[core.OP_IN] = out
         step(kind, p, s, inputs, outputs)
-        if out > outputs[block.BACK]:
+        if out > outputs[core.BACK]:
             carry[0] = min(carry[0], integral)
-        elif out < outputs[block.BACK]:
+        elif out < outputs[core.BACK]:
             carry[0] = max(carry[0], integral)
-        signals[COMMAND, k] = outputs[block.OP_OUT]
+        signals[COMMAND, k] = outputs[core.OP_OUT]
         x[before + k] = actuator.step(valve, parameters, valve_state, signals[COMMAND, k])

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from lostmotion.kernels.block import (
+from lostmotion.arrays import Reals
+from lostmotion.kernels.blocks.core import (
     ACTIVE,
     BASE,
     CHANGED,
@@ -25,7 +26,6 @@ from lostmotion.kernels.block import (
     TOTAL,
     USED_FACTOR,
     WANTED,
-    Reals,
     check,
     drive,
     prepare,
@@ -112,10 +112,3 @@ def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     return_path(p, s, i, o)
     invert(p, s, i, o)
     report(p, s, i, o)
-
-
-@njit(cache=True)
-def run(p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
-    """All scans of `inputs` (n, INPUTS) into `outputs` (n, OUTPUTS)."""
-    for k in range(inputs.shape[0]):
-        step(p, s, inputs[k], outputs[k])

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from lostmotion.kernels.block import (
+from lostmotion.arrays import Reals
+from lostmotion.kernels.blocks.core import (
     ACTIVE,
     BASE,
     CHANGED,
@@ -28,7 +29,6 @@ from lostmotion.kernels.block import (
     USED_FACTOR,
     WANTED,
     WAS_ACTIVE,
-    Reals,
     check,
     drive,
     prepare,
@@ -107,10 +107,3 @@ def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     drive(p, s, i, o)
     return_path(p, s, i, o)
     report(p, s, i, o)
-
-
-@njit(cache=True)
-def run(p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
-    """All scans of `inputs` (n, INPUTS) into `outputs` (n, OUTPUTS)."""
-    for k in range(inputs.shape[0]):
-        step(p, s, inputs[k], outputs[k])
