@@ -11,7 +11,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.kernels import iv_state
+from lostmotion.kernels.recursive_iv import state as iv_state
 from tests.naive.recursive_iv import Recursion
 from tests.refusals import refusal
 

@@ -16,9 +16,9 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
-from lostmotion.kernels import iv_state as iv
-from lostmotion.kernels import recursive_iv as kernel
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.recursive_iv import run as kernel
+from lostmotion.kernels.recursive_iv import state as iv
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
 
 INSTRUMENTS = {"riv": iv.MODEL_OUTPUT, "rls": iv.LEAST_SQUARES, "els": iv.LEAST_SQUARES}
@@ -122,7 +122,7 @@ class RecursiveIV:
         np.fill_diagonal(self._named("p"), 1e6 if printed else 1e3)
 
     def _named(self, name: str) -> FloatArray:
-        """View of a part of the state, see :func:`lostmotion.kernels.iv_state.named`."""
+        """View of a part of the state, see :func:`lostmotion.kernels.recursive_iv.state.named`."""
         return iv.named(self._state, self._layout)[name]
 
     @property
