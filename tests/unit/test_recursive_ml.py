@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.recursive.change import Memory
-from lostmotion.kernels import recursive_ml as kernel
+from lostmotion.kernels.recursive_ml import run as kernel
+from lostmotion.kernels.recursive_ml import state as ml
 from tests.refusals import refusal
 
 TANK = lm.platforms.level_tank()
@@ -70,16 +70,8 @@ def started(n=START, **options):
     return lm.RecursiveML.from_bytes(_saved(n, tuple(sorted(options.items()))))
 
 
-def parts_of(rml):
-    return rml._state, rml._layout, rml._gathered, rml._seen, rml._next_try, rml._scales
-
-
 def same_state(one, other):
-    assert one._settings == other._settings
-    assert one.events == other.events
-    assert one.samples == other.samples
-    for mine, theirs in zip(parts_of(one), parts_of(other), strict=True):
-        np.testing.assert_array_equal(mine, theirs)
+    assert one.to_bytes() == other.to_bytes()
 
 
 # --- exact recovery
@@ -226,7 +218,7 @@ def test_under_suspicion_it_can_be_cut_and_saved(forgetting):
     rml = fresh(forgetting=forgetting)
     rml.run(u[:900], y[:900], every=900)
     k = 900
-    while rml._layout[kernel.EXPLAIN_AT] == 0:
+    while rml._recursion.layout[ml.EXPLAIN_AT] == 0:
         rml.update(u[k], y[k])
         k += 1
         assert k < 1300
@@ -339,7 +331,7 @@ def test_memory_does_not_grow():
     u, y = experiment(6, 1000)
     rml = started(false_alarms=None)
     rml.run(u, y)
-    size, held = len(rml.to_bytes()), rml._state.size
+    size, held = len(rml.to_bytes()), rml._recursion.state.size
     rml.update(u[0], y[0])
     tracemalloc.start()
     try:
@@ -352,7 +344,7 @@ def test_memory_does_not_grow():
     finally:
         tracemalloc.stop()
     assert grown < 3000
-    assert (len(rml.to_bytes()), rml._state.size) == (size, held)
+    assert (len(rml.to_bytes()), rml._recursion.state.size) == (size, held)
 
 
 # --- what it says
@@ -662,7 +654,7 @@ def with_setting(name, value):
 @pytest.mark.parametrize(
     "changes",
     [
-        *({"layout": with_entry(getattr(kernel, name), value)} for name, value in (
+        *({"layout": with_entry(getattr(ml, name), value)} for name, value in (
             ("FILLED", 10**6), ("FILLED", -1), ("BLOCKS", -3), ("WINDOW", 99), ("INVERSE", 10**9), ("RING_S", -5),
             ("RING_H", 10**9), ("P", 10**6), ("P", -1), ("DELAY", 50), ("NA", 2),
         )),
@@ -690,6 +682,5 @@ def test_honest_bytes_of_the_forger():
 
 def test_memory_gives_views():
     rml = started()
-    memory = Memory(rml._state, rml._layout)
-    memory.theta[0] = 0.123
-    assert rml._state[rml._layout[kernel.THETA]] == 0.123
+    rml._recursion.memory.theta[0] = 0.123
+    assert rml._recursion.state[rml._recursion.layout[ml.THETA]] == 0.123

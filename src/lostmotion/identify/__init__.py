@@ -2,8 +2,7 @@
 
 from lostmotion.identify.estimate import identify
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.recursive.change import ChangeEvent
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv import RecursiveIV
 from lostmotion.identify.recursive.many import run_many
 from lostmotion.identify.recursive.ml import RecursiveML

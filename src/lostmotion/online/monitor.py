@@ -12,8 +12,7 @@ from lostmotion.arguments import positive, whole
 from lostmotion.errors import ParameterError
 from lostmotion.files.grid import Rows
 from lostmotion.identify import RecursiveML
-from lostmotion.identify.recursive.change import ChangeEvent
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
 from lostmotion.online import messages
 from lostmotion.online.masks import Masks
 from lostmotion.online.packing import pack, unpack

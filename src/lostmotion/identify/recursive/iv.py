@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import math
-import zipfile
-import zlib
 from typing import Any, Self
 
 import numpy as np
@@ -14,6 +12,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.recursive.broken import BROKEN
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
 from lostmotion.kernels.linear import is_stable
@@ -27,7 +26,6 @@ KIND = "RecursiveIV 2"  # of the bytes
 DENSE = 2000  # weighted samples after which the standard errors are gathered from a part of them
 _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
-_BROKEN = (ValueError, OSError, KeyError, EOFError, TypeError, IndexError, zipfile.BadZipFile, zlib.error)
 _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
@@ -239,7 +237,7 @@ class RecursiveIV:
                 raise ValueError(kind)
             new = cls(na, nb, delay, 1.0, dt=dt, method=method, form=form)
             new._take_over(kind, state, layout)
-        except (*_BROKEN, ParameterError) as error:
+        except (*BROKEN, ParameterError) as error:
             raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
         return new
 
