@@ -103,27 +103,8 @@ def test_layout_is_that_of_saved_bytes():
     state, layout = Tuning(0.99, 4.0, INF, "auto").allocate((3, 2, 3), 2)
     sizes = [3, 3, 3, 2, 12, 6, 8, 37]
     offsets = [
-        12,
-        24,
-        36,
-        73,
-        217,
-        229,
-        373,
-        385,
-        1537,
-        1633,
-        1945,
-        1993,
-        2041,
-        2089,
-        2233,
-        2245,
-        2533,
-        2677,
-        2689,
-        2833,
-    ]
+        12, 24, 36, 73, 217, 229, 373, 385, 1537, 1633, 1945, 1993, 2041, 2089, 2233, 2245, 2533, 2677, 2689, 2833
+    ]  # fmt: skip
     assert layout[: ml.COUNT].tolist() == [*sizes, *offsets]
     assert layout[[ml.RING_S, ml.INVERSE, ml.TEST_AFTER, ml.REFIT_AT]].tolist() == [1929, 2389, 24, 2**63 - 1]
     assert state.size == layout[ml.SIZE] == 2833

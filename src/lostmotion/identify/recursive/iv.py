@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from typing import Any, Self
 
@@ -12,7 +11,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.recursive.broken import BROKEN
+from lostmotion.identify.recursive.archive import pack, reading
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
 from lostmotion.kernels.linear import is_stable
@@ -214,10 +213,8 @@ class RecursiveIV:
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""
-        buffer = io.BytesIO()
         labels = np.array([KIND, self.method, self.form])
-        np.savez(buffer, labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
-        return buffer.getvalue()
+        return pack(labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -228,17 +225,14 @@ class RecursiveIV:
         DataError
             The bytes are something else.
         """
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-                kind, method, form = (str(label) for label in stored["labels"])
-                state, layout, dt = stored["state"], stored["layout"], float(stored["dt"])
+        with reading(data) as parts:
+            kind, method, form = (str(label) for label in parts["labels"])
+            state, layout, dt = parts["state"], parts["layout"], float(parts["dt"])
             na, nb, delay = (int(value) for value in layout[: iv.NE])
             if max((na + nb + 4) ** 2, delay) > state.size:
                 raise ValueError(kind)
             new = cls(na, nb, delay, 1.0, dt=dt, method=method, form=form)
             new._take_over(kind, state, layout)
-        except (*BROKEN, ParameterError) as error:
-            raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
         return new
 
     def _take_over(self, kind: str, state: FloatArray, layout: npt.NDArray[np.int64]) -> None:

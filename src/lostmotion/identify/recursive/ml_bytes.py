@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from dataclasses import asdict
 from typing import Any
@@ -10,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.errors import DataError
-from lostmotion.identify.recursive.broken import BROKEN
+from lostmotion.identify.recursive.archive import pack, reading
 from lostmotion.identify.recursive.estimate import ChangeEvent
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
@@ -19,7 +17,6 @@ from lostmotion.identify.recursive.ml_start import FirstWindow
 from lostmotion.kernels.recursive_ml import state as ml
 
 FORMAT = "lostmotion recursive ml 1"
-PARTS = ("header", "gathered", "scales", "state", "layout")
 AT_MOST = {ml.FILLED: ml.BLOCK, ml.WINDOW: ml.RING, ml.BLOCKS: ml.COUNT}  # counters and their bounds
 
 
@@ -32,29 +29,22 @@ def packed(first: FirstWindow, recursion: Recursion | None) -> bytes:
         "next_try": first.next_try,
         "events": [] if recursion is None else [asdict(event) for event in recursion.events],
     }
-    buffer = io.BytesIO()
-    np.savez(
-        buffer,
+    return pack(
         header=np.frombuffer(json.dumps(header).encode(), dtype=np.uint8),
         gathered=np.array((first.u, first.y)),
         scales=np.array((1.0, 1.0) if recursion is None else recursion.scales),
         state=np.zeros(0) if recursion is None else recursion.state,
         layout=np.zeros(0, dtype=np.int64) if recursion is None else recursion.layout,
     )
-    return buffer.getvalue()
 
 
 def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
     """First window and recursion from bytes; DataError where they are something else."""
-    try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-            parts = {name: stored[name] for name in PARTS}
+    with reading(data) as parts:
         header = json.loads(parts["header"].tobytes())
         if header["format"] != FORMAT:
             raise ValueError(header["format"])
         return _restored(header, parts)
-    except (*BROKEN, AttributeError) as error:
-        raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
 
 
 def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindow, Recursion | None]:
