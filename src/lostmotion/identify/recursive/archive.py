@@ -24,7 +24,7 @@ BROKEN = (
 )  # fmt: skip
 
 
-def pack(**arrays: npt.NDArray[Any]) -> bytes:
+def pack(**arrays: Any) -> bytes:
     """Archive of the arrays; equal arrays give equal bytes."""
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)

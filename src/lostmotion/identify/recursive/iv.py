@@ -103,7 +103,7 @@ class RecursiveIV:
             raise ParameterError.expected("forgetting in (0, 1]", forgetting, "0.995 is the paper's")
         if gain is not None and finite("gain", gain) == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or None")
-        self.dt = positive("dt", dt)
+        self._dt = positive("dt", dt)
         self.method, self.form = method, form
         constant_for, start_samples = whole("constant_for", constant_for, 0), whole("start_samples", start_samples, 0)
         printed = form == "printed"
@@ -127,6 +127,16 @@ class RecursiveIV:
         """Samples seen."""
         return int(self._layout[iv.COUNT])
 
+    @property
+    def started(self) -> bool:
+        """Whether the samples of plain least squares have passed."""
+        return self.samples > 0 and self.samples >= self._state[iv.START]
+
+    @property
+    def dt(self) -> float:
+        """Sampling time in seconds."""
+        return self._dt
+
     def update(self, u: float, y: float) -> float:
         """Take one sample; return its prediction error.
 
@@ -137,17 +147,17 @@ class RecursiveIV:
         """
         try:
             good = math.isfinite(u) and math.isfinite(y)
-        except TypeError:
+        except (TypeError, OverflowError):
             good = False
         if not good:
-            raise DataError.expected("finite u and y", f"u={u}, y={y}", "leave missing samples out")
+            raise DataError.expected("finite u and y", f"u={u!s:.60}, y={y!s:.60}", "leave missing samples out")
         return float(_STEP(self._state, self._layout, float(u), float(y)))
 
     def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
         """Take all samples of u and y (n,); keep every `every`-th estimate."""
         u = finite_signal("u", u)
         y = finite_signal("y", y, u.size)
-        every = whole("every", every, 1)
+        every = min(whole("every", every, 1), u.size + 1)
         n = int(self._layout[iv.N])
         begin = self.samples
         trace = np.empty((u.size // every, n + 4))
