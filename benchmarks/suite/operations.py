@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 import lostmotion as lm
-from lostmotion import kernels
 
 
 class Counted(float):
@@ -98,12 +97,14 @@ class CountingNumpy:
 def count(name: str, saved: bytes, u: np.ndarray, y: np.ndarray) -> float:
     """Operations a sample of ``update``."""
     estimator = getattr(lm, name).from_bytes(saved)
-    for module in vars(kernels).values():
-        if hasattr(module, "np"):
+    for module_name, module in sys.modules.items():
+        if module_name.startswith("lostmotion.kernels.") and hasattr(module, "np"):
             module.np = CountingNumpy()
-    estimator._state = counted(estimator._state)
     if name == "RecursiveML":
-        estimator._psi = counted(estimator._psi)
+        recursion = estimator._recursion
+        recursion.state, recursion._psi = counted(recursion.state), counted(recursion._psi)
+    else:
+        estimator._state = counted(estimator._state)
     Counted.total = 0
     for pair in zip(u.tolist(), y.tolist(), strict=True):
         estimator.update(*map(Counted, pair))

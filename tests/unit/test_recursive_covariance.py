@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
-from lostmotion.kernels import iv_state as iv
+from lostmotion.kernels.recursive_iv import state as iv
 
 
 def situation(seed, *, share, samples, feedback=2.0, rank=4):

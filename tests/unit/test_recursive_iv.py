@@ -1,25 +1,15 @@
-import copy
-import itertools
-import os
-import pickle
-import subprocess
-import sys
-import tracemalloc
-
 import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.kernels import iv_state
+from lostmotion.errors import Status
+from lostmotion.kernels.recursive_iv import state as iv_state
 from tests.naive.recursive_iv import Recursion
-from tests.refusals import refusal
 
 TANK = lm.platforms.level_tank()
 GAIN = TANK.linear.gain
 TRUTH = {"left": -1.0, "right": 1.0, "left_slope": 3.0, "right_slope": 3.0}
 NAN, INF = float("nan"), float("inf")
-KINDS = [("riv", "convergent"), ("rls", "convergent"), ("els", "convergent"), ("riv", "printed"), ("rls", "printed")]
 ORDERS = [(0, 0, 0), (0, 2, 1), (1, 0, 1), (2, 1, 0), (1, 2, 3), (3, 2, 3)]
 
 
@@ -53,12 +43,6 @@ def small_plant(na, nb, delay, seed, n=200):
 
 def inside(riv, name):
     return riv._named(name)
-
-
-def same_state(one, other):
-    assert (one.method, one.form, one.dt) == (other.method, other.form, other.dt)
-    np.testing.assert_array_equal(one._layout, other._layout)
-    np.testing.assert_array_equal(one._state, other._state)
 
 
 def close(value, expected, message):
@@ -183,186 +167,7 @@ def test_standard_errors_are_the_sandwich():
     assert estimate.standard_errors["a1"] == pytest.approx(covariance[0, 0] ** 0.5, rel=1e-6)
 
 
-# --- one state, many ways through the samples
-
-
-@pytest.mark.parametrize(("method", "form"), KINDS)
-def test_update_run_and_chunks_are_the_same(method, form):
-    u, y = experiment(0, n=1500)
-    build = lambda: lm.RecursiveIV(3, 2, 3, GAIN, method=method, form=form, constant_for=800)  # noqa: E731
-    whole, chunks, single = build(), build(), build()
-    trajectory = whole.run(u, y)
-    parts = [chunks.run(u[i:j], y[i:j]) for i, j in itertools.pairwise([0, 1, 1, 400, 977, 1500])]
-    errors = [single.update(value, output) for value, output in zip(u, y, strict=True)]
-    same_state(whole, chunks)
-    same_state(whole, single)
-    np.testing.assert_array_equal(trajectory.errors, errors)
-    np.testing.assert_array_equal(trajectory.errors, np.concatenate([part.errors for part in parts]))
-    np.testing.assert_array_equal(trajectory.samples, np.arange(1, 1501))
-    np.testing.assert_array_equal(trajectory.samples, np.concatenate([part.samples for part in parts]))
-    for name in ("left", "right", "left_slope", "right_slope", "theta"):
-        np.testing.assert_array_equal(trajectory[name], np.concatenate([part[name] for part in parts]))
-    assert whole.samples == single.samples == 1500
-
-
-def test_every_keeps_every_so_many():
-    u, y = experiment(1, n=1000)
-    every_one, every_seventh = lm.RecursiveIV(3, 2, 3, GAIN), lm.RecursiveIV(3, 2, 3, GAIN)
-    full, thin = every_one.run(u, y), every_seventh.run(u, y, every=7)
-    np.testing.assert_array_equal(thin.samples, np.arange(7, 1001, 7))
-    np.testing.assert_array_equal(thin["theta"], full["theta"][6::7])
-    np.testing.assert_array_equal(thin["left"], full["left"][6::7])
-    np.testing.assert_array_equal(thin.errors, full.errors)
-    last = every_one.estimate.parameters
-    assert [full[name][-1] for name in TRUTH] == [last[name] for name in TRUTH]
-
-
-def test_whole_numbers_are_floats():
-    one, other = lm.RecursiveIV(1, 1, 1), lm.RecursiveIV(1, 1, 1)
-    for u, y in [(1, 2), (-3, 0), (2, -1), (0, 5)]:
-        assert one.update(u, y) == other.update(float(u), float(y))
-    same_state(one, other)
-
-
-CONTINUE = """
-import sys
-import numpy as np
-import lostmotion as lm
-size, data = sys.stdin.buffer.readline(), sys.stdin.buffer.read()
-riv = lm.RecursiveIV.from_bytes(data[: int(size)])
-u, y = np.frombuffer(data[int(size) :]).reshape(2, -1)
-riv.run(u, y)
-sys.stdout.buffer.write(riv.to_bytes())
-"""
-
-
-@pytest.mark.parametrize(("method", "form"), [("riv", "convergent"), ("els", "convergent"), ("riv", "printed")])
-def test_bytes_continue_in_another_process(method, form):
-    u, y = experiment(2, n=1200)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN, dt=0.1, method=method, form=form)
-    riv.run(u[:701], y[:701])
-    data, rest = riv.to_bytes(), np.stack([u[701:], y[701:]])
-    riv.run(*rest)
-    job = subprocess.run(
-        [sys.executable, "-c", CONTINUE],
-        input=b"%d\n" % len(data) + data + rest.tobytes(),
-        capture_output=True,
-        check=True,
-        env=os.environ,
-    )
-    elsewhere = lm.RecursiveIV.from_bytes(job.stdout)
-    same_state(riv, elsewhere)
-    assert elsewhere.samples == 1200
-    assert elsewhere.estimate.parameters == riv.estimate.parameters
-
-
-@pytest.mark.parametrize(
-    "clone",
-    [lambda riv: lm.RecursiveIV.from_bytes(riv.to_bytes()), lambda riv: pickle.loads(pickle.dumps(riv)), copy.deepcopy],  # noqa: S301
-)
-def test_copies_continue_on_their_own(clone):
-    u, y = experiment(3, n=900)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN, dt=0.1)
-    riv.run(u[:600], y[:600])
-    twin = clone(riv)
-    same_state(riv, twin)
-    theta = inside(riv, "theta").copy()
-    errors = twin.run(u[600:], y[600:]).errors
-    assert riv.samples == 600
-    np.testing.assert_array_equal(inside(riv, "theta"), theta)
-    np.testing.assert_array_equal(riv.run(u[600:], y[600:]).errors, errors)
-    same_state(riv, twin)
-    assert twin.estimate.linear.dt == 0.1
-
-
-def test_inputs_are_not_touched():
-    u, y = experiment(4, n=600)
-    before = u.copy(), y.copy()
-    u.flags.writeable = y.flags.writeable = False
-    lm.RecursiveIV(3, 2, 3, GAIN).run(u, y)
-    np.testing.assert_array_equal(u, before[0])
-    np.testing.assert_array_equal(y, before[1])
-
-
-def test_signals_of_any_layout():
-    u, y = experiment(4, n=600)
-    table = np.asfortranarray(np.stack([u, y], axis=1))
-    wide = np.repeat(np.stack([u, y]), 2, axis=1)
-    expected = lm.RecursiveIV(3, 2, 3, GAIN).run(u, y).errors
-    for one, other in ((table[:, 0], table[:, 1]), (wide[0, ::2], wide[1, ::2]), (u.tolist(), tuple(y))):
-        np.testing.assert_array_equal(lm.RecursiveIV(3, 2, 3, GAIN).run(one, other).errors, expected)
-
-
-def test_estimates_and_trajectories_stay_as_they_were():
-    u, y = experiment(5, n=1400)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN)
-    trajectory = riv.run(u[:700], y[:700])
-    estimate, rows = riv.estimate, trajectory["theta"].copy()
-    known = dict(estimate.parameters), estimate.covariance.copy()
-    riv.run(u[700:], y[700:])
-    np.testing.assert_array_equal(trajectory["theta"], rows)
-    assert estimate.parameters == known[0]
-    np.testing.assert_array_equal(estimate.covariance, known[1])
-    assert estimate.samples == 700
-
-
-def test_memory_does_not_grow():
-    u, y = experiment(6, n=1000)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN)
-    for k in range(50):
-        riv.update(u[k], y[k])
-    size = len(riv.to_bytes())
-    tracemalloc.start()
-    try:
-        for k in range(50, 300):
-            riv.update(u[k], y[k])
-        before = tracemalloc.get_traced_memory()[0]
-        for k in range(300, 1000):
-            riv.update(u[k], y[k])
-        grown = tracemalloc.get_traced_memory()[0] - before
-    finally:
-        tracemalloc.stop()
-    assert grown < 2000
-    assert len(riv.to_bytes()) == size
-
-
 # --- what it knows, and what it says
-
-
-@pytest.mark.parametrize(("method", "form"), KINDS)
-@pytest.mark.parametrize("orders", ORDERS)
-def test_usable_before_the_first_sample(orders, method, form):
-    riv = lm.RecursiveIV(*orders, method=method, form=form)
-    estimate = riv.estimate
-    assert riv.samples == estimate.samples == 0
-    assert estimate.status is Status.CANNOT_TELL
-    assert all(np.isinf(value) for value in estimate.standard_errors.values())
-    assert estimate.interval("right") == (-INF, INF)
-    empty = riv.run([], [])
-    assert empty.errors.size == empty.samples.size == empty["left"].size == 0
-    assert riv.samples == 0
-
-
-def test_parts_of_an_estimate():
-    u, y = experiment(7, n=3000)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN, dt=0.1)
-    riv.run(u, y, every=3000)
-    estimate, values = riv.estimate, riv.estimate.parameters
-    assert estimate.status is Status.OK
-    assert estimate.nonlinearity == lm.DeadZone(
-        *(values[name] for name in ("left", "right", "left_slope", "right_slope"))
-    )
-    assert estimate.linear == lm.LinearModel(
-        tuple(values[f"a{i}"] for i in (1, 2, 3)), tuple(values[f"b{i}"] for i in range(3)), 3, 0.1
-    )
-    assert values["width"] == values["right"] - values["left"]
-    assert values["gain"] == estimate.linear.gain
-    assert estimate.covariance.shape == (len(values), len(values))
-    np.testing.assert_allclose(estimate.covariance, estimate.covariance.T, rtol=1e-6, atol=1e-12)
-    low, high = estimate.interval("left", 0.9)
-    reach = 1.6448536 * estimate.standard_errors["left"]
-    assert (low, high) == pytest.approx((values["left"] - reach, values["left"] + reach))
-    assert "rihgt" in refusal(ParameterError, estimate.interval, "rihgt")
 
 
 @pytest.mark.parametrize("method", ["riv", "rls", "els"])
@@ -441,88 +246,6 @@ def test_rest_while_tracking_is_survived():
     with np.errstate(all="ignore"):
         riv.run(rest, np.random.default_rng(0).normal(scale=0.03**0.5, size=rest.size), every=rest.size)
         assert np.isfinite(list(riv.estimate.parameters.values())).all()
-
-
-# --- bad input
-
-
-@pytest.mark.parametrize(
-    ("settings", "word"),
-    [
-        ({"na": -1}, "na"),
-        ({"nb": -1}, "nb"),
-        ({"delay": -1}, "delay"),
-        ({"na": 1.5}, "na"),
-        ({"nb": "two"}, "nb"),
-        ({"delay": None}, "delay"),
-        ({"na": NAN}, "na"),
-        ({"gain": 0}, "gain"),
-        ({"gain": 0.0}, "gain"),
-        ({"gain": NAN}, "gain"),
-        ({"gain": INF}, "gain"),
-        ({"gain": "high"}, "gain"),
-        ({"forgetting": 0.0}, "forgetting"),
-        ({"forgetting": -0.5}, "forgetting"),
-        ({"forgetting": 1.0001}, "forgetting"),
-        ({"forgetting": NAN}, "forgetting"),
-        ({"dt": 0.0}, "dt"),
-        ({"dt": -1.0}, "dt"),
-        ({"method": "iv"}, "riv"),
-        ({"method": "RIV"}, "riv"),
-        ({"form": "paper"}, "printed"),
-        ({"start_samples": -1}, "start_samples"),
-        ({"constant_for": 2.5}, "constant_for"),
-    ],
-)
-def test_bad_settings(settings, word):
-    assert word in refusal(ParameterError, lm.RecursiveIV, **{"na": 1, "nb": 0, "delay": 1, **settings})
-
-
-@pytest.mark.parametrize(("u", "y"), [(NAN, 0.0), (0.0, NAN), (INF, 0.0), (0.0, -INF)])
-def test_a_bad_sample_changes_nothing(u, y):
-    record = experiment(9, n=700)
-    riv = lm.RecursiveIV(3, 2, 3, GAIN)
-    riv.run(*record)
-    untouched = copy.deepcopy(riv)
-    assert "finite u and y" in refusal(DataError, riv.update, u, y)
-    same_state(riv, untouched)
-    refusal(DataError, riv.run, [0.0, 1.0, u], [0.0, 1.0, y])
-    same_state(riv, untouched)
-
-
-def test_bad_records_change_nothing():
-    riv = lm.RecursiveIV(1, 1, 1)
-    riv.run([1.0, -2.0], [0.0, 1.0])
-    untouched = copy.deepcopy(riv)
-    assert "3 samples" in refusal(DataError, riv.run, [1.0, 2.0, 3.0], [1.0, 2.0])
-    refusal(DataError, riv.run, [[1.0], [2.0]], [1.0, 2.0])
-    refusal(DataError, riv.run, [1.0, 2.0], ["a", "b"])
-    for every in (0, -1, 1.5):
-        assert "every" in refusal(ParameterError, riv.run, [1.0], [1.0], every)
-    same_state(riv, untouched)
-
-
-@pytest.mark.parametrize("data", [b"", b"\x00", b"nothing like an archive" * 9, pickle.dumps([1])])
-def test_garbage_bytes(data):
-    assert f"{len(data)} other bytes" in refusal(DataError, lm.RecursiveIV.from_bytes, data)
-
-
-def broken(kind):
-    data = lm.RecursiveIV(1, 1, 1).to_bytes()
-    middle = len(data) // 2
-    return {
-        "cut": data[:middle],
-        "zip": b"PK\x03\x04" + b"x" * 100,
-        "flipped": data[:200] + bytes([data[200] ^ 255]) + data[201:],
-        "npy": b"\x93NUMPY\x01\x00v\x00{'descr': '<f8', 'fortran_order': False, 'shape': (1,), }".ljust(127)
-        + b"\n"
-        + bytes(8),
-    }[kind]
-
-
-@pytest.mark.parametrize("kind", ["cut", "zip", "flipped", "npy"])
-def test_broken_bytes(kind):
-    refusal(DataError, lm.RecursiveIV.from_bytes, broken(kind))
 
 
 # --- statistics

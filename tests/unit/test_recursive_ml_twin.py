@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from lostmotion.identify.recursive.change import Memory, Stretch, relinearise
-from lostmotion.identify.recursive.ml_start import Tuning, allocate
-from lostmotion.kernels import recursive_ml as kernel
+from lostmotion.identify.recursive.change import relinearise
+from lostmotion.identify.recursive.memory import Memory, Stretch
+from lostmotion.identify.recursive.ml_settings import Tuning
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.recursive_ml import advance, bounds, change, equations, information, run
+from lostmotion.kernels.recursive_ml import state as ml
 from tests.naive import recursive_ml as naive
 from tests.naive.linear import largest_root
 
@@ -37,13 +39,13 @@ def record(theta, na, nb, delay, n, seed):
 
 def prepared(theta, information, na, nb, delay, tuning):
     """State and layout at rest that know `theta` with this information."""
-    state, layout = allocate(na, nb, delay, theta.size - na - nb - 5, tuning)
+    state, layout = tuning.allocate((na, nb, delay), theta.size - na - nb - 5)
     memory = Memory(state, layout)
     memory.theta[:] = theta
-    memory.part(kernel.REF_H, memory.n, memory.n)[:] = information
-    memory.part(kernel.REF_R, memory.n)[:] = information @ theta
-    state[kernel.SQUARES], state[kernel.WEIGHT] = 50 * VARIANCE, 50.0
-    state[kernel.LOW], state[kernel.HIGH] = -2.0, 2.0
+    memory.parts["ref_h"][:] = information
+    memory.parts["ref_r"][:] = information @ theta
+    state[ml.SQUARES], state[ml.WEIGHT] = 50 * VARIANCE, 50.0
+    state[ml.LOW], state[ml.HIGH] = -2.0, 2.0
     return state, layout
 
 
@@ -74,23 +76,39 @@ def compare(state, layout, slow, k):
     memory = Memory(state, layout)
     total_h, total_r = slow.total()
     close(memory.theta, slow.theta, f"theta after sample {k}")
-    close(memory.part(kernel.SHOWN, memory.n), slow.shown, f"shown after sample {k}")
-    close(memory.part(kernel.TOTAL_H, memory.n, memory.n), total_h, f"information after sample {k}")
-    close(memory.part(kernel.TOTAL_R, memory.n), total_r, f"right-hand side after sample {k}")
-    close(memory.part(kernel.REF_H, memory.n, memory.n), slow.reference[0], f"reference after sample {k}")
-    close(state[[kernel.LOW, kernel.HIGH]], [slow.low, slow.high], f"range after sample {k}")
+    close(memory.parts["shown"], slow.shown, f"shown after sample {k}")
+    close(memory.parts["total_h"], total_h, f"information after sample {k}")
+    close(memory.parts["total_r"], total_r, f"right-hand side after sample {k}")
+    close(memory.parts["ref_h"], slow.reference[0], f"reference after sample {k}")
+    close(state[[ml.LOW, ml.HIGH]], [slow.low, slow.high], f"range after sample {k}")
 
 
 def follow(state, layout, slow, u, y, use):
     """Step both through the record; compare every error, and everything after every block."""
-    psi, rounding = np.zeros(int(layout[kernel.N])), 1e-9 * np.nanmax(np.abs(y))
+    psi, rounding = np.zeros(int(layout[ml.N])), 1e-9 * np.nanmax(np.abs(y))
     for k in range(u.size):
-        error, _ = kernel.one(u[k], y[k], bool(use[k]), state, layout, psi)
+        error, _ = run.one(u[k], y[k], bool(use[k]), state, layout, psi)
         expected = slow.step(u[k], y[k], bool(use[k]))
         np.testing.assert_allclose(error, expected, rtol=1e-7, atol=rounding, err_msg=f"error of sample {k}")
-        close(state[[kernel.SQUARES, kernel.WEIGHT]], [slow.squares, slow.weight], f"variance after sample {k}")
-        if layout[kernel.FILLED] == 0:
+        close(state[[ml.SQUARES, ml.WEIGHT]], [slow.squares, slow.weight], f"variance after sample {k}")
+        if layout[ml.FILLED] == 0:
             compare(state, layout, slow, k)
+
+
+# --- the layout
+
+
+def test_layout_is_that_of_saved_bytes():
+    """The order of the entries and where the parts lie: states saved by earlier versions are read by it."""
+    state, layout = Tuning(0.99, 4.0, INF, "auto").allocate((3, 2, 3), 2)
+    sizes = [3, 3, 3, 2, 12, 6, 8, 37]
+    offsets = [
+        12, 24, 36, 73, 217, 229, 373, 385, 1537, 1633, 1945, 1993, 2041, 2089, 2233, 2245, 2533, 2677, 2689, 2833
+    ]  # fmt: skip
+    assert layout[: ml.COUNT].tolist() == [*sizes, *offsets]
+    assert layout[[ml.RING_S, ml.INVERSE, ml.TEST_AFTER, ml.REFIT_AT]].tolist() == [1929, 2389, 24, 2**63 - 1]
+    assert state.size == layout[ml.SIZE] == 2833
+    assert sum(part.size for part in ml.named(state, layout).values()) == state.size - ml.HEAD
 
 
 # --- the slow twin
@@ -111,7 +129,7 @@ def test_twin_until_blocks_leave_the_ring(p):
     """Forgetting 1: after 1,024 samples, into a reference that only grows."""
     state, layout, slow, (u, y) = pair((1, 0, 1), p, 1.0, seed=3)
     follow(state, layout, slow, u, y, np.ones(u.size, dtype=bool))
-    assert layout[kernel.BLOCKS] > layout[kernel.RING]
+    assert layout[ml.BLOCKS] > layout[ml.RING]
 
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.99])
@@ -132,8 +150,8 @@ def test_twin_with_missing_and_masked_samples_and_outliers(orders, p, forgetting
     u[400:402] = u[399] = u[402]  # between equal commands
     u[400:402] = NAN
     follow(state, layout, slow, u, y, use)
-    assert layout[kernel.CLIPPED] > 0
-    assert layout[kernel.MASKED] == 22
+    assert layout[ml.CLIPPED] > 0
+    assert layout[ml.MASKED] == 22
 
 
 @pytest.mark.parametrize("orders", ORDERS)
@@ -142,11 +160,11 @@ def test_gradient_from_rest(orders, p):
     na, nb, delay = orders
     theta = plant(na, nb, delay, p, seed=11)
     u, y = record(theta, na, nb, delay, 60, seed=11)
-    _, layout = allocate(na, nb, delay, p, Tuning(1.0, INF, INF, "free"))
+    _, layout = Tuning(1.0, INF, INF, "free").allocate((na, nb, delay), p)
     theta = theta + 0.01 * np.random.default_rng(2).normal(size=theta.size)  # not where the errors are white
-    filters, rows, errors = np.zeros(int(layout[kernel.FILTERS])), np.zeros((60, theta.size)), np.zeros(60)
+    filters, rows, errors = np.zeros(int(layout[ml.FILTERS])), np.zeros((60, theta.size)), np.zeros(60)
     for k in range(60):
-        errors[k] = kernel.advance(u[k], y[k], theta, filters, na, nb + 1, delay, p, rows[k])
+        errors[k] = advance.advance(u[k], y[k], theta, filters, na, nb + 1, delay, p, rows[k])
     np.testing.assert_allclose(errors, naive.errors_from_rest(theta, na, nb, delay, u, y), rtol=1e-9, atol=1e-12)
     expected = naive.gradient_from_rest(theta, na, nb, delay, u, y)
     # before the first sample D meets nothing: the derivative to the offset is whole from sample p on
@@ -157,11 +175,11 @@ def test_gradient_from_rest(orders, p):
 def unmoved(p):
     """State whose parameters and variance have not moved for 19 blocks, and the errors."""
     state, layout, _, (u, y) = pair((2, 1, 2), p, 1.0, seed=2, sure=1e-9)
-    state[kernel.SQUARES], state[kernel.WEIGHT] = 1e12 * VARIANCE, 1e12
+    state[ml.SQUARES], state[ml.WEIGHT] = 1e12 * VARIANCE, 1e12
     y[::31] += 3.0
     y[5::57] = NAN
-    psi, used = np.zeros(int(layout[kernel.N])), np.arange(1216) % 200 != 7
-    return state, layout, [kernel.one(u[k], y[k], bool(used[k]), state, layout, psi)[0] for k in range(1216)]
+    psi, used = np.zeros(int(layout[ml.N])), np.arange(1216) % 200 != 7
+    return state, layout, [run.one(u[k], y[k], bool(used[k]), state, layout, psi)[0] for k in range(1216)]
 
 
 @pytest.mark.parametrize("p", [0, 1, 3])
@@ -175,11 +193,11 @@ def test_replay_is_what_has_been(p):
     np.testing.assert_allclose(again.errors[seen], np.array(errors)[-1024:][seen], rtol=1e-6, atol=1e-8)
     size = np.abs(again.errors[seen])
     assert again.cost == pytest.approx(np.sum(np.where(size < limit, size**2, limit * (2 * size - limit))))
-    slots, n = memory.slots(16), memory.n
-    close(again.h, memory.part(kernel.RING_H, 16, n, n)[slots], "H")
-    close(again.r, memory.part(kernel.RING_R, 16, n)[slots], "R")
-    close(again.snapshots[:-1], memory.part(kernel.RING_F, 16, again.snapshots.shape[1])[slots], "filters")
-    close(again.snapshots[-1], memory.part(kernel.FILTER, again.snapshots.shape[1]), "filters at the end")
+    slots = memory.slots(16)
+    close(again.h, memory.parts["ring_h"][slots], "H")
+    close(again.r, memory.parts["ring_r"][slots], "R")
+    close(again.snapshots[:-1], memory.parts["ring_filters"][slots], "filters")
+    close(again.snapshots[-1], memory.parts["filters"], "filters at the end")
 
 
 @pytest.mark.parametrize("blocks", [1, 4, 16])
@@ -188,9 +206,9 @@ def test_relinearised_where_nothing_has_moved_is_the_same(p, blocks):
     state, layout, _ = unmoved(p)
     memory = Memory(state, layout)
     theta, slots = memory.theta.copy(), memory.slots(blocks)
-    ring_h, ring_r = memory.part(kernel.RING_H, 16, memory.n, memory.n), memory.part(kernel.RING_R, 16, memory.n)
+    ring_h, ring_r = memory.parts["ring_h"], memory.parts["ring_r"]
     before_h, before_r = ring_h[slots].copy(), ring_r[slots].copy()
-    layout[kernel.FROM_BLOCK] = layout[kernel.BLOCKS] - blocks - 1
+    layout[ml.FROM_BLOCK] = layout[ml.BLOCKS] - blocks - 1
     relinearise(state, layout)
     close(ring_h[slots], before_h, "H")
     close(ring_r[slots], before_r, "R")
@@ -213,7 +231,7 @@ def test_merge(tail, rank):
     new_h, new_r = rows.T @ rows, rng.normal(size=8)
     expected_h, expected_r = naive.forgotten(h, r, new_h, new_r, tail)
     before = h.copy()
-    kernel.merge(h, r, new_h, new_r, tail)
+    equations.merge(h, r, new_h, new_r, tail)
     np.testing.assert_allclose(h, expected_h, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(r, expected_r, rtol=1e-9, atol=1e-9)
     # nothing is lost where nothing comes in, and information never falls below what it was by more than what came
@@ -228,7 +246,7 @@ def test_merge_keeps_the_estimate_of_directions_without_news():
     h, theta = positive(rng, 6), rng.normal(size=6)
     r = h @ theta
     direction = rng.normal(size=6)
-    kernel.merge(h, r, 100.0 * np.outer(direction, direction), 100.0 * direction * (direction @ theta), 0.1)
+    equations.merge(h, r, 100.0 * np.outer(direction, direction), 100.0 * direction * (direction @ theta), 0.1)
     np.testing.assert_allclose(np.linalg.solve(h, r), theta, rtol=1e-9)
 
 
@@ -239,15 +257,15 @@ def test_informed_sides(seed):
     for index, name in ((5, 0), (6, 1)):
         limit = naive.room(h, index)
         for share, expected in ((0.99, True), (1.01, False)):
-            found = kernel.informed_sides(h, share * limit * 4.0, 5, 2.0, np.zeros((9, 9)))
+            found = equations.informed_sides(h, share * limit * 4.0, 5, 2.0, np.zeros((9, 9)))
             assert found[name] is expected
 
 
 def test_no_information_is_no_information():
     h = np.zeros((9, 9))
-    assert kernel.informed_sides(h, 1.0, 5, 2.0, np.zeros((9, 9))) == (False, False)
+    assert equations.informed_sides(h, 1.0, 5, 2.0, np.zeros((9, 9))) == (False, False)
     h[5, 5] = 100.0
-    assert kernel.informed_sides(h, 1.0, 5, 2.0, np.zeros((9, 9))) == (True, False)
+    assert equations.informed_sides(h, 1.0, 5, 2.0, np.zeros((9, 9))) == (True, False)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -256,7 +274,7 @@ def test_pin_is_the_nearest_point_in_likelihood(seed):
     h, theta, c = positive(rng, 7), rng.normal(size=7), rng.normal(size=7)
     inverse = np.linalg.inv(h)
     expected = theta - inverse @ c * (c @ theta - 0.3) / (c @ inverse @ c)
-    kernel.pin(theta, np.linalg.cholesky(h), c.copy(), 0.3)
+    bounds.pin(theta, np.linalg.cholesky(h), c.copy(), 0.3)
     np.testing.assert_allclose(theta, expected, rtol=1e-9)
     assert c @ theta == pytest.approx(0.3)
 
@@ -265,7 +283,7 @@ def test_pin_is_the_nearest_point_in_likelihood(seed):
 def test_constrained_is_within_bounds(seed):
     rng = np.random.default_rng(seed)
     theta = rng.normal(scale=10.0 ** rng.uniform(-1, 3), size=8)
-    kernel.constrain(theta, np.linalg.cholesky(positive(rng, 8)), 4, -2.0, 1.0, 3.0)
+    bounds.constrain(theta, np.linalg.cholesky(positive(rng, 8)), 4, -2.0, 1.0, 3.0)
     assert -2.0 <= theta[4] <= theta[5] <= 1.0
     assert abs(theta[6]) <= 3.0 + 1e-12
 
@@ -277,7 +295,7 @@ def test_step_stays_stable(seed):
     theta = np.array([*np.poly(rng.uniform(-0.99, 0.99, na))[1:], 1.0])
     wanted = theta + rng.normal(size=na + 1)
     before = theta.copy()
-    kernel.step_to(theta, wanted, na, kernel.RADIUS)
+    bounds.step_to(theta, wanted, na, bounds.RADIUS)
     assert largest_root(theta[:na]) < 1.0
     share = (theta - before) / (wanted - before)
     np.testing.assert_allclose(share, share[0], rtol=1e-6, atol=1e-9)
@@ -287,14 +305,14 @@ def test_step_stays_stable(seed):
 @pytest.mark.parametrize("d", [(0.5,), (-1.5,), (-0.9, -0.85, -5.2), (1e6, -1e9), (0.0, 0.0, 1e300)])
 def test_calmed_noise_is_stable(d):
     calmed = np.array(d)
-    kernel.calm(calmed, kernel.RADIUS)
-    assert is_stable(calmed, kernel.RADIUS)
+    bounds.calm(calmed, bounds.RADIUS)
+    assert is_stable(calmed, bounds.RADIUS)
     assert d != (0.5,) or calmed[0] == 0.5
 
 
 @pytest.mark.parametrize("a", [(), (-0.5,), (-1.6, 0.64), (-2.3283, 1.8994, -0.5546), (-0.99999,)])
 def test_settling_time(a):
-    assert kernel.settling_time(np.array(a)) == naive.settling_time(a)
+    assert advance.settling_time(np.array(a)) == naive.settling_time(a)
 
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.99])
@@ -306,16 +324,16 @@ def test_statistic_of_a_change(shift, forgetting):
     _, other = record(theta, 1, 1, 1, u.size, seed=8)
     y[350:] = other[350:]
     for k in range(480):
-        kernel.one(u[k], y[k], True, state, layout, np.zeros(8))
+        run.one(u[k], y[k], True, state, layout, np.zeros(8))
     memory = Memory(state, layout)
-    kernel.total_information(state, layout)
-    kernel.find_change(state, layout)
-    ring_h = memory.part(kernel.RING_H, memory.ring, memory.n, memory.n)
-    ring_r = memory.part(kernel.RING_R, memory.ring, memory.n)
+    information.total_information(state, layout)
+    change.find_change(state, layout)
+    ring_h = memory.parts["ring_h"]
+    ring_r = memory.parts["ring_r"]
     blocks = [(ring_h[slot], ring_r[slot]) for slot in memory.slots(memory.stored)]
-    total_h, total_r = memory.part(kernel.TOTAL_H, memory.n, memory.n), memory.part(kernel.TOTAL_R, memory.n)
+    total_h, total_r = memory.parts["total_h"], memory.parts["total_r"]
     expected = naive.largest_statistic(blocks, total_h, total_r, memory.variance, 1, 1)
-    assert state[kernel.STATISTIC] == pytest.approx(expected, rel=1e-6)
+    assert state[ml.STATISTIC] == pytest.approx(expected, rel=1e-6)
     assert bool(abs(expected) > 4.0) is (shift > 0)
 
 
@@ -326,11 +344,11 @@ def test_the_shown_dead_zone_is_one(pinned):
     for _ in range(50):
         theta = np.array([0.1, 1.0, 5.0, 0.0, 0.01, 0.0])
         state, layout = prepared(theta, positive(rng, 6), 1, 0, 1, Tuning(1.0, INF, INF, "zero" if pinned else "free"))
-        state[kernel.LOW], state[kernel.HIGH] = -1.0, 1.0
-        kernel.newton_step(state, layout)
-        shown = Memory(state, layout).part(kernel.SHOWN, 6)
+        state[ml.LOW], state[ml.HIGH] = -1.0, 1.0
+        information.newton_step(state, layout)
+        shown = Memory(state, layout).parts["shown"]
         assert -1.0 <= shown[3] <= shown[4] <= 1.0
-        assert abs(shown[5]) <= state[kernel.RATIO_LIMIT]
+        assert abs(shown[5]) <= state[ml.RATIO_LIMIT]
         assert pinned or shown[2] != 0.0
 
 
@@ -342,9 +360,9 @@ def test_factor_stays_finite_where_information_spans_more_digits_than_numbers_ha
     h = jacobian.T @ jacobian
     h -= np.outer(*[rng.normal(size=n)] * 2) * 1e-9 * np.trace(h)  # rounding: no longer positive
     root = np.zeros((n, n))
-    kernel.factor(h, root)
+    equations.factor(h, root)
     step = rng.normal(size=n)
-    kernel.solve(root, step)
+    equations.solve(root, step)
     assert np.isfinite(root).all()
     assert np.isfinite(step).all()
     scale = np.sqrt(np.diag(h))
@@ -355,5 +373,5 @@ def test_factor_is_that_of_cholesky_where_all_is_known():
     rng = np.random.default_rng(3)
     jacobian = rng.normal(size=(40, 9))
     h, root = jacobian.T @ jacobian, np.zeros((9, 9))
-    kernel.factor(h, root)
+    equations.factor(h, root)
     np.testing.assert_allclose(root, np.linalg.cholesky(h), rtol=1e-7, atol=1e-8)

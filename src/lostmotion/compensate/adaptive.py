@@ -9,7 +9,6 @@ keeps slopes other than 1, because the controller is tuned with them).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,20 +16,9 @@ from lostmotion.arguments import finite, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import ParameterError
-from lostmotion.identify import RecursiveML
+from lostmotion.identify import RecursiveEstimate, RecursiveEstimator
 
 QUANTILE = 1.96
-
-
-class Estimator(Protocol):
-    """What is needed of an online estimator: RecursiveML, RecursiveIV, or anything with the same verbs."""
-
-    def run(self, u: Any, y: Any) -> Any:
-        """Take samples of command and measurement."""
-
-    @property
-    def estimate(self) -> Any:
-        """Present estimate with status, parameters and standard errors."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +68,7 @@ class AdaptiveCompensator:
     ----------
     block : CompensatorBlock
         Of kind "dead zone": start settings, safeguards.
-    estimator : RecursiveML or alike
+    estimator : RecursiveEstimator
         It is given the commands behind the block and PV.
     every : int
         Samples between two looks; also the window of the supervisor.
@@ -110,7 +98,7 @@ class AdaptiveCompensator:
     def __init__(
         self,
         block: CompensatorBlock,
-        estimator: Estimator | RecursiveML,
+        estimator: RecursiveEstimator,
         *,
         every: int = 500,
         widest: float = 10.0,
@@ -168,7 +156,7 @@ class AdaptiveCompensator:
         if any(abs(moved[name] - settings[name]) > self.dead_band * size for name in moved):
             self.block = self.block.with_settings(**moved)
 
-    def _wanted(self, estimate: Any) -> dict[str, float] | None:
+    def _wanted(self, estimate: RecursiveEstimate) -> dict[str, float] | None:
         """Break points at the inner end of their intervals; None where the estimate cannot be used."""
         centre, errors = self.block.settings["centre"], estimate.standard_errors
         left, right = estimate.parameters["left"], estimate.parameters["right"]

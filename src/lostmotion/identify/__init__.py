@@ -4,8 +4,8 @@ from lostmotion.identify.estimate import identify
 from lostmotion.identify.facts import FitFacts, facts_of, read_fit
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.rated_estimate import RatedEstimate
-from lostmotion.identify.recursive.change import ChangeEvent
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.estimator import RecursiveEstimator, WatchingEstimator
 from lostmotion.identify.recursive.iv import RecursiveIV
 from lostmotion.identify.recursive.many import run_many
 from lostmotion.identify.recursive.ml import RecursiveML
@@ -16,9 +16,11 @@ __all__ = [
     "HammersteinFit",
     "RatedEstimate",
     "RecursiveEstimate",
+    "RecursiveEstimator",
     "RecursiveIV",
     "RecursiveML",
     "Trajectory",
+    "WatchingEstimator",
     "facts_of",
     "identify",
     "read_fit",

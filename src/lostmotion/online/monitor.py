@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arguments import positive, whole
 from lostmotion.errors import ParameterError
 from lostmotion.files.grid import Rows
-from lostmotion.identify import RecursiveML
-from lostmotion.identify.recursive.change import ChangeEvent
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify import RecursiveEstimate, RecursiveML, WatchingEstimator
 from lostmotion.online import messages
 from lostmotion.online.masks import Masks
 from lostmotion.online.packing import pack, unpack
@@ -25,41 +22,12 @@ TREND_REPORTS = 10  # reports to a point of the trend
 OUTLIER = 4.0  # standard deviations of the prediction error: what counts as one in the reports
 
 
-class Estimator(Protocol):
-    """What a monitor needs of an estimator; see :class:`lostmotion.RecursiveML`."""
-
-    @property
-    def samples(self) -> int:
-        """Samples seen."""
-
-    @property
-    def started(self) -> bool:
-        """Whether there is an estimate."""
-
-    @property
-    def estimate(self) -> RecursiveEstimate:
-        """Present estimate."""
-
-    @property
-    def events(self) -> tuple[ChangeEvent, ...]:
-        """Last changes."""
-
-    def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1, use: npt.ArrayLike | None = None) -> Trajectory:
-        """Take samples."""
-
-    def period(self) -> tuple[dict[str, float], dict[str, float], int] | None:
-        """Break points from the samples since the last call."""
-
-    def to_bytes(self) -> bytes:
-        """Whole state."""
-
-
 class OnlineMonitor:
     """Watches one loop.
 
     Parameters
     ----------
-    estimator : RecursiveML
+    estimator : WatchingEstimator
         Takes the samples that are not masked.
     dt : float
         Sampling time in seconds.
@@ -86,7 +54,7 @@ class OnlineMonitor:
 
     def __init__(
         self,
-        estimator: Estimator,
+        estimator: WatchingEstimator,
         *,
         dt: float,
         report_every: int = 1000,
@@ -231,7 +199,7 @@ class OnlineMonitor:
         }
 
     @classmethod
-    def from_bytes(cls, data: bytes, estimator: Callable[[bytes], Estimator] = RecursiveML.from_bytes) -> Self:
+    def from_bytes(cls, data: bytes, estimator: Callable[[bytes], WatchingEstimator] = RecursiveML.from_bytes) -> Self:
         """Monitor from the bytes of :meth:`to_bytes`.
 
         Raises

@@ -1,4 +1,4 @@
-"""What every recursive estimator gives back: its estimate after a sample, and its way there."""
+"""What recursive estimators give back: the estimate after a sample, the way there, and the changes on it."""
 
 from __future__ import annotations
 
@@ -64,3 +64,29 @@ class Trajectory:
 
     def __getitem__(self, name: str) -> FloatArray:
         return self.values[name]
+
+
+@dataclass(frozen=True)
+class ChangeEvent:
+    """A parameter has moved.
+
+    Attributes
+    ----------
+    sample : int
+        Samples seen when it was raised.
+    since : int
+        Estimated sample of the change.
+    name : str
+        "left" or "right" (break points), "offset" (a load has come) or "process" (what lies behind the actuator).
+    before, after : float
+        Estimates, in engineering units; of the process the static gain from OP to PV beyond right.
+    standard_error : float
+        Of `after`, at the time of the event.
+    """
+
+    sample: int
+    since: int
+    name: str
+    before: float
+    after: float
+    standard_error: float

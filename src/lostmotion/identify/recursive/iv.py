@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import math
-import zipfile
-import zlib
 from typing import Any, Self
 
 import numpy as np
@@ -14,11 +11,12 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.recursive.archive import pack, reading
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
-from lostmotion.kernels import iv_state as iv
-from lostmotion.kernels import recursive_iv as kernel
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.recursive_iv import run as kernel
+from lostmotion.kernels.recursive_iv import state as iv
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, Nonlinearity
 
 INSTRUMENTS = {"riv": iv.MODEL_OUTPUT, "rls": iv.LEAST_SQUARES, "els": iv.LEAST_SQUARES}
@@ -27,7 +25,6 @@ KIND = "RecursiveIV 2"  # of the bytes
 DENSE = 2000  # weighted samples after which the standard errors are gathered from a part of them
 _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
-_BROKEN = (ValueError, OSError, KeyError, EOFError, TypeError, IndexError, zipfile.BadZipFile, zlib.error)
 _NAMES = ("left", "right", "left_slope", "right_slope")
 
 
@@ -106,7 +103,7 @@ class RecursiveIV:
             raise ParameterError.expected("forgetting in (0, 1]", forgetting, "0.995 is the paper's")
         if gain is not None and finite("gain", gain) == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or None")
-        self.dt = positive("dt", dt)
+        self._dt = positive("dt", dt)
         self.method, self.form = method, form
         constant_for, start_samples = whole("constant_for", constant_for, 0), whole("start_samples", start_samples, 0)
         printed = form == "printed"
@@ -122,13 +119,23 @@ class RecursiveIV:
         np.fill_diagonal(self._named("p"), 1e6 if printed else 1e3)
 
     def _named(self, name: str) -> FloatArray:
-        """View of a part of the state, see :func:`lostmotion.kernels.iv_state.named`."""
+        """View of a part of the state, see :func:`lostmotion.kernels.recursive_iv.state.named`."""
         return iv.named(self._state, self._layout)[name]
 
     @property
     def samples(self) -> int:
         """Samples seen."""
         return int(self._layout[iv.COUNT])
+
+    @property
+    def started(self) -> bool:
+        """Whether the samples of plain least squares have passed."""
+        return self.samples > 0 and self.samples >= self._state[iv.START]
+
+    @property
+    def dt(self) -> float:
+        """Sampling time in seconds."""
+        return self._dt
 
     def update(self, u: float, y: float) -> float:
         """Take one sample; return its prediction error.
@@ -140,17 +147,17 @@ class RecursiveIV:
         """
         try:
             good = math.isfinite(u) and math.isfinite(y)
-        except TypeError:
+        except (TypeError, OverflowError):
             good = False
         if not good:
-            raise DataError.expected("finite u and y", f"u={u}, y={y}", "leave missing samples out")
+            raise DataError.expected("finite u and y", f"u={u!s:.60}, y={y!s:.60}", "leave missing samples out")
         return float(_STEP(self._state, self._layout, float(u), float(y)))
 
     def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
         """Take all samples of u and y (n,); keep every `every`-th estimate."""
         u = finite_signal("u", u)
         y = finite_signal("y", y, u.size)
-        every = whole("every", every, 1)
+        every = min(whole("every", every, 1), u.size + 1)
         n = int(self._layout[iv.N])
         begin = self.samples
         trace = np.empty((u.size // every, n + 4))
@@ -216,10 +223,8 @@ class RecursiveIV:
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""
-        buffer = io.BytesIO()
         labels = np.array([KIND, self.method, self.form])
-        np.savez(buffer, labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
-        return buffer.getvalue()
+        return pack(labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -230,17 +235,14 @@ class RecursiveIV:
         DataError
             The bytes are something else.
         """
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-                kind, method, form = (str(label) for label in stored["labels"])
-                state, layout, dt = stored["state"], stored["layout"], float(stored["dt"])
+        with reading(data) as parts:
+            kind, method, form = (str(label) for label in parts["labels"])
+            state, layout, dt = parts["state"], parts["layout"], float(parts["dt"])
             na, nb, delay = (int(value) for value in layout[: iv.NE])
             if max((na + nb + 4) ** 2, delay) > state.size:
                 raise ValueError(kind)
             new = cls(na, nb, delay, 1.0, dt=dt, method=method, form=form)
             new._take_over(kind, state, layout)
-        except (*_BROKEN, ParameterError) as error:
-            raise DataError.expected("the bytes of to_bytes()", f"{len(data)} other bytes", "save it again") from error
         return new
 
     def _take_over(self, kind: str, state: FloatArray, layout: npt.NDArray[np.int64]) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels import iv_state as iv
+from lostmotion.kernels.recursive_iv import state as iv
 
 NEAR = 0.25  # see `_recent`
 
@@ -29,7 +29,7 @@ def covariance_of_theta(state: FloatArray, layout: IntArray, jacobian: FloatArra
     such a recursion solves a Lyapunov equation (Benveniste, Metivier and Priouret, *Adaptive Algorithms and
     Stochastic Approximations*, part I, chapter 3). With W = 0 it is the sandwich R^-1 S R^-T of Soderstrom and
     Stoica, *System Identification*, chapter 8. R comes from P; S, W and the noise from
-    :mod:`lostmotion.kernels.iv_spread`.
+    :mod:`lostmotion.kernels.recursive_iv.spread`.
 
     Where early samples are forgotten faster than 1/k, the present noise counts and not that of the start, when the
     model was poor. It is the geometric mean of two measures: the squared miss of the model's output is too large

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -14,19 +13,13 @@ from lostmotion.arguments import finite_signal, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.recursive.estimate import Trajectory
+from lostmotion.identify.recursive.estimator import RecursiveEstimator
 
 CHUNKS = 4  # tasks of each worker: they end together although loops differ
 
 
-class Recursive(Protocol):
-    """What takes samples along a run."""
-
-    def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
-        """Take all samples; keep every `every`-th estimate."""
-
-
 def run_many(
-    estimators: Sequence[Recursive],
+    estimators: Sequence[RecursiveEstimator],
     u: npt.ArrayLike | Sequence[npt.ArrayLike],
     y: npt.ArrayLike | Sequence[npt.ArrayLike],
     every: int = 1,
@@ -36,8 +29,8 @@ def run_many(
 
     Parameters
     ----------
-    estimators : sequence
-        Different objects with a method ``run(u, y, every)``, one for each loop.
+    estimators : sequence of RecursiveEstimator
+        Different ones, one for each loop; all that is needed of them is ``run(u, y, every)``.
     u, y : array_like, shape (loops, n), or a sequence of signals
         One row for each loop; lengths may differ between loops.
     every : int

@@ -7,12 +7,13 @@ import math
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels import iv_state as iv
 from lostmotion.kernels.lanes import load, plus_product, spread, store, times, total
 from lostmotion.kernels.linear import inside_circle, three_inside_circle
+from lostmotion.kernels.recursive_iv import state as iv
 
-LARGEST_RATIO = 10.0
-MOST_COVARIANCE = 1e9
+LARGEST_RATIO = 10.0  # of the two slopes: beyond it an estimate is on its way, not there
+MOST_COVARIANCE = 1e9  # a million times P0: nothing has excited this direction for long, and P would overflow
+VANISHING = 1e-6  # of lambda: an instrument that is at right angles to the regressor defines no gain
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
@@ -65,7 +66,7 @@ def correct(state: FloatArray, layout: IntArray, z: int, error: float) -> float:
     """Gain (eq 16), P (eq 17) and theta; return what the past was weighed with, 0 where nothing was well defined."""
     lam, n, pad = state[iv.FORGETTING], layout[iv.N], layout[iv.PAD]
     below = weigh(state, layout, z, lam)
-    if not abs(below) > 1e-6 * lam:
+    if not abs(below) > VANISHING * lam:
         return 0.0
     largest = 0.0
     for i in range(n):

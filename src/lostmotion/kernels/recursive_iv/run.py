@@ -6,7 +6,8 @@ Regressor (eq 23, na + nb + 4 entries, then the past residuals of extended least
     theta = [a1 .. a_na, b0 mr, b0 mr br, b0 ml, b0 ml bl, b1 .. b_nb, c1 .. c_ne]
 
 The instrument z is phi itself (least squares), phi with y replaced by the model's output, or the printed eq 20.
-Between samples phi already holds the past y, x and residuals. State and layout: :mod:`lostmotion.kernels.iv_state`.
+Between samples phi already holds the past y, x and residuals. State and layout:
+:mod:`lostmotion.kernels.recursive_iv.state`.
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels import iv_state as iv
-from lostmotion.kernels.iv_spread import gather
-from lostmotion.kernels.iv_update import correct, hold_if_stable, separate, separate_safely
 from lostmotion.kernels.lanes import address, dot, load, store
+from lostmotion.kernels.recursive_iv import state as iv
+from lostmotion.kernels.recursive_iv.spread import gather
+from lostmotion.kernels.recursive_iv.update import correct, hold_if_stable, separate, separate_safely
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)

@@ -16,8 +16,8 @@ import math
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels import iv_state as iv
 from lostmotion.kernels.lanes import load, plus_product, spread, store, times
+from lostmotion.kernels.recursive_iv import state as iv
 
 STRIDE = 8
 GOLDEN = 0.6180339887498949

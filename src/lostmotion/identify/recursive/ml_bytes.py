@@ -1,0 +1,78 @@
+"""State of RecursiveML as bytes and back, bit by bit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.recursive.archive import pack, reading
+from lostmotion.identify.recursive.estimate import ChangeEvent
+from lostmotion.identify.recursive.ml_recursion import Recursion
+from lostmotion.identify.recursive.ml_settings import Settings
+from lostmotion.identify.recursive.ml_start import FirstWindow
+from lostmotion.kernels.recursive_ml import state as ml
+
+FORMAT = "lostmotion recursive ml 1"
+AT_MOST = {ml.FILLED: ml.BLOCK, ml.WINDOW: ml.RING, ml.BLOCKS: ml.COUNT}  # counters and their bounds
+
+
+def packed(first: FirstWindow, recursion: Recursion | None) -> bytes:
+    """Bytes of an estimator before its start (no recursion) or after it."""
+    header = {
+        "format": FORMAT,
+        "settings": asdict(first.settings),
+        "seen": first.seen if recursion is None else recursion.before,
+        "next_try": first.next_try,
+        "events": [] if recursion is None else [asdict(event) for event in recursion.events],
+    }
+    return pack(
+        header=np.frombuffer(json.dumps(header).encode(), dtype=np.uint8),
+        gathered=np.array((first.u, first.y)),
+        scales=np.array((1.0, 1.0) if recursion is None else recursion.scales),
+        state=np.zeros(0) if recursion is None else recursion.state,
+        layout=np.zeros(0, dtype=np.int64) if recursion is None else recursion.layout,
+    )
+
+
+def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
+    """First window and recursion from bytes; DataError where they are something else."""
+    with reading(data) as parts:
+        header = json.loads(parts["header"].tobytes())
+        if header["format"] != FORMAT:
+            raise ValueError(header["format"])
+        return _restored(header, parts)
+
+
+def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindow, Recursion | None]:
+    settings = Settings(**header["settings"])
+    seen, gathered = int(header["seen"]), parts["gathered"]
+    events = [ChangeEvent(**event) for event in header["events"]]
+    scales = (float(parts["scales"][0]), float(parts["scales"][1]))
+    first = FirstWindow(settings, gathered[0].tolist(), gathered[1].tolist(), seen, int(header["next_try"]))
+    if not parts["state"].size:
+        return first, None
+    state, layout = np.ascontiguousarray(parts["state"]), np.ascontiguousarray(parts["layout"])
+    check(settings, state, layout)
+    return first, Recursion(settings, state, layout, scales, seen, events)
+
+
+def check(settings: Settings, state: FloatArray, layout: IntArray) -> None:
+    """ValueError where the arrays do not fit the settings: the kernel does not look where it writes."""
+    if layout.shape != (ml.LAYOUT_SIZE,) or layout.dtype != np.int64:
+        raise ValueError("layout")
+    p = int(layout[ml.P])
+    if not 0 <= p * p < state.size:
+        raise ValueError("layout")
+    made_state, made_layout = settings.tuning.allocate(settings.orders, p)
+    if state.shape != made_state.shape or state.dtype != made_state.dtype:
+        raise ValueError("state")
+    fixed = list(ml.NOT_MOVING)
+    if not np.array_equal(layout[fixed], made_layout[fixed]):
+        raise ValueError("layout")
+    for count, most in AT_MOST.items():
+        if not 0 <= layout[count] <= layout[most] - (count == ml.FILLED):
+            raise ValueError("counters")

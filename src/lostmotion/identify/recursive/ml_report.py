@@ -1,0 +1,139 @@
+"""What RecursiveML says: estimate, trajectory, and the break points of a period."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import ParameterError, Status
+from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
+from lostmotion.identify.likelihood.offset import without_column
+from lostmotion.identify.likelihood.parameters import information_inverse, named_values
+from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.memory import NONE, Memory
+from lostmotion.identify.recursive.ml_recursion import Recursion
+from lostmotion.identify.recursive.ml_settings import Settings
+from lostmotion.kernels.recursive_ml import information
+from lostmotion.kernels.recursive_ml import state as ml
+from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
+
+NAMES = ("left", "right", "left_slope", "right_slope")
+KNOWN = 0.25  # of the range of u: a break point with a larger standard error is not known
+TOUCHED = 1e-6  # of the largest share in a direction without information: less is rounding
+
+
+def nothing_yet(settings: Settings, samples: int) -> RecursiveEstimate:
+    """Estimate while the first window fills."""
+    linear = LinearModel((0.0,) * settings.na, (0.0,) * (settings.nb + 1), settings.delay, settings.dt)
+    unknown = dict.fromkeys((*NAMES, "width", "slope_ratio", "gain", "offset"), math.nan)
+    covariance = np.full((len(unknown),) * 2, np.inf)
+    return RecursiveEstimate(Status.CANNOT_TELL, Hammerstein(Identity(), linear), unknown, covariance, samples)
+
+
+def present(recursion: Recursion) -> RecursiveEstimate:
+    """Estimate with standard errors and status."""
+    memory, settings = recursion.memory, recursion.settings
+    shown = memory.parts["shown"]
+    pinned = information.pinned(recursion.state, recursion.layout)
+    inverse, empty = information_inverse(
+        memory.parts["total_h"], without_column(memory.n, memory.eta - 1) if pinned else None
+    )
+    values, jacobian, wrong = _named(recursion, shown)
+    covariance = jacobian @ (memory.variance * inverse) @ jacobian.T
+    for direction in empty.T:
+        move = jacobian @ direction
+        lost = np.abs(move) > TOUCHED * np.abs(move).max(initial=NONE)
+        covariance[lost, lost] = np.inf
+    noise = NoiseModel(tuple(shown[memory.eta + 3 :].tolist()), memory.variance * recursion.scales[1] ** 2)
+    status = Status.WRONG_GAIN if wrong else _status(recursion, values, covariance)
+    informed = {
+        name: int(recursion.layout[entry]) + recursion.before
+        for name, entry in (("left", ml.LEFT_AT), ("right", ml.RIGHT_AT))
+    }
+    model = _model(settings, values)
+    return RecursiveEstimate(status, model, values, covariance, recursion.samples, noise, informed)
+
+
+def _named(recursion: Recursion, theta: FloatArray) -> tuple[dict[str, float], FloatArray, bool]:
+    """Named parameters, their derivatives, and whether the known gain has the wrong sign."""
+    settings, scaling = recursion.settings, recursion.scaling
+    na, nb = settings.na, settings.nb
+    try:
+        return (*named_values(theta, DeadZoneFamily, na, nb, scaling, settings.gain), False)
+    except ParameterError:
+        return (*named_values(theta, DeadZoneFamily, na, nb, scaling, None), True)
+
+
+def _reach(recursion: Recursion, memory: Memory) -> float:
+    """Standard error up to which a break point is known, in units of u."""
+    low, high = memory.span
+    return KNOWN * (high - low) * recursion.scales[0]
+
+
+def _status(recursion: Recursion, values: dict[str, float], covariance: FloatArray) -> Status:
+    errors = dict(zip(values, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
+    reach = _reach(recursion, recursion.memory)
+    known = [errors[name] < reach for name in ("left", "right")]
+    if not any(known):
+        return Status.CANNOT_TELL
+    if not all(known):
+        return Status.ONE_SIDED
+    # BIC of the one parameter: an estimate is looked at a thousand times, and 1.96 would claim a width by chance
+    remembered = min(float(recursion.samples), recursion.settings.remembered)
+    return Status.OK if values["width"] ** 2 > np.log(remembered) * errors["width"] ** 2 else Status.NOT_SEEN
+
+
+def _model(settings: Settings, values: dict[str, float]) -> Hammerstein:
+    zone: Nonlinearity = DeadZone(*(values[name] for name in NAMES))
+    a = tuple(values[f"a{i + 1}"] for i in range(settings.na))
+    b = tuple(values[f"b{i}"] for i in range(settings.nb + 1))
+    return Hammerstein(zone, LinearModel(a, b, settings.delay, settings.dt), values["offset"])
+
+
+def trajectory(
+    settings: Settings,
+    recursion: Recursion | None,
+    samples: npt.NDArray[np.int64],
+    rows: FloatArray,
+    errors: FloatArray,
+) -> Trajectory:
+    """Way through a run whose last rows are `rows` of theta; NaN in those before there was an estimate."""
+    na, nb1 = settings.na, settings.nb + 1
+    order = settings.noise if isinstance(settings.noise, int) else 0
+    theta = np.full((samples.size, na + nb1 + 4 + order if recursion is None else recursion.n), np.nan)
+    if len(rows):
+        theta[samples.size - len(rows) :] = rows
+    scale_u, scale_y = (1.0, 1.0) if recursion is None else recursion.scales
+    eta = na + nb1 + 1
+    ratio = np.exp(theta[:, eta + 2])
+    slope = np.ones(samples.size)
+    if settings.gain is not None:
+        product = theta[:, na : na + nb1].sum(axis=1) / (1.0 + theta[:, :na].sum(axis=1)) * scale_y / scale_u
+        slope = np.where(product / settings.gain > 0, product / settings.gain, 1.0)
+    values = {"left": theta[:, eta] * scale_u, "right": theta[:, eta + 1] * scale_u}
+    values |= {"left_slope": ratio * slope, "right_slope": slope + 0.0 * ratio, "theta": theta}
+    return Trajectory(samples, values, errors)
+
+
+def end_period(recursion: Recursion) -> tuple[dict[str, float], dict[str, float], int] | None:
+    """Break points and width from the samples of the period alone, see ``RecursiveML.period``; begin a new one."""
+    memory, layout, scale = recursion.memory, recursion.layout, recursion.scales[0]
+    h, r = memory.parts["period_h"], memory.parts["period_r"]
+    count = int(layout[ml.COUNT] - layout[ml.PERIOD_FROM])
+    information_matrix, score = h.copy(), r - h @ memory.theta
+    h[:], r[:] = 0.0, 0.0
+    layout[ml.PERIOD_FROM] = layout[ml.COUNT]
+    inverse, empty = information_inverse(information_matrix, None)
+    zone = slice(memory.eta, memory.eta + 2)
+    if not count or (np.abs(empty[zone]) > TOUCHED * np.abs(empty).max(axis=0, initial=NONE)).any():
+        return None
+    left, right = (memory.theta[zone] + (inverse @ score)[zone]) * scale
+    covariance = memory.variance * inverse[zone, zone] * scale**2
+    wide = covariance[0, 0] + covariance[1, 1] - 2.0 * covariance[0, 1]
+    spread = dict(zip(("left", "right", "width"), np.sqrt([*np.diag(covariance), wide]).tolist(), strict=True))
+    if not max(spread["left"], spread["right"]) < _reach(recursion, memory):
+        return None
+    return {"left": float(left), "right": float(right), "width": float(right - left)}, spread, count

@@ -1,0 +1,101 @@
+"""The batch fit of a first window, and whether the recursion may begin from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import DataError, Status
+from lostmotion.identify.estimate import identify
+from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.recursive.ml_settings import Settings
+from lostmotion.records import LoopRecord
+
+OUTLIER = 6.0  # median deviations beyond which a residual of the first window is drawn in
+MEDIAN = 1.4826  # standard deviation of normal noise over its median absolute deviation
+GOOD = (Status.OK, Status.MISFIT, Status.COLOURED)
+CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
+CLEAR_WINDOW = 2  # times the first window: from then on a dead zone that is known less well may begin
+UNSEEN_WINDOW = 4  # times the first window: that there is no dead zone is believed later than a dead zone
+LARGEST_WINDOW = 8  # times the first window: how long a start may wait for information
+
+
+@dataclass(frozen=True)
+class Window:
+    """Samples of the start, NaN where missing or masked; u and y in engineering units."""
+
+    u: FloatArray
+    y: FloatArray
+
+    def segments(self, shortest: int) -> npt.NDArray[np.int64]:
+        """Start and stop of the stretches without a missing sample."""
+        good = np.concatenate([[False], np.isfinite(self.u) & np.isfinite(self.y), [False]])
+        edges = np.flatnonzero(np.diff(good.astype(np.int8)))
+        pairs = edges.reshape(-1, 2)
+        return np.asarray(pairs[pairs[:, 1] - pairs[:, 0] >= shortest])
+
+
+def fit_window(window: Window, settings: Settings) -> HammersteinFit | None:
+    """Batch fit of a start window with bounded influence of outliers; None where nothing can be fitted."""
+    noise = settings.noise if isinstance(settings.noise, int) else 0
+    segments = window.segments(3 * (sum(settings.orders) + noise) + 40)
+    if not len(segments):
+        return None
+    try:
+        fit = _fit(window.u, window.y, segments, settings)
+        drawn = _drawn_in(fit, window.y, segments)
+        return fit if drawn is None else _fit(window.u, drawn, segments, settings)
+    except (DataError, np.linalg.LinAlgError):  # constant, or nearly: no information yet
+        return None
+
+
+def _fit(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], settings: Settings) -> HammersteinFit:
+    records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=settings.dt) for start, stop in segments]
+    return identify(records, orders=settings.orders, noise=settings.noise, offset=settings.offset, raw=True)
+
+
+def may_begin(fit: HammersteinFit, waited: float) -> bool:
+    """Whether the recursion may begin from this fit after a wait of so many first windows.
+
+    A process that integrates is never followed.
+    """
+    accepted = (*GOOD, Status.NOT_SEEN) if waited >= UNSEEN_WINDOW else GOOD
+    if waited >= LARGEST_WINDOW:
+        accepted = (*accepted, Status.ONE_SIDED)
+    clear = waited >= CLEAR_WINDOW or is_clear(fit)
+    anchored = waited >= LARGEST_WINDOW or is_anchored(fit)
+    return fit.status in accepted and clear and anchored and not fit.chosen.integrating
+
+
+def is_clear(fit: HammersteinFit) -> bool:
+    """Whether the dead zone is known so well that the fit is hardly a wrong maximum (docs/online.md, false events)."""
+    errors, values = fit.standard_errors, fit.parameters
+    wide = errors["width"] < CLEAR_WIDTH * values["width"]
+    return bool(wide and errors["slope_ratio"] < CLEAR_RATIO * values["slope_ratio"])
+
+
+def is_anchored(fit: HammersteinFit) -> bool:
+    """Whether the static gain is known at all.
+
+    Where it is not, poles stand next to 1, and what was linearised there counts as certainty for good.
+    """
+    return bool(fit.standard_errors["gain"] < abs(fit.parameters["gain"]))
+
+
+def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
+    """The same y with outliers drawn in to what still passes for noise; None where there are none."""
+    errors = fit.residuals
+    spread = MEDIAN * float(np.median(np.abs(errors - np.median(errors))))
+    if spread == 0.0 or not np.any(np.abs(errors) > OUTLIER * spread):
+        return None
+    skipped = fit.chosen.delay + fit.chosen.noise_order
+    result, at = y.copy(), 0
+    for start, stop in segments:
+        size = stop - start - skipped
+        e = errors[at : at + size]
+        result[start + skipped : stop] -= e - np.clip(e, -OUTLIER * spread, OUTLIER * spread)
+        at += size
+    return result

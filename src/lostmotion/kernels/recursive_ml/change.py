@@ -1,0 +1,143 @@
+"""Has something changed? A test on the ring, and the ring filtered again with other parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.recursive_ml import state as ml
+from lostmotion.kernels.recursive_ml.advance import advance, forget_zone, noise_at
+from lostmotion.kernels.recursive_ml.equations import gather, influence
+
+GAIN = 2  # direction that is tested after those of the break points, 0 and 1
+NEWS = 1e-6  # share of a window's information that the total must leave: less is rounding
+
+
+@njit(cache=True, nogil=True)
+def find_change(state: FloatArray, layout: IntArray) -> bool:
+    """Efficient score test of a shift within the newest 1, 2, 4 .. blocks; keep the largest statistic.
+
+    At the estimate from everything, the score s of a window is normal with covariance
+    variance (H - H T^-1 H), H its information and T the total, if nothing has changed; a shift along c gives it
+    the mean of that matrix times c. z = c's / sqrt(c' cov c) is the likelihood ratio against that shift.
+    """
+    n, ring = layout[ml.N], layout[ml.RING]
+    inverse, right_hand = ml.matrix(state, layout, ml.INVERSE), ml.vector(state, layout, ml.TOTAL_R)
+    best = np.zeros(n)
+    for i in range(n):
+        for j in range(n):
+            best[j] += inverse[i, j] * right_hand[i]
+    h = ml.matrix(state, layout, ml.WORK)
+    h[:] = 0.0
+    r, c, score = np.zeros(n), np.zeros(n), np.zeros(n)
+    deviation = np.sqrt(ml.variance(state))
+    largest = 0.0
+    wanted = 1
+    for back in range(min(ring, layout[ml.BLOCKS])):
+        slot = (layout[ml.BLOCKS] - 1 - back) % ring
+        h += ml.information_of(state, layout, slot)
+        r += ml.right_hand_of(state, layout, slot)
+        if back + 1 != wanted:
+            continue
+        wanted *= 2
+        for i in range(n):
+            score[i] = r[i]
+            for j in range(n):
+                score[i] -= h[i, j] * best[j]
+        for direction in range(3):
+            point(c, direction, best, layout)
+            statistic = shift_statistic(h, inverse, score, c, deviation)
+            if abs(statistic) > abs(largest):
+                largest = statistic
+                layout[ml.WINDOW] = back + 1
+    state[ml.STATISTIC] = largest
+    return bool(abs(largest) > state[ml.THRESHOLD])
+
+
+@njit(cache=True, nogil=True)
+def point(c: FloatArray, direction: int, theta: FloatArray, layout: IntArray) -> None:
+    """Fill c with a shift of the left or right break point, or of the gain."""
+    eta = ml.eta_at(layout)
+    c[:] = 0.0
+    if direction == GAIN:
+        c[layout[ml.NA] : eta - 1] = theta[layout[ml.NA] : eta - 1]
+    else:
+        c[eta + direction] = 1.0
+
+
+@njit(cache=True, nogil=True)
+def shift_statistic(h: FloatArray, inverse: FloatArray, score: FloatArray, c: FloatArray, deviation: float) -> float:
+    """Normal statistic of a shift along c; 0 where the window tells nothing of it."""
+    n = c.size
+    along = np.zeros(n)
+    spread, above = 0.0, 0.0
+    for i in range(n):
+        for j in range(n):
+            along[i] += h[i, j] * c[j]
+        spread += c[i] * along[i]
+        above += c[i] * score[i]
+    whole = spread
+    for i in range(n):
+        value = 0.0
+        for j in range(n):
+            value += inverse[i, j] * along[j]
+        spread -= along[i] * value
+    if spread > NEWS * whole and deviation > 0.0:
+        return float(above / (deviation * np.sqrt(spread)))
+    return 0.0
+
+
+@njit(cache=True, nogil=True)
+def replay(
+    old: FloatArray,
+    theta: FloatArray,
+    onset: int,
+    blind: int,
+    limit: float,
+    state: FloatArray,
+    layout: IntArray,
+    blocks: int,
+    h: FloatArray,
+    r: FloatArray,
+    errors: FloatArray,
+    snapshots: FloatArray,
+) -> float:
+    """Filter the newest `blocks` whole blocks again, with `old` up to sample `onset`, then with `theta`.
+
+    Fills h (blocks, n, n), r (blocks, n), errors (blocks * block; NaN where not used) and `snapshots` of the filters
+    before each block and at the end (blocks + 1, filters);
+    the information is that from `onset` on. Returns the cost, errors beyond `limit` counting as Huber has it. The
+    first `blind` samples from `onset` on, in which the filters do not know how the change came about, add neither.
+    """
+    ring, block = layout[ml.RING], layout[ml.BLOCK]
+    na, nb1, delay, p = layout[ml.NA], layout[ml.NB1], layout[ml.DELAY], layout[ml.P]
+    oldest = (layout[ml.BLOCKS] - blocks) % ring
+    filters = ml.filters_of(state, layout, oldest).copy()
+    psi = np.zeros(layout[ml.N])
+    cost = 0.0
+    for i in range(blocks):
+        slot = (oldest + i) % ring
+        snapshots[i] = filters
+        h[i] = 0.0
+        r[i] = 0.0
+        for j in range(block):
+            k, at = slot * block + j, i * block + j
+            if at == onset:
+                forget_zone(filters, na, nb1, delay, p)
+            now = theta if at >= onset else old
+            error = advance(state[layout[ml.U] + k], state[layout[ml.Y] + k], now, filters, na, nb1, delay, p, psi)
+            errors[at] = np.nan
+            if state[layout[ml.USED] + k] > 0.0:
+                errors[at] = error
+                weight = influence(error, limit)
+                if weight < 1.0 and p > 0:
+                    filters[noise_at(na, nb1, delay)] -= (1.0 - weight) * error
+                if onset <= at < onset + blind:
+                    continue
+                if at >= onset:
+                    gather(psi, error, weight, h[i], r[i])
+                cost += error * error if weight == 1.0 else limit * (2.0 * abs(error) - limit)
+        r[i] += np.dot(h[i], theta)
+    snapshots[blocks] = filters
+    return cost

@@ -1,0 +1,143 @@
+"""Where the recursive maximum-likelihood estimator keeps its state: one array of floats, one of whole numbers.
+
+The order of the entries is that of the bytes that estimators were saved to: new entries go to the end.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from lostmotion.arrays import FloatArray, IntArray
+
+# `layout`: sizes, offsets into `state`, counters
+NA, NB1, DELAY, P, N, BLOCK, RING, FILTERS = range(8)
+THETA, SHOWN, FILTER, REF_H, REF_R, SUM_H, SUM_G, RING_H, RING_R, RING_F, U, Y, USED = range(8, 21)
+TOTAL_H, TOTAL_R, ROOT, PERIOD_H, PERIOD_R, WORK, SIZE = range(21, 28)
+COUNT, FILLED, BLOCKS, SETTLE, WAIT, LOST, SINCE, LEFT_AT, RIGHT_AT, CLIPPED, MISSING, MASKED = range(28, 40)
+PERIOD_FROM, WINDOW, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, INVERSE, LAYOUT_SIZE = range(40, 49)
+
+# head of `state`
+TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT, STATISTIC, HEAD = range(13)
+
+NOT_MOVING = (*range(COUNT), RING_S, INVERSE)  # sizes and offsets: they follow from the settings
+NEVER = int(np.iinfo(np.int64).max)  # of REFIT_AT
+
+
+class Places(NamedTuple):
+    """All that the sizes depend on: orders, samples of a block, blocks of the ring."""
+
+    na: int
+    nb: int
+    delay: int
+    noise_order: int
+    block: int
+    ring: int
+
+
+def lay_out(places: Places) -> tuple[FloatArray, IntArray]:
+    """Zeroed state and its layout; looks back at nothing yet."""
+    na, nb, delay, p, block, ring = places
+    n, nx = na + nb + 5 + p, max(na, nb + 1)
+    filters = delay + 1 + 4 * nx + na + p + nb + 1 + na + 5 * p
+    layout = np.zeros(LAYOUT_SIZE, dtype=np.int64)
+    layout[: FILTERS + 1] = na, nb + 1, delay, p, n, block, ring, filters
+    at = int(HEAD)
+    for _, entry, shape in parts(layout):
+        layout[entry] = at
+        at += int(np.prod(shape))
+    layout[SIZE] = at
+    layout[REFIT_AT] = NEVER
+    return np.zeros(at), layout
+
+
+def parts(layout: IntArray) -> list[tuple[str, int, tuple[int, ...]]]:
+    """Name, entry of `layout` and shape of every part, in the order in which they lie in `state`."""
+    n, block, ring, filters = (int(layout[entry]) for entry in (N, BLOCK, RING, FILTERS))
+    return [
+        ("theta", THETA, (n,)),
+        ("shown", SHOWN, (n,)),  # theta, with the offset pinned where it is zero
+        ("filters", FILTER, (filters,)),
+        ("ref_h", REF_H, (n, n)),
+        ("ref_r", REF_R, (n,)),
+        ("sum_h", SUM_H, (n, n)),  # open block; its right-hand side still a gradient
+        ("sum_g", SUM_G, (n,)),
+        ("ring_h", RING_H, (ring, n, n)),
+        ("ring_r", RING_R, (ring, n)),
+        ("ring_filters", RING_F, (ring, filters)),  # before each block
+        ("ring_scale", RING_S, (ring, 2)),  # squares and weight before each block
+        ("u", U, (ring, block)),
+        ("y", Y, (ring, block)),
+        ("used", USED, (ring, block)),
+        ("total_h", TOTAL_H, (n, n)),
+        ("total_r", TOTAL_R, (n,)),
+        ("root", ROOT, (n, n)),
+        ("inverse", INVERSE, (n, n)),
+        ("period_h", PERIOD_H, (n, n)),
+        ("period_r", PERIOD_R, (n,)),
+        ("work", WORK, (n, n)),
+    ]
+
+
+def named(state: FloatArray, layout: IntArray) -> dict[str, FloatArray]:
+    """Views of the parts by name."""
+    found = {}
+    for name, entry, shape in parts(layout):
+        at = int(layout[entry])
+        found[name] = state[at : at + int(np.prod(shape))].reshape(shape)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def vector(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
+    """View of a part of shape (n,)."""
+    return state[layout[entry] : layout[entry] + layout[N]]
+
+
+@njit(cache=True, nogil=True)
+def matrix(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
+    """View of a part of shape (n, n)."""
+    n = layout[N]
+    return state[layout[entry] : layout[entry] + n * n].reshape(n, n)
+
+
+@njit(cache=True, nogil=True)
+def right_hand_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
+    """View of the right-hand side of a block of the ring, (n,)."""
+    at = layout[RING_R] + slot * layout[N]
+    return state[at : at + layout[N]]
+
+
+@njit(cache=True, nogil=True)
+def information_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
+    """View of the information of a block of the ring, (n, n)."""
+    n = layout[N]
+    at = layout[RING_H] + slot * n * n
+    return state[at : at + n * n].reshape(n, n)
+
+
+@njit(cache=True, nogil=True)
+def filters_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
+    """View of the filters before a block of the ring, (filters,)."""
+    at = layout[RING_F] + slot * layout[FILTERS]
+    return state[at : at + layout[FILTERS]]
+
+
+@njit(cache=True, nogil=True)
+def filters_now(state: FloatArray, layout: IntArray) -> FloatArray:
+    """View of the filters, (filters,)."""
+    return state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
+
+
+@njit(cache=True, nogil=True)
+def eta_at(layout: IntArray) -> int:
+    """Place of the left break point in theta; the offset stands before it, the right one and the ratio behind."""
+    return int(layout[NA] + layout[NB1] + 1)
+
+
+@njit(cache=True, nogil=True)
+def variance(state: FloatArray) -> float:
+    """Variance of the prediction errors."""
+    return float(state[SQUARES] / state[WEIGHT])
