@@ -18,7 +18,7 @@ from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.identify import RecursiveEstimate, RecursiveEstimator
 
-QUANTILE = 1.96
+QUANTILE = 1.96  # standard errors in the half-width of a 95 % interval
 
 
 @dataclass(frozen=True)

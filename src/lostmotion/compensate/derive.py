@@ -9,7 +9,7 @@ from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.compensate.rules import Plan, rule
 from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate
-from lostmotion.models import LinearModel, Nonlinearity
+from lostmotion.models import Nonlinearity
 
 RAMP_SCANS = (10.0, 600.0)  # for the whole lost motion
 
@@ -152,13 +152,8 @@ def block_from_fit(
         op_noise = facts.op_noise
         notes.append(f"noise of OP {op_noise:.3g}, from the record")
     scan = facts.dt if scan_time is None else positive("scan_time", scan_time)
-    found = {"factor": factor, "op_noise": op_noise, "ramp": ramp, "process_time": process_time_of(facts.linear)}
+    found = {"factor": factor, "op_noise": op_noise, "ramp": ramp, "process_time": facts.linear.process_time}
     return block_from_model(facts.nonlinearity, scan, span=span, notes=tuple(notes), **{**found, **options})
-
-
-def process_time_of(linear: LinearModel) -> float:
-    """Dead time and slowest time constant in seconds; an integrator counts as none."""
-    return linear.process_time
 
 
 def _safe_share(facts: FitFacts, name: str, level: float) -> float:

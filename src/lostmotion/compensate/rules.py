@@ -16,7 +16,7 @@ LEAST = 0.01  # of the width, for zone and quiet: rounding must not turn anythin
 ASSUMED_NOISE = 0.1  # of the width, where the noise of OP is not known
 MARGIN = 1.1  # of the cap over the largest offset that the settings ask for
 HUNT_TIMES = 3.0  # process times: changes of side closer than that are hunting
-HUNT_LIMIT = 4.0
+HUNT_LIMIT = 4.0  # changes of side in a row, after which the guard gives way (variables.py says so)
 METHODS = ("knocker", "two moves")
 
 

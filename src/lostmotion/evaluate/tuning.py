@@ -10,17 +10,6 @@ from lostmotion.models import LinearModel
 from lostmotion.simulate import PI
 
 
-def integrates(linear: LinearModel) -> bool:
-    """Whether the process has a pole at 1.
-
-    Examples
-    --------
-    >>> integrates(LinearModel([-1.0], [0.1], 1)), integrates(LinearModel([-0.99], [0.1], 1))
-    (True, False)
-    """
-    return linear.integrates()
-
-
 def simc(linear: LinearModel, slowness: float = 1.0) -> PI:
     """SIMC settings (Skogestad, Journal of Process Control 13, 2003).
 

@@ -145,7 +145,8 @@ def facts_of(fit: RatedEstimate | Mapping[str, Any]) -> FitFacts:
         A dictionary of something else.
     """
     if isinstance(fit, RatedEstimate):
-        return fit.facts
+        facts: FitFacts = fit.facts
+        return facts
     if isinstance(fit, Mapping):
         return FitFacts.from_dict(fit)
     raise ParameterError.expected("a fit", type(fit).__name__, "give what identify() or read_fit() returns")

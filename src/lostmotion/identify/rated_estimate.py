@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from lostmotion.files.results import write_json
 from lostmotion.identify.actuators.kind import Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
-
-if TYPE_CHECKING:
-    from lostmotion.identify.facts import FitFacts
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL)  # no number is given for the fault, only a bound
@@ -35,8 +32,8 @@ class RatedEstimate(NamedEstimate, ABC):
 
     @property
     @abstractmethod
-    def facts(self) -> FitFacts:
-        """What others need to know of the fit, without its signals."""
+    def facts(self) -> Any:
+        """What others need to know of the fit, without its signals: a ``FitFacts``, which lies above this module."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:

@@ -9,13 +9,12 @@ import numpy as np
 
 from lostmotion.evaluate.study.studied_loop import Known
 from lostmotion.evaluate.study.study_plant import StudyPlant
-from lostmotion.evaluate.tuning import integrates
 from lostmotion.models import Hammerstein
 
 TWO = 2.0  # standard errors
-SHARE = 0.2
-ATTEMPTS = 20
-STABLE = 1.0 - 1e-6
+SHARE = 0.2  # a fifth: what a valve changes between two tests, whatever the interval says
+ATTEMPTS = 20  # draws per plant wanted: where nearly none is a process, there are fewer plants
+STABLE = 1.0 - 1e-6  # largest modulus of a drawn pole, unless the process itself has a larger one
 DERIVED = ("width", "slope_ratio", "gain", "load")
 GROUPS = ("2 standard errors", "20 %", "drawn")
 Mistake = tuple[str, str, StudyPlant]  # group, what the estimate is, the truth
@@ -95,9 +94,9 @@ def _rebuilt(plant: StudyPlant, values: Mapping[str, float]) -> StudyPlant | Non
     b = tuple(float(values.get(f"b{i}", old)) for i, old in enumerate(linear.b))
     process = replace(linear, a=a, b=b)
     most = max(np.abs(linear.poles).max(initial=0.0), STABLE)
-    if moved is None or np.abs(process.poles).max(initial=0.0) > most or integrates(process) != integrates(linear):
+    if moved is None or np.abs(process.poles).max(initial=0.0) > most or process.integrates() != linear.integrates():
         return None
-    if not integrates(linear) and process.gain * linear.gain <= 0.0:
+    if not linear.integrates() and process.gain * linear.gain <= 0.0:
         return None
     offset = float(values.get("offset", plant.model.offset))
     return replace(plant, model=Hammerstein(moved, process, offset))

@@ -13,7 +13,6 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.evaluate.study.faults import REMEDY, WANTED, NoFault, fault_of
 from lostmotion.evaluate.study.study_plant import StudyPlant
-from lostmotion.evaluate.tuning import integrates
 from lostmotion.identify import FitFacts, RatedEstimate, facts_of
 from lostmotion.models import Hammerstein, NoiseModel
 
@@ -92,7 +91,7 @@ def _from_fit(facts: FitFacts) -> Known:
 
 def _load(facts: FitFacts) -> float:
     """Load of an integrating process: as fitted, or such that OP rests in the middle of its range."""
-    if not integrates(facts.linear):
+    if not facts.linear.integrates():
         return 0.0
     if "load" in facts.parameters:
         return facts.parameters["load"] * facts.parameters.get("right_slope", 1.0)

@@ -11,7 +11,6 @@ from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.study.faults import Fault, fault_of
-from lostmotion.evaluate.tuning import integrates
 from lostmotion.models import Hammerstein, NoiseModel, Nonlinearity
 from lostmotion.simulate import PI, LoopResponse, simulate_loop
 
@@ -49,13 +48,13 @@ class StudyPlant:
     def rest(self, set_point: float) -> tuple[float, float]:
         """Command and internal variable at rest at a set point."""
         linear = self.model.linear
-        x = -self.load if integrates(linear) else (set_point - self.model.offset) / linear.gain
+        x = -self.load if linear.integrates() else (set_point - self.model.offset) / linear.gain
         return self.fault.command_at(x), x
 
     def set_point_at(self, command: float) -> float:
         """Set point that needs this command at rest; an integrating process rests anywhere."""
         linear = self.model.linear
-        if integrates(linear):
+        if linear.integrates():
             return self.model.offset
         return self.model.offset + linear.gain * float(self.valve(command))
 

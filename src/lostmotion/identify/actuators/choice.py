@@ -22,6 +22,7 @@ from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData
 
+# quarters: one holds set-point moves to be foretold, the others still tell the process (docs/method.md, "Left out")
 FOLDS = 4
 STEPS = 6  # of each refit: it starts at the fit to everything
 FEWEST = 20  # rows of a fold beside what its start needs

@@ -36,8 +36,9 @@ from lostmotion.kernels.linear import simulate
 
 COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, search for its time included
 PROMISING = 0.9  # the same at the noise model of the fit, which has taken over a part of every load; then it is tried
+# swings and steps together: one more would be explaining, not cleaning; each pays COST log n all the same
 MOST_EVENTS = 20
-MOST_ROUNDS = 4
+MOST_ROUNDS = 4  # of finding, fitting, finding in what is left; it ends by itself where nothing pays
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
 SAME = 0.03  # relative difference of two periods that are one
 LEAST_SHARE = 0.1  # of the variance of PV

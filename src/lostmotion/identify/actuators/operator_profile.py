@@ -21,14 +21,14 @@ from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import add_lagged_table, explained
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
-RIDGE = 1e-9
+RIDGE = 1e-9  # relative; keeps noise-free Gram matrices invertible, as in static_profile
 SMALLEST_DIRECTION = 1e-7  # of the past of PV, relative
 GRID_ROWS = 2000  # of a record in which two places where a valve may begin are enough
 FIRST_REACH, SMALLEST_REACH = 0.04, 0.004  # of the pattern search, relative
 TAIL = 0.005  # on either side of the range
 FIRST_RESTS, LONG_RESTS = (-0.6, 0.6), (-0.6, 0.6, 0.0)
 RESTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)  # of half the band
-MOST_STARTS = 2
+MOST_STARTS = 2  # of a kind: the best of the profile and the best one apart from it
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 MARGIN = 30.0  # of log-likelihood: what is further behind the best is no start
 

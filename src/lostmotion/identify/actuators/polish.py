@@ -17,15 +17,16 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import LocalFit, refine
 
 FIRST_STEP = 0.08  # of the largest actuator parameter
-HALVINGS = 6
+HALVINGS = 6  # of FIRST_STEP: to a thousandth of the size (0.08 / 64)
 MOST_MOVES = 8  # with one step length
 STEPS = 4  # of the rest of the model at each trial
-LEVEL = 0.95
-GROWTH = 1.5
+LEVEL = 0.95  # of the profile intervals: the likelihood falls by 1.92 (docs/method.md, "Intervals")
+GROWTH = 1.5  # of each step outwards: a needle of the likelihood is not stepped over at once
 MISSES = 3  # rejections in a row that end the walk
-BISECTIONS = 5
+BISECTIONS = 5  # of the last step: the end to a thirtieth of it
 MOST_SEGMENTS = 10  # whose rests are sought: with more, each tells little and costs as much
 COARSE_RESTS = (1.0, 0.5, 0.25, 0.12)  # steps of the rest, in halves of the band
+# steps of the rest in halves of the band, as COARSE_RESTS, finer and finer once the actuator itself is placed
 FINE_RESTS = (0.25, 0.12, 0.06, 0.03, 0.015, 0.008, 0.004, 0.002, 0.001)
 FIRST_REACH = 0.003  # of the range of OP: the first move away from the optimum
 

@@ -10,7 +10,7 @@ from lostmotion.arrays import FloatArray
 PADDING = 16  # of the periodogram
 SHORTEST_PERIOD, FEWEST_PERIODS = 4.0, 6.0
 NEIGHBOURS = 41  # lines of the periodogram whose median is the level about a line
-MOST_LINES = 4
+MOST_LINES = 4  # the loudest; what they leave is asked again in the next round of loads
 MAIN_SHARE = 0.4  # of the variance, of the swing of the loop itself
 STANDS_OUT = 12.0  # times the level about a line: an exponential variable does so once in 10^5
 

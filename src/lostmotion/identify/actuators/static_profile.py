@@ -18,11 +18,13 @@ from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram, elimi
 from lostmotion.identify.scaled import ScaledData
 
 KNOTS = 16  # 136 pairs; a local search from the nearest knot converges for widths of a tenth of the range
-ZOOM_KNOTS = 9
-MOST_STARTS = 3
+ZOOM_KNOTS = 9  # on two knots of the coarse grid: a quarter of its spacing
+MOST_STARTS = 3  # minima of the profile within START_MARGIN that are refined
 NEAR_RATIO = 0.7  # of the log: slopes nearer than this climb to the same place
+# places of the jump over the range of OP, 1.6 % apart: zones of 2 to 3 % are missed by KNOTS (docs/method.md, "narrow
+# zones")
 NARROW_KNOTS = 60
-MOST_NARROW = 2
+MOST_NARROW = 2  # of them, four spacings apart: noise makes the others
 NARROW_ROWS = 8192  # enough to place a narrow zone; the likelihood then takes all rows
 START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
 

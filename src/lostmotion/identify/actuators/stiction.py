@@ -27,6 +27,7 @@ JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at b
 FINE_GRID = 130  # bands, 3.5 % apart: a break-away must be in its sample
 GRID_ROWS = 2000  # of a record for which that is enough; the more break-aways, the narrower the peak
 FIRST_SHARES = (0.15, 0.5, 1.0)  # jump over band
+# jump over band around FIRST_SHARES, from near backlash (0.03) to beyond the band (1.3)
 SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
 NEEDED_JUMP = 5.0  # by which it must beat backlash: the place of its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band

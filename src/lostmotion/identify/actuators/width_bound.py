@@ -8,7 +8,7 @@ from lostmotion.distributions import normal_quantile
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
 
-HALVINGS = 6
+HALVINGS = 6  # the bound to 1/64 of the last growth
 FIRST_SHARE = 0.005  # of the range of OP: the first width tried
 
 

@@ -16,8 +16,8 @@ from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import is_stable
 
-START_LAGS = 25
-REWEIGHTINGS = 3
+START_LAGS = 25  # past rows that an ARX of a start takes by default; the search gives its own
+REWEIGHTINGS = 3  # each with the weights of the A and B before it; a start only, the likelihood goes on from there
 START_RADIUS = 0.998  # unstable or integrating starts are pulled inside this
 
 

@@ -10,11 +10,11 @@ from lostmotion.arrays import FloatArray
 from lostmotion.distributions import f_tail
 from lostmotion.identify.scaled import Signals
 
-LAGS = 10
+LAGS = 10  # past rows of OP and PV: a PI controller needs two, a filter in front of it a few more
 LEVEL = 1e-4  # of the test whether OP answers PV
 RESTS, LEAST_MOVE = 0.5, 0.02  # share of moves of PV at which OP rests, and of the range of OP that a move takes then
 SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
-LARGEST_CONDITION = 1e12
+LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
 NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 

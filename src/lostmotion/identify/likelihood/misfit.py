@@ -11,8 +11,8 @@ from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.kernels import likelihood as kernel
 
-WHITENESS_LAGS = 25
-SHAPE_KNOTS = 4
+WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
+SHAPE_KNOTS = 4  # hinges at the quintiles of the levels of OP: few degrees of freedom keep the test sharp
 LEVEL = 1e-3  # of both tests: a report is read daily, so a false alarm must be rare
 STATIC_SHARE = 0.1  # of the output residual; reported where the residuals are not white, so a test is not valid
 SHARE = 0.01  # a misfit that explains less of the residual variance is real but without consequence

@@ -7,7 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lagged import lagged_gram
 
-MOST_NOISE_LAGS = 20
+MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 

@@ -20,7 +20,10 @@ from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import pole_grid as kernel
 
 TIME_CONSTANTS = (0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 100.0, 400.0)  # samples; and an integrator
+# samples: the second and third pole and pairs, a factor of 2.5 to 3 apart; with TIME_CONSTANTS and DAMPING some 230
+# patterns (docs/method.md)
 COARSE = (1.0, 3.0, 8.0, 20.0, 50.0, 150.0)
+# of pairs, about a factor of 2 apart; from 0.1, below which `plausible` refuses, to where a pair is two lags
 DAMPING = (0.15, 0.35, 0.65)
 OTHER_POLE = 0.2  # of orders above three
 FASTEST_RINGING = 2.6  # radians a sample

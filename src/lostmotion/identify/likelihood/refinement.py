@@ -8,6 +8,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import products as kernel
 
+# a bound against wandering: a start from the grid is done in far fewer, and what is not counts as not converged
 MOST_STEPS = 100
 FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood

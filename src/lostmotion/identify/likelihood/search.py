@@ -25,17 +25,18 @@ from lostmotion.kernels.linear import simulate
 _Attempt = tuple[FloatArray, GridStart, FloatArray]
 _Key = tuple[int, int, int, bool]
 
-START_NOISE_LAGS = 15
-MOST_ROUNDS = 4
-IMPLAUSIBLE = 1e12
+START_NOISE_LAGS = 15  # of a start; the order is chosen afterwards (noise_order.py, 0 to 20)
+MOST_ROUNDS = 4  # of looking at other structures; it ends by itself where a round does not help
+IMPLAUSIBLE = 1e12  # added to BIC: behind anything plausible, and still in order among themselves
 RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
 APART = 0.3  # deviations of OP between the break points of two rivals
 FIRST_STEPS, ROUGH_STEPS = 6, 20
 BEHIND = 25.0  # BIC of fits after the first steps: what is further behind the best is given up
+# samples: a longer one is better resampled (fit_remarks.LATE), and a twentieth of the shortest piece if that is less
 LATEST_DELAY = 25
-MOST_STRUCTURES = 3
-MOST_NULL_SPACE = 2
-START_LAGS = 30
+MOST_STRUCTURES = 3  # refined of those that the grid scores: the best few by score (docs/method.md, "orders, delay")
+MOST_NULL_SPACE = 2  # kept beside the grid for nearly exact feedback only (docs/method.md, "start in strong feedback")
+START_LAGS = 30  # of the ARX of a start: LATEST_DELAY and five samples of response
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
 NEAR = 3  # samples of delay about that of another fit

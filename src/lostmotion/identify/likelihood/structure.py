@@ -7,6 +7,8 @@ import numpy as np
 from lostmotion.identify.likelihood.arx import HighOrderArx, linear_start
 from lostmotion.identify.likelihood.poles import GridStart
 
+# (na, nb) of sampled processes of order 1 to 3, and with the zero that a fraction of a sample of dead time adds or
+# without it
 LADDER = ((1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 1), (3, 2))
 FULL = ((1, 0), (2, 1), (3, 2))  # orders of sampled processes
 EARLIER, LATER = 2, 1  # delays tried before and after the first significant lag
