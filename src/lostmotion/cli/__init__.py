@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 import lostmotion
-from lostmotion.cli.commands import COMMANDS, PLAIN, Commands, command
+from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import message
 from lostmotion.errors import LostMotionError
@@ -53,13 +53,7 @@ def main(arguments: list[str] | None = None) -> Any:
 def _say_error(error: LostMotionError | ImportError, words: list[str]) -> None:
     """One line on standard error, and with --json an object on standard output."""
     progress("")
-    said = message(error, _options(words))
+    said = message(error)
     if isinstance(error, LostMotionError) and "--json" in words:
         typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
     typer.echo(f"error: {said}", err=True)
-
-
-def _options(words: list[str]) -> set[str]:
-    """Options of the command that was typed."""
-    typed = next((word for word in words if word in COMMANDS), None)
-    return {option for parameter in command(typed).params for option in parameter.opts} if typed else set()

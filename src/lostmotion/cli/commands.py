@@ -10,6 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from lostmotion.cli.groups import spread
+from lostmotion.cli.wording import OFFERED
 
 COMMANDS = {  # the first line of each command's docstring; a test compares them
     "check": "Say what a record holds and what of it can be used: "
@@ -28,7 +29,7 @@ PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": Fa
 
 
 def command(name: str) -> Any:
-    """Command of the table, imported and ready to run.
+    """Command of the table, imported and ready to run; errors then speak of its options.
 
     Raises
     ------
@@ -39,7 +40,9 @@ def command(name: str) -> Any:
         raise KeyError(name)
     alone = typer.Typer(**PLAIN)
     alone.command(name)(spread(getattr(import_module(f"lostmotion.cli.{name}"), name)))
-    return typer.main.get_command(alone)
+    made = typer.main.get_command(alone)
+    OFFERED.set(frozenset(option for parameter in made.params for option in parameter.opts))
+    return made
 
 
 class Loaded(Mapping[str, Any]):

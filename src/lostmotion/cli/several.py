@@ -12,6 +12,7 @@ import typer
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.progress import progress
+from lostmotion.cli.wording import message
 from lostmotion.errors import LostMotionError
 
 
@@ -32,16 +33,17 @@ Result = TypeVar("Result", bound=Reported)
 
 @dataclass(frozen=True)
 class Outcome(Generic[Result]):
-    """A file and what became of it: a result or an error."""
+    """A file and what became of it: a result, or the class of an error and its text in the words of the command."""
 
     file: Path
     result: Result | None
-    error: Exception | None = None
+    failure: str = ""
+    said: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         if self.result is None:
-            return {"file": str(self.file), "error": type(self.error).__name__, "message": str(self.error)}
+            return {"file": str(self.file), "error": self.failure, "message": self.said}
         return {"file": str(self.file), **self.result.to_dict()}
 
 
@@ -54,7 +56,7 @@ def refuse_tag(files: list[Path], columns: RecordOptions) -> None:
 def each(
     files: list[Path],
     work: Callable[[Path], Result],
-    line: Callable[[str, Result | None, Exception | None], str],
+    line: Callable[[str, Result | None, str | None], str],
     quiet: bool,
 ) -> list[Outcome[Result]]:
     """Do the work for every file; print a line for each of several, unless `quiet`.
@@ -69,7 +71,7 @@ def each(
         outcome = _tried(file, work)
         progress("")
         if not quiet:
-            typer.echo(line(file.stem, outcome.result, outcome.error))
+            typer.echo(line(file.stem, outcome.result, outcome.said))
         outcomes.append(outcome)
     return outcomes
 
@@ -80,7 +82,7 @@ def _tried(file: Path, work: Callable[[Path], Result]) -> Outcome[Result]:
     try:
         return Outcome(file, work(file))
     except (LostMotionError, LinAlgError) as error:
-        return Outcome(file, None, error)
+        return Outcome(file, None, type(error).__name__, message(error))
 
 
 def data_of(found: list[Outcome[Result]], named: bool = False) -> Any:

@@ -6,6 +6,7 @@ import ast
 import re
 import shlex
 from collections.abc import Collection
+from contextvars import ContextVar
 
 # Settings of the library that errors name -> options; a command that lacks the option cannot follow the advice.
 OPTIONS = {
@@ -36,17 +37,18 @@ FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw"}
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
 SETTING = re.compile(rf"(?<![\w-])([a-z]\w*)=({VALUE})?(?!=)")
+OFFERED: ContextVar[Collection[str]] = ContextVar("OFFERED", default=frozenset())  # options of the command that runs
 
 
-def message(error: Exception, options: Collection[str]) -> str:
+def message(error: Exception, options: Collection[str] | None = None) -> str:
     """Text of an error for someone who typed a command.
 
     Parameters
     ----------
     error : Exception
         Any error; those of "expected X, got Y; do Z" are reworded, what was got stays as it is.
-    options : collection of str
-        Options of the command, such as "--dt".
+    options : collection of str, optional
+        Options of the command, such as "--dt"; None: of the one that runs.
 
     Examples
     --------
@@ -59,7 +61,9 @@ def message(error: Exception, options: Collection[str]) -> str:
     if said is None:
         return re.sub(r"(--raw) \(raw=True\)", r"\1", str(error))
     expected, got, remedy = said
-    return f"expected {as_options(expected)}, got {got}; {advice(remedy, options)}"
+    return (
+        f"expected {as_options(expected)}, got {got}; {advice(remedy, OFFERED.get() if options is None else options)}"
+    )
 
 
 def advice(remedy: str, options: Collection[str]) -> str:

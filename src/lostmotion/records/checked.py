@@ -61,7 +61,7 @@ class CheckedRecord:
         return self.report.to_dict() | {"prepared": self.prepared.to_dict()}
 
 
-def checked_line(name: str, found: CheckedRecord | None, error: Exception | None = None) -> str:
+def checked_line(name: str, found: CheckedRecord | None, error: str | None = None) -> str:
     """Whether one record is usable, and the worst that was found; or why it could not be checked."""
     if found is None:
         return f"{name:{NAME}} error: {error}"

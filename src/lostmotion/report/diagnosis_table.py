@@ -17,7 +17,7 @@ HEAD = ("loop", "verdict", "severity", "from", "% of span", "sure", "period, s",
 WIDTHS = (NAME, 18, 9, 12, 10, 10, 10, 11)
 
 
-def diagnosis_line(name: str, found: Diagnosis | None, error: Exception | None = None) -> str:
+def diagnosis_line(name: str, found: Diagnosis | None, error: str | None = None) -> str:
     """Verdict, size and confidence of one loop, or why there is none."""
     if found is None:
         return f"{name:{NAME}} error: {error}"

@@ -17,7 +17,7 @@ HEAD = ("loop", "status", "model", "size", "95 % interval", "% of span", "fit, %
 WIDTHS = (NAME, 14, 11, 10, 22, 10, 6)
 
 
-def fit_line(name: str, fit: HammersteinFit | None, error: Exception | None = None) -> str:
+def fit_line(name: str, fit: HammersteinFit | None, error: str | None = None) -> str:
     """Status and finding of one loop, or why there is none."""
     if fit is None:
         return f"{name:{NAME}} error: {error}"
