@@ -141,7 +141,7 @@ def test_a_bad_model_file_is_one_clear_error(capsys, tmp_path, text, code, said)
 
 def test_errors_of_several_files_speak_of_the_options_of_the_command(capsys, files, tmp_path):
     two_clocks = tmp_path / "clocks.csv"
-    two_clocks.write_text("time,OP,PV,ts\n" + "".join(f"{k},{k % 7},{k % 5},2\n" for k in range(100)))
+    two_clocks.write_text("time,OP,PV,ts\n" + "".join(f"{10 * k},{k % 7},{k % 5},12\n" for k in range(100)))
     _, text, _ = run(capsys, "check", files[0], two_clocks)
     assert "--ignore-time" in text
     assert "time=False" not in text
