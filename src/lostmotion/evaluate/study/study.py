@@ -162,10 +162,22 @@ def compensation_study(
     decision = decide(cases, wrong, wrong_retuned, block)
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
-        decision.word, decision.reasons, decision.safe, cases, wrong, wrong_retuned, block, gains, source,
-        found.plant.model, found.source, described, settle, responses,
-        {**chosen, "noise_deviation": deviation, "op_noise": op_noise},
-    )  # fmt: skip
+        recommendation=decision.word,
+        reasons=decision.reasons,
+        safe=decision.safe,
+        cases=cases,
+        mistakes=wrong,
+        mistakes_retuned=wrong_retuned,
+        block=block,
+        controller=gains,
+        controller_source=source,
+        model=found.plant.model,
+        model_source=found.source,
+        described=described,
+        settle=settle,
+        responses=responses,
+        settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise},
+    )
 
 
 def _span(span: tuple[float, float] | None, record: LoopRecord | None) -> tuple[float, float]:
