@@ -75,3 +75,10 @@ def steps(level: float, size: float, n: int, hold: int) -> FloatArray:
     """
     pattern = level + size * np.array([0.0, 1.0, 0.0, -1.0])
     return np.asarray(np.repeat(np.resize(pattern, -(-n // hold)), hold)[:n], dtype=np.float64)
+
+
+def started_in_cycle(reference: FloatArray, settle: int, kick: float) -> FloatArray:
+    """Set point with rows before it, and a kick in them: the loop is in its cycle when the counting begins."""
+    whole_reference = np.concatenate([np.full(settle, reference[0]), reference])
+    whole_reference[1 : settle // 3] += kick
+    return whole_reference

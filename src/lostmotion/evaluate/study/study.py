@@ -28,7 +28,7 @@ from lostmotion.evaluate.study.cycles import (
 from lostmotion.evaluate.study.faults import fault_of
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
-from lostmotion.evaluate.study.scenario import NAMES, Scenario, steps
+from lostmotion.evaluate.study.scenario import NAMES, Scenario, started_in_cycle, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
@@ -144,13 +144,10 @@ def compensation_study(
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = _settle(block, swing.period / linear.dt)
-    whole_reference = np.concatenate([np.full(settle, reference[0]), reference])
-    whole_reference[1 : settle // 3] += test.kick  # the loop is in its cycle when the counting begins
-    noises = tuple(
-        noise_samples(found.noise, whole_reference.size, seed + number) for number in range(whole("runs", runs, 1))
-    )
+    started = started_in_cycle(reference, settle, test.kick)
+    noises = tuple(noise_samples(found.noise, started.size, seed + number) for number in range(whole("runs", runs, 1)))
     described += f", {reference.size * linear.dt:g} s a run, {len(noises)} runs"
-    scenario = Scenario(whole_reference, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
+    scenario = Scenario(started, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
     cases, responses = _cases(found.plant, gains, block, scenario, test)
     controllers = gains, cases["with, retuned"].controller
     slow = _long_enough(test, cases, linear.dt)
@@ -162,22 +159,11 @@ def compensation_study(
     decision = decide(cases, wrong, wrong_retuned, block)
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
-        recommendation=decision.word,
-        reasons=decision.reasons,
-        safe=decision.safe,
-        cases=cases,
-        mistakes=wrong,
-        mistakes_retuned=wrong_retuned,
-        block=block,
-        controller=gains,
-        controller_source=source,
-        model=found.plant.model,
-        model_source=found.source,
-        described=described,
-        settle=settle,
-        responses=responses,
+        recommendation=decision.word, reasons=decision.reasons, safe=decision.safe, cases=cases, mistakes=wrong,
+        mistakes_retuned=wrong_retuned, block=block, controller=gains, controller_source=source,
+        model=found.plant.model, model_source=found.source, described=described, settle=settle, responses=responses,
         settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise},
-    )
+    )  # fmt: skip
 
 
 def _span(span: tuple[float, float] | None, record: LoopRecord | None) -> tuple[float, float]:
