@@ -11,7 +11,7 @@ SETTLED = 1e-3  # what is left of an unknown state when it no longer matters
 LONGEST_SETTLING = 5000  # samples: nearly an integrator, which would never be waited for
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def advance(
     u: float, y: float, theta: FloatArray, filters: FloatArray, na: int, nb1: int, delay: int, p: int, psi: FloatArray
 ) -> float:
@@ -104,7 +104,7 @@ def advance(
     return float(error)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def noise_at(na: int, nb1: int, delay: int) -> int:
     """Place of the newest v among the filters: an outlier is taken out of it, being no noise that goes on."""
     return int(delay + 1 + 4 * max(na, nb1) + na)

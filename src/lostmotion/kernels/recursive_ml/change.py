@@ -28,26 +28,31 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     for i in range(n):
         for j in range(n):
             best[j] += inverse[i, j] * right_hand[i]
-    h = ml.matrix(state, layout, ml.WORK)
-    h[:] = 0.0
-    r, c, score = np.zeros(n), np.zeros(n), np.zeros(n)
+    flat = np.zeros(n * n)  # one loop over all entries: it is vectorised
+    h = flat.reshape(n, n)
+    r, c, along, score = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     deviation = np.sqrt(ml.variance(state))
     largest = 0.0
     wanted = 1
     for back in range(min(ring, layout[ml.BLOCKS])):
         slot = (layout[ml.BLOCKS] - 1 - back) % ring
-        h += ml.information_of(state, layout, slot)
-        r += ml.right_hand_of(state, layout, slot)
+        at = ml.information_at(layout, slot)
+        for i in range(n * n):
+            flat[i] += state[at + i]
+        at = ml.right_hand_at(layout, slot)
+        for i in range(n):
+            r[i] += state[at + i]
         if back + 1 != wanted:
             continue
         wanted *= 2
         for i in range(n):
-            score[i] = r[i]
+            value = r[i]
             for j in range(n):
-                score[i] -= h[i, j] * best[j]
+                value -= h[i, j] * best[j]
+            score[i] = value
         for direction in range(3):
             point(c, direction, best, layout)
-            statistic = shift_statistic(h, inverse, score, c, deviation)
+            statistic = shift_statistic(h, inverse, score, c, along, deviation)
             if abs(statistic) > abs(largest):
                 largest = statistic
                 layout[ml.WINDOW] = back + 1
@@ -55,7 +60,7 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     return bool(abs(largest) > state[ml.THRESHOLD])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def point(c: FloatArray, direction: int, theta: FloatArray, layout: IntArray) -> None:
     """Fill c with a shift of the left or right break point, or of the gain."""
     eta = ml.eta_at(layout)
@@ -66,16 +71,19 @@ def point(c: FloatArray, direction: int, theta: FloatArray, layout: IntArray) ->
         c[eta + direction] = 1.0
 
 
-@njit(cache=True, nogil=True)
-def shift_statistic(h: FloatArray, inverse: FloatArray, score: FloatArray, c: FloatArray, deviation: float) -> float:
-    """Normal statistic of a shift along c; 0 where the window tells nothing of it."""
+@njit(cache=True, nogil=True, forceinline=True)
+def shift_statistic(
+    h: FloatArray, inverse: FloatArray, score: FloatArray, c: FloatArray, along: FloatArray, deviation: float
+) -> float:
+    """Normal statistic of a shift along c; 0 where the window tells nothing of it. `along` (n,) is room."""
     n = c.size
-    along = np.zeros(n)
     spread, above = 0.0, 0.0
     for i in range(n):
+        moved = 0.0
         for j in range(n):
-            along[i] += h[i, j] * c[j]
-        spread += c[i] * along[i]
+            moved += h[i, j] * c[j]
+        along[i] = moved
+        spread += c[i] * moved
         above += c[i] * score[i]
     whole = spread
     for i in range(n):

@@ -21,12 +21,14 @@ def total_information(state: FloatArray, layout: IntArray) -> None:
     h, r = ml.matrix(state, layout, ml.TOTAL_H), ml.vector(state, layout, ml.TOTAL_R)
     h[:] = ml.matrix(state, layout, ml.REF_H)
     r[:] = ml.vector(state, layout, ml.REF_R)
+    flat = h.reshape(n * n)  # one loop over all entries: it is vectorised
     for slot in range(layout[ml.RING]):
-        kept_h, kept_r = ml.information_of(state, layout, slot), ml.right_hand_of(state, layout, slot)
+        at = ml.information_at(layout, slot)
+        for i in range(n * n):
+            flat[i] += state[at + i]
+        at = ml.right_hand_at(layout, slot)
         for i in range(n):
-            r[i] += kept_r[i]
-            for j in range(n):
-                h[i, j] += kept_h[i, j]
+            r[i] += state[at + i]
     offset = ml.eta_at(layout) - 1
     offset_information = h[offset, offset]
     if state[ml.ZERO] > 0.0:  # known to be zero: solved and linearised there
@@ -46,8 +48,10 @@ def newton_step(state: FloatArray, layout: IntArray) -> None:
     theta = ml.vector(state, layout, ml.THETA)
     move = ml.vector(state, layout, ml.TOTAL_R).copy()
     for i in range(n):
+        value = move[i]
         for j in range(n):
-            move[i] -= h[i, j] * theta[j]
+            value -= h[i, j] * theta[j]
+        move[i] = value
     if state[ml.ZERO] > 0.0:
         move[eta - 1] -= SURE * h[eta - 1, eta - 1] * theta[eta - 1]
     solve(root, move)
@@ -83,7 +87,7 @@ def show(state: FloatArray, layout: IntArray) -> None:
         shown[:] = theta
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def pinned(state: FloatArray, layout: IntArray) -> bool:
     """Whether the offset counts as zero now."""
     if np.isnan(state[ml.ZERO]):

@@ -43,20 +43,25 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
     return REFIT if layout[ml.COUNT] >= layout[ml.REFIT_AT] else NOTHING
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def store_block(state: FloatArray, layout: IntArray) -> None:
     """Put the sums of the block into its slot and the period, what stood there into the reference; begin anew."""
     n, ring = layout[ml.N], layout[ml.RING]
     slot = layout[ml.BLOCKS] % ring
-    kept_h, kept_r = ml.information_of(state, layout, slot), ml.right_hand_of(state, layout, slot)
+    at = ml.information_at(layout, slot)
+    kept_h = state[at : at + n * n].reshape(n, n)
+    at = ml.right_hand_at(layout, slot)
+    kept_r = state[at : at + n]
     if layout[ml.BLOCKS] >= ring:
         ref_h, ref_r = ml.matrix(state, layout, ml.REF_H), ml.vector(state, layout, ml.REF_R)
         merge(ref_h, ref_r, kept_h, kept_r, state[ml.TAIL])
     h, g = ml.matrix(state, layout, ml.SUM_H), ml.vector(state, layout, ml.SUM_G)
     theta = ml.vector(state, layout, ml.THETA)
     for i in range(n):
+        value = g[i]
         for j in range(n):
-            g[i] += h[i, j] * theta[j]
+            value += h[i, j] * theta[j]
+        g[i] = value
     kept_h[:] = h
     kept_r[:] = g
     period_h, period_r = ml.matrix(state, layout, ml.PERIOD_H), ml.vector(state, layout, ml.PERIOD_R)
@@ -73,7 +78,7 @@ def store_block(state: FloatArray, layout: IntArray) -> None:
     g[:] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def know_command(u: float, used: bool, state: FloatArray, layout: IntArray, theta: FloatArray) -> float:
     """Command that goes through the filters, for a missing one that held; how long its effect is not known."""
     if np.isnan(u):
@@ -99,7 +104,7 @@ def know_command(u: float, used: bool, state: FloatArray, layout: IntArray, thet
     return u
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def take(
     u: float,
     y: float,

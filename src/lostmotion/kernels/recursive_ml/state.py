@@ -90,54 +90,51 @@ def named(state: FloatArray, layout: IntArray) -> dict[str, FloatArray]:
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def vector(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
     """View of a part of shape (n,)."""
     return state[layout[entry] : layout[entry] + layout[N]]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def matrix(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
     """View of a part of shape (n, n)."""
     n = layout[N]
     return state[layout[entry] : layout[entry] + n * n].reshape(n, n)
 
 
-@njit(cache=True, nogil=True)
-def right_hand_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
-    """View of the right-hand side of a block of the ring, (n,)."""
-    at = layout[RING_R] + slot * layout[N]
-    return state[at : at + layout[N]]
+@njit(cache=True, nogil=True, forceinline=True)
+def right_hand_at(layout: IntArray, slot: int) -> int:
+    """Place in `state` of the right-hand side of a block of the ring, (n,); a view in a loop would cost more."""
+    return int(layout[RING_R] + slot * layout[N])
 
 
-@njit(cache=True, nogil=True)
-def information_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
-    """View of the information of a block of the ring, (n, n)."""
-    n = layout[N]
-    at = layout[RING_H] + slot * n * n
-    return state[at : at + n * n].reshape(n, n)
+@njit(cache=True, nogil=True, forceinline=True)
+def information_at(layout: IntArray, slot: int) -> int:
+    """Place in `state` of the information of a block of the ring, (n, n)."""
+    return int(layout[RING_H] + slot * layout[N] * layout[N])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def filters_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
     """View of the filters before a block of the ring, (filters,)."""
     at = layout[RING_F] + slot * layout[FILTERS]
     return state[at : at + layout[FILTERS]]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def filters_now(state: FloatArray, layout: IntArray) -> FloatArray:
     """View of the filters, (filters,)."""
     return state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def eta_at(layout: IntArray) -> int:
     """Place of the left break point in theta; the offset stands before it, the right one and the ratio behind."""
     return int(layout[NA] + layout[NB1] + 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def variance(state: FloatArray) -> float:
     """Variance of the prediction errors."""
     return float(state[SQUARES] / state[WEIGHT])
