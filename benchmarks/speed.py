@@ -24,7 +24,7 @@ from scipy.optimize import least_squares  # noqa: E402
 from scipy.signal import lfilter  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
-from lostmotion.identify import search  # noqa: E402
+from lostmotion.identify.likelihood import search  # noqa: E402
 from tests.naive.loop import closed_loop  # noqa: E402
 
 N = 20_000

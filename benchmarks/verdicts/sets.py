@@ -6,7 +6,7 @@ import csv
 from collections import Counter, defaultdict
 from pathlib import Path
 
-from lostmotion.diagnose.diagnosis import ACTUATOR
+from lostmotion.identify.actuators.kind import faults
 from shared_data import entries
 from verdicts.cases import Row, real
 
@@ -58,4 +58,4 @@ def right_for(label: str, verdict: str) -> bool:
         return verdict in STICKING
     if label == "saturation":
         return verdict == "saturation"
-    return verdict not in ACTUATOR
+    return verdict not in [kind.name for kind in faults()]
