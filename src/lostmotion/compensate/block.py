@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import numbers, positive
-from lostmotion.arrays import FloatArray, Reals
+from lostmotion.arrays import FloatArray, IntArray, Reals
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification, present_names
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels.blocks import core as kernel
@@ -37,14 +37,14 @@ class BlockResponse:
     op_out: Reals
     offset: Reals
     back: Reals
-    direction: npt.NDArray[np.int64]
-    reversals: npt.NDArray[np.int64]
-    state: npt.NDArray[np.int64]
+    direction: IntArray
+    reversals: IntArray
+    state: IntArray
     limited_low: npt.NDArray[np.bool_]
     limited_high: npt.NDArray[np.bool_]
     offset_capped: npt.NDArray[np.bool_]
     ramping: npt.NDArray[np.bool_]
-    error: npt.NDArray[np.int64]
+    error: IntArray
 
     def __len__(self) -> int:
         return len(self.op_out)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.diagnose.filters import checked_period, low_pass, standard_signal
 from lostmotion.errors import DataError
 
@@ -86,7 +85,7 @@ def yamashita_index(op: FloatArray, pv: FloatArray, period: float) -> Qualitativ
     return Qualitative(float(rho1), float(rho2), float(rho1 - other))
 
 
-def _moves(difference: FloatArray) -> npt.NDArray[np.int64]:
+def _moves(difference: FloatArray) -> IntArray:
     """-1, 0 or 1 for down, steady or up."""
     limit = THIRDS * float(difference.std())
     return (difference > limit).astype(np.int64) - (difference < -limit).astype(np.int64)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError
 
 TOKEN = re.compile(
@@ -66,7 +67,7 @@ class Program:
 
     def run(
         self, settings: dict[str, float], columns: Sequence[str], rows: npt.ArrayLike, wanted: Sequence[str]
-    ) -> npt.NDArray[np.float64]:
+    ) -> FloatArray:
         """Outputs `wanted` (n, len(wanted)) of scans whose inputs `columns` are `rows` (n, len(columns))."""
         values = self.values
         for name, value in settings.items():

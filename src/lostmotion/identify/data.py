@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import positive, signal
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.quantum import quantum
@@ -39,7 +39,7 @@ class IdentificationData:
 
     u: FloatArray
     y: FloatArray
-    segments: npt.NDArray[np.int64]
+    segments: IntArray
     dt: float
     tag: str = ""
     source: str = ""
@@ -226,7 +226,7 @@ def _refuse_missing(name: str, array: FloatArray, dt: float, remedy: str) -> Non
         )
 
 
-def _check_length(segments: npt.NDArray[np.int64]) -> None:
+def _check_length(segments: IntArray) -> None:
     n = int((segments[:, 1] - segments[:, 0]).sum())
     if n < FEWEST_SAMPLES:
         raise DataError.expected(f"at least {FEWEST_SAMPLES} samples", n, "use a longer record")

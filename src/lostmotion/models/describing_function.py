@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from lostmotion.arguments import finite, positive, whole
+from lostmotion.arrays import FloatArray
 from lostmotion.models.hammerstein import Nonlinearity
 
 
@@ -52,6 +52,6 @@ def describing_function(
     size, mean = positive("amplitude", amplitude), finite("bias", bias)
     turns, count = whole("periods", periods, 1), whole("samples", samples, 8)
     angle = 2.0 * np.pi / count * np.arange(count)
-    command: npt.NDArray[np.float64] = np.tile(mean + size * np.sin(angle), turns)
+    command: FloatArray = np.tile(mean + size * np.sin(angle), turns)
     last = np.asarray(actuator(command))[-count:]
     return complex(2.0 / count * (last @ (np.sin(angle) + 1j * np.cos(angle))) / size)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import finite_signal
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.compensate import AdaptiveCompensator
 from lostmotion.models import Hammerstein, Nonlinearity
 from lostmotion.simulate.block_loop import BlockLoop
@@ -29,7 +29,7 @@ class AdaptiveHistory:
     compensating : ndarray of bool, shape (m,)
     """
 
-    samples: npt.NDArray[np.int64]
+    samples: IntArray
     left: FloatArray
     right: FloatArray
     compensating: npt.NDArray[np.bool_]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import linear as kernel
 
 LEAST_DAMPING = 0.1  # of a complex pair; valves and processes have 0.3 and more
@@ -45,9 +44,7 @@ class Held:
         a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
         return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
 
-    def best_allowed(
-        self, rss: FloatArray, chosen: npt.NDArray[np.int64], polynomials: FloatArray, b: FloatArray
-    ) -> npt.NDArray[np.int64]:
+    def best_allowed(self, rss: FloatArray, chosen: IntArray, polynomials: FloatArray, b: FloatArray) -> IntArray:
         """For every column of `rss` (m, columns) the best of the rows `chosen` that is allowed; -1 where none is.
 
         `polynomials` is (m, na), `b` (m, columns, nb + 1).

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from lostmotion import _verbs
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import Status
 from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.models import Hammerstein, NoiseModel
@@ -58,7 +55,7 @@ class Trajectory:
         Prediction errors of every sample; NaN where there is none.
     """
 
-    samples: npt.NDArray[np.int64]
+    samples: IntArray
     values: dict[str, FloatArray]
     errors: FloatArray
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import finite, finite_signal, positive, whole
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.recursive.archive import pack, reading
 from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
@@ -245,7 +245,7 @@ class RecursiveIV:
             new._take_over(kind, state, layout)
         return new
 
-    def _take_over(self, kind: str, state: FloatArray, layout: npt.NDArray[np.int64]) -> None:
+    def _take_over(self, kind: str, state: FloatArray, layout: IntArray) -> None:
         """Take state and layout of an equal estimator; ValueError where they do not fit: the kernel does not look."""
         moving = list(iv.MOVING)
         fixed = self._layout.copy()

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import finite_signal, whole
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.recursive.estimate import Trajectory
 from lostmotion.identify.recursive.estimator import RecursiveEstimator
@@ -70,7 +70,7 @@ def run_many(
         if row.size != other.size:
             raise DataError.expected(f"y[{loop}] with {row.size} samples", other.size, "cut both to the same length")
 
-    def run_some(loops: npt.NDArray[np.int64]) -> list[Trajectory]:
+    def run_some(loops: IntArray) -> list[Trajectory]:
         return [estimators[loop].run(inputs[loop], outputs[loop], every) for loop in loops]
 
     parts = np.array_split(np.arange(len(estimators)), max(1, min(len(estimators), CHUNKS * workers)))

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.offset import without_column
@@ -96,7 +95,7 @@ def _model(settings: Settings, values: dict[str, float]) -> Hammerstein:
 def trajectory(
     settings: Settings,
     recursion: Recursion | None,
-    samples: npt.NDArray[np.int64],
+    samples: IntArray,
     rows: FloatArray,
     errors: FloatArray,
 ) -> Trajectory:

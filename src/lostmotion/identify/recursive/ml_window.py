@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, Status
 from lostmotion.identify.estimate import identify
 from lostmotion.identify.fit import HammersteinFit
@@ -30,7 +29,7 @@ class Window:
     u: FloatArray
     y: FloatArray
 
-    def segments(self, shortest: int) -> npt.NDArray[np.int64]:
+    def segments(self, shortest: int) -> IntArray:
         """Start and stop of the stretches without a missing sample."""
         good = np.concatenate([[False], np.isfinite(self.u) & np.isfinite(self.y), [False]])
         edges = np.flatnonzero(np.diff(good.astype(np.int8)))
@@ -52,7 +51,7 @@ def fit_window(window: Window, settings: Settings) -> HammersteinFit | None:
         return None
 
 
-def _fit(u: FloatArray, y: FloatArray, segments: npt.NDArray[np.int64], settings: Settings) -> HammersteinFit:
+def _fit(u: FloatArray, y: FloatArray, segments: IntArray, settings: Settings) -> HammersteinFit:
     records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=settings.dt) for start, stop in segments]
     return identify(records, orders=settings.orders, noise=settings.noise, offset=settings.offset, raw=True)
 
@@ -85,7 +84,7 @@ def is_anchored(fit: HammersteinFit) -> bool:
     return bool(fit.standard_errors["gain"] < abs(fit.parameters["gain"]))
 
 
-def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: npt.NDArray[np.int64]) -> FloatArray | None:
+def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: IntArray) -> FloatArray | None:
     """The same y with outliers drawn in to what still passes for noise; None where there are none."""
     errors = fit.residuals
     spread = MEDIAN * float(np.median(np.abs(errors - np.median(errors))))
