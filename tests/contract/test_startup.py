@@ -28,7 +28,7 @@ def test_the_package_alone_loads_nothing_heavy():
     "code",
     [
         "lm.RecursiveIV; assert callable(lm.identify)",
-        "import lostmotion.design.asked; assert callable(lm.design)",
+        "import lostmotion.design.request; assert callable(lm.design)",
         "from lostmotion.diagnose import Diagnosis; assert callable(lm.diagnose)",
         "from lostmotion import *; assert PI is lm.PI and identify is lm.identify",
         "assert lm.signals.prs(5, 0, 1, 2, 0).size == 5 and lm.platforms.level_tank().linear.dt",

@@ -7,7 +7,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.design.coarse import coarser_linear, coarser_noise
-from lostmotion.design.criterion import Z95
+from lostmotion.design.design_criterion import Z95
 from lostmotion.design.plausible_plants import drawn_around_guess
 from lostmotion.design.staircase import Staircase
 from lostmotion.errors import DataError, ParameterError

@@ -9,7 +9,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.files.grid import Rows
-from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent, RecursiveEstimate, Trajectory
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 from lostmotion.online import OnlineMonitor
 from tests.refusals import refusal

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lostmotion.identify.recursive.change import relinearise
-from lostmotion.identify.recursive.memory import Memory, Stretch
 from lostmotion.identify.recursive.ml_settings import Tuning
+from lostmotion.identify.recursive.remembered import Memory, Stretch
 from lostmotion.kernels.linear import is_stable
 from lostmotion.kernels.recursive_ml import advance, bounds, change, equations, information, run
 from lostmotion.kernels.recursive_ml import state as ml

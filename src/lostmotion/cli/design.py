@@ -84,7 +84,7 @@ class GoalOptions:
 
     def given(self) -> dict[str, Any]:
         """Arguments of :func:`lostmotion.design`."""
-        from lostmotion.design.asked import TARGETS
+        from lostmotion.design.request import TARGETS
 
         goal = asdict(self)
         interval = goal.pop("interval")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.design.criterion import Z95
+from lostmotion.design.design_criterion import Z95
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.parameters import named_values

@@ -10,16 +10,16 @@ import numpy as np
 
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
-from lostmotion.design.asked import FEWEST_SAMPLES, TARGETS, Asked, check
 from lostmotion.design.bound import expected
 from lostmotion.design.comparison import prs_by_hold
-from lostmotion.design.criterion import Criterion
+from lostmotion.design.design_criterion import Criterion
 from lostmotion.design.designed import Prediction, TestDesign
 from lostmotion.design.length import shortest
 from lostmotion.design.operating_limits import NOISE_MARGIN, Range
 from lostmotion.design.plausible_plants import SPREAD
 from lostmotion.design.prior import Known, known
 from lostmotion.design.relax import advice
+from lostmotion.design.request import FEWEST_SAMPLES, TARGETS, Asked, check
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 from lostmotion.design.task import ASSURED, Task

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.design.design_wording import in_words
 from lostmotion.design.operating_limits import EVERYTHING, Range
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
 from lostmotion.design.task import Task
-from lostmotion.design.wording import in_words
 
 SHARE = 0.08  # of the work of a search, for each limit that is relaxed
 WIDER = (1.5, 3.0, 10.0)  # times: the next is tried where one does not help

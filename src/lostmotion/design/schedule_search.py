@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.design.criterion import Criterion
+from lostmotion.design.design_criterion import Criterion
 from lostmotion.design.operating_limits import Limits
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase

@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.design.coarse import coarser
-from lostmotion.design.criterion import Criterion
+from lostmotion.design.design_criterion import Criterion
 from lostmotion.design.operating_limits import EVERYTHING, Limits
 from lostmotion.design.schedule_search import Scene, search
 from lostmotion.design.simulated_plant import Plant

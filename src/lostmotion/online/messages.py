@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.errors import Status
-from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent, RecursiveEstimate
 from lostmotion.online.timeline import Timeline
 from lostmotion.online.trend import Line
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from lostmotion.design import Achievable, TestDesign
-from lostmotion.design.wording import in_words
+from lostmotion.design.design_wording import in_words
 from lostmotion.report.fit_text import WIDTH
 
 CALLED = {"left": "left break point", "right": "right break point"}

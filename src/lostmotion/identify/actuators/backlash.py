@@ -9,7 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.memory import LARGEST, SMALLEST, MemoryFamily
+from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily
 from lostmotion.identify.likelihood.family import Family, Grid
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import backlash as kernel

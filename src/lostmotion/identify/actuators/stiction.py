@@ -11,7 +11,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
 from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.memory import LARGEST, SMALLEST, MemoryFamily
+from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily
 from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.likelihood.family import Family, Grid
 from lostmotion.identify.likelihood.fitted import Fitted

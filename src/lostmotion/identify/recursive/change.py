@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.identify.recursive.memory import Memory, Prior, Refit, Stretch, forget
 from lostmotion.identify.recursive.refit import fit_again, valid
+from lostmotion.identify.recursive.remembered import Memory, Prior, Refit, Stretch, forget
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.bounds import RADIUS, step_to
 

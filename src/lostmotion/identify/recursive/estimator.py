@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy.typing as npt
 
-from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent, RecursiveEstimate, Trajectory
 
 if TYPE_CHECKING:
     from lostmotion.identify.recursive.iv import RecursiveIV

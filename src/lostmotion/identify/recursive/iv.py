@@ -12,8 +12,8 @@ from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.recursive.archive import pack, reading
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.iv_covariance import covariance_of_theta
+from lostmotion.identify.recursive.recursive_estimate import RecursiveEstimate, Trajectory
 from lostmotion.kernels.linear import is_stable
 from lostmotion.kernels.recursive_iv import run as kernel
 from lostmotion.kernels.recursive_iv import state as iv

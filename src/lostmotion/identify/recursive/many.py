@@ -12,8 +12,8 @@ import numpy.typing as npt
 from lostmotion.arguments import finite_signal, whole
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.identify.recursive.estimate import Trajectory
 from lostmotion.identify.recursive.estimator import RecursiveEstimator
+from lostmotion.identify.recursive.recursive_estimate import Trajectory
 
 CHUNKS = 4  # tasks of each worker: they end together although loops differ
 

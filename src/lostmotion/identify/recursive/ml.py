@@ -12,11 +12,11 @@ from lostmotion.arguments import signal, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError
 from lostmotion.identify.recursive import ml_report
-from lostmotion.identify.recursive.estimate import ChangeEvent, RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.ml_bytes import packed, unpacked
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_start import FirstWindow
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent, RecursiveEstimate, Trajectory
 
 
 class RecursiveML:

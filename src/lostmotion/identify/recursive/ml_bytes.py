@@ -10,10 +10,10 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.recursive.archive import pack, reading
-from lostmotion.identify.recursive.estimate import ChangeEvent
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_start import FirstWindow
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent
 from lostmotion.kernels.recursive_ml import state as ml
 
 FORMAT = "lostmotion recursive ml 1"

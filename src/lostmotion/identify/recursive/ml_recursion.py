@@ -13,9 +13,9 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.parameters import named_values
 from lostmotion.identify.recursive.change import react, relinearise
-from lostmotion.identify.recursive.estimate import ChangeEvent
-from lostmotion.identify.recursive.memory import Memory, forget
 from lostmotion.identify.recursive.ml_settings import Settings
+from lostmotion.identify.recursive.recursive_estimate import ChangeEvent
+from lostmotion.identify.recursive.remembered import Memory, forget
 from lostmotion.identify.scaled import Scaling
 from lostmotion.kernels.recursive_ml import run as kernel
 from lostmotion.kernels.recursive_ml import state as ml

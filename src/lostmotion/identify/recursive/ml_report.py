@@ -11,10 +11,10 @@ from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.likelihood.offset import without_column
 from lostmotion.identify.likelihood.parameters import information_inverse, named_values
-from lostmotion.identify.recursive.estimate import RecursiveEstimate, Trajectory
-from lostmotion.identify.recursive.memory import NONE, Memory
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
+from lostmotion.identify.recursive.recursive_estimate import RecursiveEstimate, Trajectory
+from lostmotion.identify.recursive.remembered import NONE, Memory
 from lostmotion.kernels.recursive_ml import information
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity

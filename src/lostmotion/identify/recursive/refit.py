@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.recursive.memory import NONE, Memory, Prior, Refit, Stretch
+from lostmotion.identify.recursive.remembered import NONE, Memory, Prior, Refit, Stretch
 from lostmotion.kernels.linear import is_stable
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.bounds import HALVINGS, RADIUS, calm

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arguments import finite, positive
-from lostmotion.design.criterion import CONTRASTS
+from lostmotion.design.design_criterion import CONTRASTS
 from lostmotion.design.operating_limits import EVERYTHING, Limits, Range
 from lostmotion.design.prior import Known
 from lostmotion.design.simulated_plant import Plant
