@@ -101,7 +101,7 @@ def settle(u: float, used: bool, state: FloatArray, layout: IntArray, theta: Flo
         layout[ml.MASKED] += 1
         layout[ml.WAIT] = layout[ml.P] + 1
         # whatever it is, the filters forget it in the time to settle
-        return min(max(u, state[ml.LOW]), state[ml.HIGH])
+        return float(min(max(u, state[ml.LOW]), state[ml.HIGH]))
     if layout[ml.SETTLE] == UNKNOWN:
         layout[ml.SETTLE] = settling(theta, layout[ml.NA], layout[ml.NB1], layout[ml.DELAY])
     elif layout[ml.SETTLE] > 0:
