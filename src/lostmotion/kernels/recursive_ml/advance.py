@@ -11,7 +11,7 @@ SETTLED = 1e-3  # what is left of an unknown state when it no longer matters
 LONGEST_SETTLING = 5000  # samples: nearly an integrator, which would never be waited for
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True)
 def advance(
     u: float, y: float, theta: FloatArray, filters: FloatArray, na: int, nb1: int, delay: int, p: int, psi: FloatArray
 ) -> float:

@@ -28,8 +28,9 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     for i in range(n):
         for j in range(n):
             best[j] += inverse[i, j] * right_hand[i]
-    flat = np.zeros(n * n)  # one loop over all entries: it is vectorised
-    h = flat.reshape(n, n)
+    h = ml.matrix(state, layout, ml.WORK)
+    flat = h.reshape(n * n)  # one loop over all entries: it is vectorised
+    flat[:] = 0.0
     r, c, along, score = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     deviation = np.sqrt(ml.variance(state))
     largest = 0.0

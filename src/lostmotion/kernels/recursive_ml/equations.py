@@ -11,13 +11,13 @@ RIDGE = 1e-11  # relative information put into every direction, about the presen
 SMALLEST = 1e-200  # information below this is none: filters fade to denormal numbers
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True)
 def influence(error: float, limit: float) -> float:
     """Huber's weight: 1 up to `limit`, then falling so that an error counts as `limit`."""
     return 1.0 if abs(error) <= limit else limit / abs(error)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True)
 def gather(psi: FloatArray, error: float, weight: float, h: FloatArray, g: FloatArray) -> None:
     """Add psi psi' and psi e to the sums of the block, with the weight of a bounded influence."""
     for i in range(psi.size):

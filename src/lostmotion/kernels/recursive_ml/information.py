@@ -19,9 +19,9 @@ def total_information(state: FloatArray, layout: IntArray) -> None:
     """Sum reference and ring into TOTAL; its factor into ROOT and its inverse into INVERSE."""
     n = layout[ml.N]
     h, r = ml.matrix(state, layout, ml.TOTAL_H), ml.vector(state, layout, ml.TOTAL_R)
-    h[:] = ml.matrix(state, layout, ml.REF_H)
-    r[:] = ml.vector(state, layout, ml.REF_R)
     flat = h.reshape(n * n)  # one loop over all entries: it is vectorised
+    flat[:] = state[layout[ml.REF_H] : layout[ml.REF_H] + n * n]
+    r[:] = ml.vector(state, layout, ml.REF_R)
     for slot in range(layout[ml.RING]):
         at = ml.information_at(layout, slot)
         for i in range(n * n):

@@ -43,7 +43,7 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
     return REFIT if layout[ml.COUNT] >= layout[ml.REFIT_AT] else NOTHING
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True)
 def store_block(state: FloatArray, layout: IntArray) -> None:
     """Put the sums of the block into its slot and the period, what stood there into the reference; begin anew."""
     n, ring = layout[ml.N], layout[ml.RING]
@@ -62,11 +62,13 @@ def store_block(state: FloatArray, layout: IntArray) -> None:
         for j in range(n):
             value += h[i, j] * theta[j]
         g[i] = value
-    kept_h[:] = h
     kept_r[:] = g
-    period_h, period_r = ml.matrix(state, layout, ml.PERIOD_H), ml.vector(state, layout, ml.PERIOD_R)
-    period_h += h
+    period_r = ml.vector(state, layout, ml.PERIOD_R)
     period_r += g
+    flat, kept_flat = h.reshape(n * n), kept_h.reshape(n * n)  # one loop over all entries: it is vectorised
+    period_h = ml.matrix(state, layout, ml.PERIOD_H).reshape(n * n)
+    kept_flat[:] = flat
+    period_h += flat
     reach = state[ml.HIGH] - state[ml.LOW]
     work = ml.matrix(state, layout, ml.WORK)
     left, right = informed_sides(h, ml.variance(state), ml.eta_at(layout), reach, work)
@@ -74,19 +76,23 @@ def store_block(state: FloatArray, layout: IntArray) -> None:
         layout[ml.LEFT_AT] = layout[ml.COUNT]
     if right:
         layout[ml.RIGHT_AT] = layout[ml.COUNT]
-    h[:] = 0.0
+    flat[:] = 0.0
     g[:] = 0.0
 
 
-@njit(cache=True, nogil=True, forceinline=True)
-def know_command(u: float, used: bool, state: FloatArray, layout: IntArray, theta: FloatArray) -> float:
-    """Command that goes through the filters, for a missing one that held; how long its effect is not known."""
-    if np.isnan(u):
-        layout[ml.MISSING] += 1
-        layout[ml.LOST] += 1
-        if layout[ml.LOST] > HOLD:
-            layout[ml.SETTLE] = UNKNOWN
-        return float(state[ml.HELD])
+@njit(cache=True, nogil=True)
+def bridge(state: FloatArray, layout: IntArray) -> float:
+    """Command in place of a missing one: that which held; after some in a row it is not known any more."""
+    layout[ml.MISSING] += 1
+    layout[ml.LOST] += 1
+    if layout[ml.LOST] > HOLD:
+        layout[ml.SETTLE] = UNKNOWN
+    return float(state[ml.HELD])
+
+
+@njit(cache=True, nogil=True)
+def settle(u: float, used: bool, state: FloatArray, layout: IntArray, theta: FloatArray) -> float:
+    """Command that goes through the filters after a gap, where masked, or while what came before is not settled."""
     if layout[ml.LOST] > 0 and u != state[ml.HELD]:  # it has moved in the gap, at an unknown sample
         layout[ml.SETTLE] = UNKNOWN
     layout[ml.LOST] = 0
@@ -95,16 +101,15 @@ def know_command(u: float, used: bool, state: FloatArray, layout: IntArray, thet
         layout[ml.MASKED] += 1
         layout[ml.WAIT] = layout[ml.P] + 1
         # whatever it is, the filters forget it in the time to settle
-        u = min(max(u, state[ml.LOW]), state[ml.HIGH])
-    elif layout[ml.SETTLE] == UNKNOWN:
+        return float(min(max(u, state[ml.LOW]), state[ml.HIGH]))
+    if layout[ml.SETTLE] == UNKNOWN:
         layout[ml.SETTLE] = settling(theta, layout[ml.NA], layout[ml.NB1], layout[ml.DELAY])
     elif layout[ml.SETTLE] > 0:
         layout[ml.SETTLE] -= 1
-    state[ml.HELD] = u
     return u
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(cache=True, nogil=True)
 def take(
     u: float,
     y: float,
@@ -119,8 +124,13 @@ def take(
 ) -> float:
     """One sample: bridge or mask what is missing, filter, add to the block. Return the error (NaN without y)."""
     na, nb1, delay, p = layout[ml.NA], layout[ml.NB1], layout[ml.DELAY], layout[ml.P]
-    used = used and not np.isnan(u)
-    u = know_command(u, used, state, layout, theta)
+    if np.isnan(u):
+        used = False
+        u = bridge(state, layout)
+    else:
+        if not used or layout[ml.LOST] > 0 or layout[ml.SETTLE] != 0:
+            u = settle(u, used, state, layout, theta)
+        state[ml.HELD] = u
     slot = layout[ml.BLOCKS] % layout[ml.RING]
     if layout[ml.FILLED] == 0:
         ml.filters_of(state, layout, slot)[:] = filters
