@@ -44,6 +44,6 @@ def f_tail(value: float, above: int, below: int) -> float:
     Examples
     --------
     >>> round(f_tail(3.0, 3, 100), 4)
-    0.0341
+    0.0342
     """
     return float(special.fdtrc(above, below, value))
