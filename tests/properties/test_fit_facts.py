@@ -92,7 +92,7 @@ def test_damaged_dictionary_is_refused_or_read_never_worse(fit, data):
     while isinstance(group, dict) and group:
         key = data.draw(st.sampled_from(sorted(group)))
         path.append(key)
-        if not isinstance(group[key], dict) or data.draw(st.booleans()):
+        if not isinstance(group[key], dict) or not group[key] or data.draw(st.booleans()):
             break
         group = group[key]
     wrong = data.draw(st.sampled_from([None, "x", -1, 1e999, True, [], [1], {}, [[1]], ["a", 2], "gone"]))
