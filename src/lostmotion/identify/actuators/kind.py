@@ -44,7 +44,7 @@ class Words:
         Of its parameters, for a table.
     extra : str
         Name of the parameter beside its size, where there is one.
-    advice, advice_for_levels, advice_if_small : tuple of str
+    advice, advice_for_levels : tuple of str
         What to do about it, and what more behind an integrating process.
     """
 

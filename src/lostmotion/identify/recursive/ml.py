@@ -93,7 +93,21 @@ class RecursiveML:
         outliers: float | None = 4.0,
         false_alarms: float | None = 1e-9,
     ) -> None:
-        self._begin(Settings(na, nb, delay, gain, forgetting, dt, noise, offset, start_samples, outliers, false_alarms))
+        self._begin(
+            Settings(
+                na=na,
+                nb=nb,
+                delay=delay,
+                gain=gain,
+                forgetting=forgetting,
+                dt=dt,
+                noise=noise,
+                offset=offset,
+                start_samples=start_samples,
+                outliers=outliers,
+                false_alarms=false_alarms,
+            )
+        )
 
     def _begin(self, settings: Settings) -> None:
         self._first = FirstWindow(settings)
