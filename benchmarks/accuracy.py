@@ -16,6 +16,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.evaluate import cramer_rao
+from pages import publish
 
 NAMES = ("left", "right", "slope_ratio")
 OUTPUT = Path(__file__).parent.parent / "docs" / "accuracy.md"
@@ -170,7 +171,7 @@ def main() -> None:
         null = null_row(arguments.seeds or 100, pool)
         print(null)
     if arguments.seeds is None:
-        OUTPUT.write_text(PAGE.format(rows="\n".join(lines), null=null), encoding="utf-8")
+        publish(OUTPUT, PAGE.format(rows="\n".join(lines), null=null))
 
 
 PAGE = """# Accuracy of `identify`

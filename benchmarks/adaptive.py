@@ -1,6 +1,7 @@
 """Adaptive compensation in simulated loops: growing, wrong and vanishing dead zones, and 200 random loops.
 
 Run: ``.venv/bin/python benchmarks/adaptive.py`` (about 15 minutes on one core); writes docs/adaptive.md.
+Options: ``--samples N``, ``--seeds N``, ``--cases N`` for another run, which writes nothing.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scipy.signal import lfilter
 import lostmotion as lm
 from lostmotion.compensate import AdaptiveCompensator, block_from_model
 from lostmotion.simulate import BlockLoop, simulate_adaptive
+from pages import publish
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "adaptive.md"
@@ -171,7 +173,8 @@ def main() -> None:
     }  # fmt: skip
     for name, text in parts.items():
         template = template.replace("{" + name + "}", text)
-    OUTPUT.write_text(template, encoding="utf-8")
+    if given == parser.parse_args([]):
+        publish(OUTPUT, template)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """What the compensating blocks reach in simulated loops.
 
 Run: ``.venv/bin/python benchmarks/compensation.py`` (about 2 minutes on one core); writes docs/compensation.md.
+Option: ``--seeds N`` for a shorter run, which writes nothing.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import lostmotion as lm
 from lostmotion.compensate import DeadZoneCompensator, block_from_model
 from lostmotion.diagnose.movement import reversals, travel
 from lostmotion.paper.control import CONTROLLER, DT, NOISE_VARIANCE, disturbance, reference
+from pages import publish
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "compensation.md"
@@ -190,8 +192,9 @@ def main() -> None:
     }  # fmt: skip
     for name, text in parts.items():
         template = template.replace("{" + name + "}", text)
-    OUTPUT.write_text(template, encoding="utf-8")
     print(table)
+    if given.seeds == parser.get_default("seeds"):
+        publish(OUTPUT, template)
 
 
 if __name__ == "__main__":

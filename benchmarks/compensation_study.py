@@ -1,9 +1,13 @@
-"""What compensation_study finds on the level tank and on backlash loops; writes the tables of its page."""
+"""What compensation_study finds on the level tank and on backlash loops.
+
+Run: ``.venv/bin/python benchmarks/compensation_study.py`` (about 3 minutes); writes docs/compensation-study-figures.md.
+"""
 
 from pathlib import Path
 
 import lostmotion as lm
 from lostmotion.evaluate.study.mistakes import GROUPS
+from pages import publish
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "compensation-study-figures.md"
 SPAN = (-50.0, 50.0)
@@ -95,7 +99,7 @@ def main() -> None:
         "cycle where there is one. The simulated figure is the one that counts.",
         "",
     ]
-    PAGE.write_text("\n".join(lines), encoding="utf-8")
+    publish(PAGE, "\n".join(lines))
     print(PAGE.read_text(encoding="utf-8"))
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import lostmotion as lm
 from lostmotion.design.plausible_plants import drawn_around_guess
 from lostmotion.kernels.threads import one_thread
+from pages import publish
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "test-design.md"
 TANK = lm.platforms.level_tank()
@@ -153,10 +154,7 @@ def main() -> None:
             lines.append(row(CASES[name], target, arguments.seeds or SEEDS))
             print(lines[-1], flush=True)
     if arguments.seeds is None and arguments.only is None:
-        OUTPUT.write_text(
-            PAGE.format(rows="\n".join([line(HEADER), line(["---"] * len(HEADER)), *lines]), seeds=SEEDS),
-            encoding="utf-8",
-        )
+        publish(OUTPUT, PAGE.format(rows="\n".join([line(HEADER), line(["---"] * len(HEADER)), *lines]), seeds=SEEDS))
 
 
 PAGE = """# The designed test against a PRS

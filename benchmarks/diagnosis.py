@@ -2,7 +2,7 @@
 
 Run: ``.venv/bin/python benchmarks/diagnosis.py`` (about 13 minutes on two cores); writes docs/diagnosis.md.
 ``--calibrate`` simulates other loops (about 6 minutes), prints the table of ``diagnose/weights.py``, writes nothing.
-Options: ``--cases N``, ``--data FOLDER``, ``--workers N``.
+Options: ``--cases N`` for a shorter run, which writes nothing; ``--data FOLDER``, ``--workers N``.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from lostmotion.diagnose.features import Features
 from lostmotion.diagnose.verdict import SURE, fault_probability
 from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
 from lostmotion.evaluate.workers import run_all
+from pages import publish
 from verdicts import left_out, page
 from verdicts.calibrate import SOUND, as_code, calibrated
 from verdicts.cases import Row, for_calibration, rough, second, simulated
@@ -48,7 +49,8 @@ def main() -> None:
     other = run_all(second, range(min(CELLS, given.cases)), "second family", given.workers)
     real = isdb(given.data)
     loops = sacac(given.data)
-    OUTPUT.write_text(written(rows, wild, other, real, loops), encoding="utf-8")
+    if given.cases == parser.get_default("cases"):
+        publish(OUTPUT, written(rows, wild, other, real, loops))
     print(page.score_table(rows), f"{sum(right for _, right in real)} of {len(real)}", sep="\n\n")
     print(f"SACAC: {sum(right for *_, right in loops)} of {len(loops)} loops")
 

@@ -22,6 +22,7 @@ from pathlib import Path  # noqa: E402
 import numpy as np  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
+from pages import publish  # noqa: E402
 from plant import page  # noqa: E402
 from plant.runs import STICKING, Loop, loops  # noqa: E402
 from suite.experiment import Array  # noqa: E402
@@ -168,7 +169,7 @@ def main() -> None:
         facts = {"machine": platform.machine(), "hours": HOURS, "rows": stuck[0].loop.record.op.size}
         facts |= {"minutes": (time.perf_counter() - begin) / 60.0, "scores": scores, "conclusion": page.CONCLUSION}
         text = page.PAGE.format(**facts, **{name: "\n".join(lines) for name, lines in tables.items()})
-        OUTPUT.write_text(text, encoding="utf-8")
+        publish(OUTPUT, text)
 
 
 def summary(every: list[Found], stuck: list[Found]) -> str:

@@ -22,6 +22,7 @@ from typing import Any  # noqa: E402
 import numpy as np  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
+from pages import publish  # noqa: E402
 from service import days, pages  # noqa: E402
 from service.ledger import DivergedError, Ledger  # noqa: E402
 
@@ -121,7 +122,7 @@ def main() -> int:
     text = pages.page(samples, arguments.seed, lanes, memory)
     print(text)
     if samples >= FULL:
-        OUTPUT.write_text(text, encoding="utf-8")
+        publish(OUTPUT, text)
     return 0
 
 

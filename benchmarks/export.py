@@ -23,6 +23,7 @@ from lostmotion.export import TARGETS  # noqa: E402
 from lostmotion.export.dialects import restore  # noqa: E402
 from lostmotion.export.replay import compare, expected  # noqa: E402
 from lostmotion.export.scenarios import scenario  # noqa: E402
+from pages import publish  # noqa: E402
 from tests.exports import KINDS, REALS, source  # noqa: E402
 from tests.plc.machine import DoesNotCompileError, run_in_c, run_in_machine  # noqa: E402
 from tests.plc.mutants import mutants  # noqa: E402
@@ -55,7 +56,7 @@ def main() -> None:
             "visits": table(visits),
             "mutants": table(caught),
         }
-        OUTPUT.write_text(TEMPLATE.read_text(encoding="utf-8").format(**tables), encoding="utf-8")
+        publish(OUTPUT, TEMPLATE.read_text(encoding="utf-8").format(**tables))
 
 
 def targets() -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from lostmotion.evaluate import MonteCarloResult, monte_carlo
 from lostmotion.report.monte_carlo_text import HEAD, cells
+from pages import publish
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "family.md"
 EVERY = 25
@@ -30,7 +31,7 @@ def main() -> None:
     if arguments.json is not None:
         arguments.json.write_text(json.dumps(result.to_dict(), allow_nan=False), encoding="utf-8")
     if arguments.cases is None and arguments.seed == 0:
-        OUTPUT.write_text(page(result), encoding="utf-8")
+        publish(OUTPUT, page(result))
 
 
 def tell(done: int, total: int) -> None:

@@ -24,6 +24,7 @@ from pathlib import Path  # noqa: E402
 
 import numpy as np  # noqa: E402
 
+from pages import publish  # noqa: E402
 from suite import bars, environment, ours, page  # noqa: E402
 from suite import speed as speeds  # noqa: E402
 from suite.experiment import VARIANCE, Answers, Array, bound, record, routine  # noqa: E402
@@ -205,7 +206,7 @@ def main() -> None:
         command=command, bar=bar, many=page.MANY.format(rows=many) if many else "",
         machine=f"Python {platform.python_version()}, NumPy {np.__version__}",
     )  # fmt: skip
-    OUTPUT.write_text(text, encoding="utf-8")
+    publish(OUTPUT, text)
 
 
 if __name__ == "__main__":

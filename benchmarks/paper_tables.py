@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lostmotion.paper import ControlStudy, EstimationStudy, study_control, study_estimation, to_dict
 from lostmotion.paper.published import SYMBOLS, TABLE_1, TABLE_2
+from pages import publish
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "paper.md"
 METHODS = ("riv", "rls", "els", "voros", "ml")
@@ -65,7 +66,8 @@ def main() -> None:
     rls = estimation.summary("rls")
     bias, error = rls["mean"]["right_slope"] - 3.0, rls["standard_error"]["right_slope"]
     ratio = {name: estimation.spread("riv", name)[2] / estimation.spread("ml", name)[2] for name in ("left", "right")}
-    OUTPUT.write_text(
+    publish(
+        OUTPUT,
         PAGE.format(
             table_1=table_1(estimation),
             slope=rls["mean"]["right_slope"],
@@ -77,7 +79,6 @@ def main() -> None:
             iae=data["iae"],
             cycle=data["limit_cycle"],
         ),
-        encoding="utf-8",
     )
     print(OUTPUT.read_text(encoding="utf-8"))
 

@@ -1,6 +1,6 @@
 """How much records as plants have them cost: rounding, compression, holes, wild samples, sampling.
 
-Run: ``.venv/bin/python benchmarks/records.py`` (about half an hour on one core); writes docs/records.md.
+Run: ``.venv/bin/python benchmarks/records.py`` (about 30 minutes on one core); writes docs/records.md.
 Options: ``--only PART`` of a title, ``--seeds N``; then nothing is written.
 """
 
@@ -19,6 +19,7 @@ import lostmotion as lm
 from historian import exceptions, swinging_door
 from lostmotion.records import prepare, resample
 from lostmotion.records.compression import compression
+from pages import publish
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "records.md"
 TANK = lm.platforms.level_tank()
@@ -243,7 +244,7 @@ def main() -> None:
             rows.append(row)
         done[name] = "\n".join(rows)
     if not arguments.only and arguments.seeds == 24:
-        OUTPUT.write_text(PAGE.format(**done), encoding="utf-8")
+        publish(OUTPUT, PAGE.format(**done))
 
 
 PAGE = """# Records as plants have them

@@ -1,6 +1,6 @@
 """Every real record in ../shared/data through read, check, prepare and identify; nothing is skipped silently.
 
-Run: ``.venv/bin/python benchmarks/shared_data.py`` (about five minutes); writes docs/shared-data.md.
+Run: ``.venv/bin/python benchmarks/shared_data.py`` (about 5 minutes); writes docs/shared-data.md.
 Options: ``--data FOLDER``, ``--only PART`` of a name (writes nothing), ``--report`` to print the whole reports.
 """
 
@@ -19,6 +19,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.records import Prepared, prepare
+from pages import publish
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "shared-data.md"
@@ -179,7 +180,7 @@ def main() -> None:
         if arguments.report and outcome.fit is not None:
             print(outcome.fit.summary())
     if not arguments.only:
-        OUTPUT.write_text(PAGE.format(rows="\n".join(lines), count=len(lines)), encoding="utf-8")
+        publish(OUTPUT, PAGE.format(rows="\n".join(lines), count=len(lines)))
 
 
 PAGE = """# Real records

@@ -25,6 +25,7 @@ from scipy.signal import lfilter  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from lostmotion.identify.likelihood import search  # noqa: E402
+from pages import publish  # noqa: E402
 from tests.naive.loop import closed_loop  # noqa: E402
 
 N = 20_000
@@ -162,7 +163,7 @@ def main() -> None:
     loop = f"{1e6 * fast:.0f} us against {1e3 * slow:.1f} ms, {slow / fast:.0f} times faster"
     print("loop:", loop)
     print("\n".join(lines), f"\nmemory: {memory:.0f} doubles per sample")
-    OUTPUT.write_text(PAGE.format(rows="\n".join(lines), memory=memory, loop=loop), encoding="utf-8")
+    publish(OUTPUT, PAGE.format(rows="\n".join(lines), memory=memory, loop=loop))
 
 
 PAGE = """# Speed of `identify`

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from lostmotion.files import write_columns
+from pages import publish
 
 REPEATS = 5
 ROWS = 2_000
@@ -78,7 +79,7 @@ def main() -> None:
         "`EAGER_IMPORT=1` in the environment loads everything at once, to find an import that fails.",
         "",
     ]
-    OUTPUT.write_text("\n".join(lines), encoding="utf-8")
+    publish(OUTPUT, "\n".join(lines))
     print("\n".join(lines))
     for name in BARRED:
         assert seconds[name] <= BAR * base, (name, seconds[name] / base)

@@ -2,7 +2,8 @@
 
 Run ``python examples/virtual_commissioning.py`` (``make plc`` first, for the ST machine). It records the loop with the
 block in the PLC but off, identifies the valve from that record, makes the block, says what `simulate` expects of it,
-downloads it, switches it on and off, and lets a transmitter fail; then it writes docs/commissioning-example.md.
+downloads it, switches it on and off, and lets a transmitter fail (about 1 minute); then it writes
+docs/commissioning-example.md.
 """
 
 from __future__ import annotations
@@ -12,7 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+from benchmarks.pages import publish
+
 import lostmotion as lm
 from lostmotion.plot.style import ALERT, MEASURED, MODEL, calm, new_figure
 from lostmotion.simulate.platforms.level_tank import DEAD_TIME, DT, NOISE_VARIANCE, TANK, VALVE
@@ -241,7 +245,7 @@ def write_page(
         "",
     ]
     path = DOCS / "commissioning-example.md"
-    path.write_text("\n".join(lines), encoding="utf-8")
+    publish(path, "\n".join(lines))
     return path
 
 

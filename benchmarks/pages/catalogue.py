@@ -1,0 +1,69 @@
+"""Every page of ``docs/``, and who writes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SHARED = "the real records in ../shared/data"
+COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page that a script writes.
+
+    Attributes
+    ----------
+    name : str
+        Of ``docs/NAME.md``.
+    script : str
+        Relative to the repository.
+    minutes : float
+        Expected, on two cores that do nothing else.
+    also : tuple of str
+        Patterns of files that the script depends on without importing them.
+    needs : str
+        What must be there before.
+    """
+
+    name: str
+    script: str
+    minutes: float
+    also: tuple[str, ...] = ()
+    needs: str = ""
+
+    @property
+    def file(self) -> str:
+        """The page, relative to the repository."""
+        return f"docs/{self.name}.md"
+
+
+PAGES = (
+    Page("accuracy", "benchmarks/accuracy.py", 5),
+    Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",)),
+    Page("commissioning-example", "examples/virtual_commissioning.py", 1, ("tests/plc/*.py",), "make plc"),
+    Page("compensation", "benchmarks/compensation.py", 2, ("benchmarks/compensation.md",)),
+    Page("compensation-study-figures", "benchmarks/compensation_study.py", 3),
+    Page("diagnosis", "benchmarks/diagnosis.py", 13, ("benchmarks/verdicts/page.md",), SHARED),
+    Page("eastman", "benchmarks/eastman.py", 15, ("benchmarks/plant/worker.py", "benchmarks/tep-constraints.txt")),
+    Page("endurance", "benchmarks/endurance.py", 8),
+    Page(
+        "export", "benchmarks/export.py", 15, ("benchmarks/export.md", "src/lostmotion/export/templates/*"), "make plc"
+    ),
+    Page("family", "benchmarks/family.py", 10),
+    Page(
+        "online", "benchmarks/online.py", 20, ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
+    ),
+    Page("paper", "benchmarks/paper_tables.py", 2),
+    Page("readme-examples", "benchmarks/readme_examples.py", 1, needs=SHARED),
+    Page("records", "benchmarks/records.py", 30),
+    Page("shared-data", "benchmarks/shared_data.py", 5, needs=SHARED),
+    Page("speed", "benchmarks/speed.py", 1),
+    Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),
+    Page("test-design", "benchmarks/design.py", 3),
+)
+BY_HAND = {
+    "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
+    "equations": "the paper's equations and where they are in the code",
+    "method": "how it works and what was tried; figures of the tries are of that time, others are quoted",
+}
