@@ -4,7 +4,7 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 export PYTHONPATH :=
 
-.PHONY: setup demo test lint types imports unit nojit plc bench clean
+.PHONY: setup demo test lint types imports unit nojit plc pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -46,9 +46,10 @@ plc: .venv-plc/.installed
 	.venv-plc/bin/python tests/plc/build.py
 	touch $@
 
-bench: $(STAMP)
-	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+# Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
+pages: $(STAMP) plc
+	$(BIN)/python -m benchmarks.pages $(PAGES)
 
 clean:
-	rm -rf .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf .cache .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
