@@ -2,6 +2,7 @@
 
 Run: ``.venv/bin/python benchmarks/adaptive.py`` (about 15 minutes on one core); writes docs/adaptive.md.
 Options: ``--samples N``, ``--seeds N``, ``--cases N`` for another run, which writes nothing.
+Started again, it goes on after the last case that was finished.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scipy.signal import lfilter
 import lostmotion as lm
 from lostmotion.compensate import AdaptiveCompensator, block_from_model
 from lostmotion.simulate import BlockLoop, simulate_adaptive
-from pages import publish
+from pages import kept, publish
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "adaptive.md"
@@ -150,10 +151,11 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--cases", type=int, default=200)
     given = parser.parse_args()
-    rows = [month_row(name, given.samples, given.seeds) for name in CASES]
+    size = f"{given.samples} samples {given.seeds} seeds"
+    rows = [kept("adaptive", f"{n} {size}", lambda n=n: month_row(n, given.samples, given.seeds)) for n in CASES]
     found = []
     for seed in range(given.cases):
-        found.append(random_case(seed))
+        found.append(kept("adaptive", f"random {seed}", lambda s=seed: random_case(s)))
         print(seed, *found[-1], flush=True)
     iae = np.array([row[0] for row in found])
     worst = np.array([row[1] for row in found])

@@ -1,7 +1,8 @@
 """Exported blocks executed by an ST machine and by compiled C, a million scans each, against the simulated block.
 
 Run: ``make plc && .venv/bin/python benchmarks/export.py`` (about 15 minutes); writes docs/export.md.
-Options: ``--scans N`` and ``--no-mutants`` for a shorter run, which writes no page.
+Options: ``--scans N`` and ``--no-mutants`` for a shorter run, which writes no page. Started again, it goes on
+after the last block that was finished.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from lostmotion.export import TARGETS  # noqa: E402
 from lostmotion.export.dialects import restore  # noqa: E402
 from lostmotion.export.replay import compare, expected  # noqa: E402
 from lostmotion.export.scenarios import scenario  # noqa: E402
-from pages import publish  # noqa: E402
+from pages import kept, publish  # noqa: E402
 from tests.exports import KINDS, REALS, source  # noqa: E402
 from tests.plc.machine import DoesNotCompileError, run_in_c, run_in_machine  # noqa: E402
 from tests.plc.mutants import mutants  # noqa: E402
@@ -44,11 +45,12 @@ def main() -> None:
     agreement, visits = [], []
     for kind in KINDS:
         for real in REALS:
-            rows, seen = execute(kind, real, arguments.scans)
+            key = f"{kind} {real} {arguments.scans} scans"
+            rows, seen = kept("export", key, lambda k=kind, r=real: execute(k, r, arguments.scans))
             agreement += rows
             visits.append(seen)
             print(*rows, seen, sep="\n", flush=True)
-    caught = [] if arguments.no_mutants else [mutate(kind) for kind in KINDS]
+    caught = [] if arguments.no_mutants else [kept("export", f"{k} mutants", lambda k=k: mutate(k)) for k in KINDS]
     if caught and arguments.scans == SCANS:
         tables = {
             "targets": targets(),

@@ -1,6 +1,6 @@
 """Online estimators beside what a user would pick instead: accuracy and speed on the same data, in the same run.
 
-Run: ``.venv/bin/python benchmarks/online.py`` (about 20 minutes, one thread but for the many loops); writes
+Run: ``.venv/bin/python benchmarks/online.py`` (about 10 minutes, one thread but for the many loops); writes
 docs/online.md. The rivals are installed into ``.venv-rivals`` on the first run. Option: ``--quick`` for a tenth of
 the seeds, which writes nothing.
 """

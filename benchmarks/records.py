@@ -1,7 +1,8 @@
 """How much records as plants have them cost: rounding, compression, holes, wild samples, sampling.
 
 Run: ``.venv/bin/python benchmarks/records.py`` (about 30 minutes on one core); writes docs/records.md.
-Options: ``--only PART`` of a title, ``--seeds N``; then nothing is written.
+Options: ``--only NAME`` of a table, ``--seeds N``; then no page is written. Started again, it goes on after the last
+table that was finished.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import lostmotion as lm
 from historian import exceptions, swinging_door
 from lostmotion.records import prepare, resample
 from lostmotion.records.compression import compression
-from pages import publish
+from pages import kept, publish
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "records.md"
 TANK = lm.platforms.level_tank()
@@ -231,6 +232,15 @@ def slow(seeds: int) -> Iterator[str]:
 TABLES = {"rounding": rounding, "archives": archives, "holes": holes, "wild": wild, "fast": fast, "slow": slow}
 
 
+def told(name: str, seeds: int) -> list[str]:
+    """Rows of a table, each shown when it is there."""
+    rows = []
+    for row in TABLES[name](seeds):
+        print(name, row, flush=True)
+        rows.append(row)
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=24)
@@ -238,11 +248,8 @@ def main() -> None:
     arguments = parser.parse_args()
     done = {}
     for name in [arguments.only] if arguments.only else TABLES:
-        rows = []
-        for row in TABLES[name](arguments.seeds):
-            print(name, row, flush=True)
-            rows.append(row)
-        done[name] = "\n".join(rows)
+        key = f"{name} {arguments.seeds} seeds"
+        done[name] = "\n".join(kept("records", key, lambda n=name: told(n, arguments.seeds)))
     if not arguments.only and arguments.seeds == 24:
         publish(OUTPUT, PAGE.format(**done))
 

@@ -3,6 +3,7 @@
 ``python -m benchmarks.pages --list`` shows all of them, ``make pages`` makes the stale ones again, oldest first.
 """
 
+from .kept import kept
 from .publish import publish
 
-__all__ = ["publish"]
+__all__ = ["kept", "publish"]

@@ -52,7 +52,7 @@ PAGES = (
     ),
     Page("family", "benchmarks/family.py", 10),
     Page(
-        "online", "benchmarks/online.py", 20, ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
+        "online", "benchmarks/online.py", 10, ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
     ),
     Page("paper", "benchmarks/paper_tables.py", 2),
     Page("readme-examples", "benchmarks/readme_examples.py", 1, needs=SHARED),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import tempfile
 import time
@@ -15,6 +16,7 @@ from .sources import ROOT, digest, sources
 
 BEGUN = time.time()  # of the script that imports this
 MIXED = "mixed"
+STORE = Path(".cache", "pages")  # parts of pages that are not finished
 
 
 def publish(path: Path, text: str, pages: Iterable[Page] = PAGES, root: Path = ROOT) -> None:
@@ -29,6 +31,12 @@ def publish(path: Path, text: str, pages: Iterable[Page] = PAGES, root: Path = R
     minutes = max(round((time.time() - BEGUN) / 60.0), 1)
     footer = Footer(datetime.now(UTC).date(), page.script, source(page, root, BEGUN), version(root), minutes)
     replace_text(path, signed(text, footer))
+    forget_parts(page.name, root)
+
+
+def forget_parts(name: str, root: Path = ROOT) -> None:
+    """Remove what was kept of a page that is now written."""
+    shutil.rmtree(root / STORE / name, ignore_errors=True)
 
 
 def source(page: Page, root: Path = ROOT, begun: float | None = None) -> str:
@@ -53,7 +61,11 @@ def replace_text(path: Path, text: str) -> None:
     """Write a file so that it is never there by half."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="utf-8", suffix=".part") as stream:
-        stream.write(text)
-    part = Path(stream.name)
+        part = Path(stream.name)
+        try:
+            stream.write(text)
+        except BaseException:
+            part.unlink()
+            raise
     part.chmod(0o644)
     part.replace(path)

@@ -1,0 +1,365 @@
+"""Pages that know their age, on a toy repository: sources, footers, writing, making again, kept parts, quotes."""
+
+import os
+import subprocess
+import sys
+import time
+from datetime import date
+
+import pytest
+from benchmarks.pages import ages, kept, publish
+from benchmarks.pages.catalogue import Page
+from benchmarks.pages.footer import Footer, footer_of, release, signed, unsigned
+from benchmarks.pages.make import make
+from benchmarks.pages.publish import replace_text
+from benchmarks.pages.quotes import Quote, absent, differences, excerpt_differences, mend, shown, uncovered
+from benchmarks.pages.sources import ROOT, digest, forget, sources
+from benchmarks.pages.tables import PageText, QuoteError
+
+LATE = '''"""Doc."""
+
+
+def under():
+    """Doc."""
+    from lostmotion import late
+    return late
+'''
+FILES = {
+    "src/lostmotion/__init__.py": '__version__ = "0.2.0"\n',
+    "src/lostmotion/__init__.pyi": "from . import room\nfrom .deep import near\nfrom .far import away\n",
+    "src/lostmotion/deep.py": "from lostmotion.below import under\nnear = under\n",
+    "src/lostmotion/below.py": LATE,
+    "src/lostmotion/late.py": "value = 1\n",
+    "src/lostmotion/far.py": "away = 1\n",
+    "src/lostmotion/room/__init__.py": "from .door import handle\n",
+    "src/lostmotion/room/door.py": "handle = 1\n",
+    "benchmarks/helper.py": "import math\n",
+    "benchmarks/words.md": "words\n",
+    "benchmarks/toy.py": "import helper\nimport lostmotion as lm\n\nprint(lm.near)\n",
+}
+TOY = Page("toy", "benchmarks/toy.py", 1, ("benchmarks/words.md",))
+# a script as those of benchmarks/ are, but for the repository that it is told
+WRITER = """import sys
+sys.path.insert(0, {root!r})
+from pathlib import Path
+from benchmarks.pages.catalogue import Page
+from benchmarks.pages.publish import publish
+here = Path(__file__).resolve().parents[1]
+{before}
+publish(here / "docs" / "{name}.md", "# {name}\\n", [Page("{name}", "benchmarks/{name}.py", 1)], here)
+"""
+
+
+@pytest.fixture
+def root(tmp_path):
+    for name, text in FILES.items():
+        write(tmp_path, name, text)
+    yield tmp_path
+    forget()
+
+
+def write(root, name, text):
+    path = root / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    forget()
+
+
+def toy_digest(root):
+    return digest(root / TOY.script, TOY.also, root)
+
+
+def script(root, name, before=""):
+    write(root, f"benchmarks/{name}.py", WRITER.format(root=str(ROOT), name=name, before=before))
+    return Page(name, f"benchmarks/{name}.py", 1)
+
+
+class TestSources:
+    def test_what_is_imported_also_lazily_and_late(self, root):
+        found = {path.relative_to(root).as_posix() for path in sources(root / TOY.script, TOY.also, root)}
+        inside = {f"src/lostmotion/{name}.py" for name in ("__init__", "deep", "below", "late")}
+        assert found == inside | {"benchmarks/toy.py", "benchmarks/helper.py", "benchmarks/words.md"}
+
+    def test_package_brings_what_it_imports(self, root):
+        write(root, TOY.script, "import lostmotion as lm\nlm.room.handle\n")
+        names = {path.name for path in sources(root / TOY.script, (), root)}
+        assert names == {"toy.py", "__init__.py", "door.py"}
+
+    def test_module_used_as_a_whole_brings_all_its_names(self, root):
+        write(root, TOY.script, "import lostmotion as lm\ngetattr(lm, 'near')\n")
+        assert {"deep.py", "far.py", "door.py"} <= {path.name for path in sources(root / TOY.script, (), root)}
+
+    @pytest.mark.parametrize(
+        ("name", "text"),
+        [
+            ("src/lostmotion/late.py", "value = 2\n"),
+            ("src/lostmotion/below.py", LATE.replace("return late", "return 0")),
+            ("benchmarks/helper.py", "import cmath\n"),
+            ("benchmarks/words.md", "other words\n"),
+            ("src/lostmotion/__init__.pyi", "from .far import near\n"),
+        ],
+    )
+    def test_change_of_code_changes_the_digest(self, root, name, text):
+        before = toy_digest(root)
+        write(root, name, text)
+        assert toy_digest(root) != before
+
+    @pytest.mark.parametrize(
+        ("name", "text"),
+        [
+            ("src/lostmotion/below.py", LATE.replace("Doc.", "Another.") + "# comment\n"),
+            ("src/lostmotion/late.py", "value = (\n    1\n)\n"),
+            ("src/lostmotion/far.py", "away = 2\n"),
+            ("benchmarks/unused.py", "x = 1\n"),
+        ],
+    )
+    def test_words_layout_and_strangers_do_not(self, root, name, text):
+        before = toy_digest(root)
+        write(root, name, text)
+        assert toy_digest(root) == before
+
+    def test_type_of_a_constant_counts(self, root):
+        before = toy_digest(root)
+        write(root, "src/lostmotion/late.py", "value = 1.0\n")
+        assert toy_digest(root) != before
+
+    def test_file_that_is_not_there(self, root):
+        with pytest.raises(FileNotFoundError, match=r"expected files benchmarks/gone\.md"):
+            sources(root / TOY.script, ("benchmarks/gone.md",), root)
+
+
+class TestFooter:
+    LAST = Footer(date(2026, 1, 31), "benchmarks/toy.py", "0123456789ab", "0.2.0", 12)
+
+    @pytest.mark.parametrize("minutes", [None, 1, 12])
+    def test_way_there_and_back(self, minutes):
+        footer = Footer(date(2026, 1, 31), "benchmarks/toy.py", "0123456789ab", "0.2.0", minutes)
+        page = signed("# Toy\n\nWords.\n", footer)
+        assert footer_of(page) == footer
+        assert unsigned(page).rstrip() == "# Toy\n\nWords."
+
+    def test_signed_again_has_one_footer(self):
+        other = Footer(date(2026, 2, 1), "benchmarks/toy.py", "ba9876543210", "0.10.0")
+        page = signed(signed("# Toy\n", self.LAST), other)
+        assert page.count("*Made on") == 1
+        assert footer_of(page) == other
+
+    def test_only_the_last_line_counts(self):
+        assert footer_of(f"# Toy\n\n{self.LAST}\n\nMore words.\n") is None
+
+    def test_releases_are_numbers(self):
+        assert release("0.9.0") < release("0.10.0")
+
+
+class TestPublish:
+    def test_page_is_fresh(self, root):
+        write(root, "docs/toy.md", "old")
+        begun(root)
+        publish_toy(root)
+        age = ages.age(TOY, root)
+        assert (age.stale, age.behind, age.state, age.minutes) == (False, False, "fresh", 1)
+
+    def test_old_page_stays_where_writing_fails(self, root):
+        write(root, "docs/toy.md", "old")
+        with pytest.raises(UnicodeEncodeError):
+            replace_text(root / "docs" / "toy.md", "half \udc00")
+        assert (root / "docs" / "toy.md").read_text(encoding="utf-8") == "old"
+        assert [path.name for path in (root / "docs").iterdir()] == ["toy.md"]
+
+    def test_source_changed_meanwhile_makes_a_stale_page(self, root, capsys):
+        later = time.time() + 60.0
+        os.utime(root / "src/lostmotion/late.py", (later, later))
+        publish_toy(root)
+        assert "src/lostmotion/late.py" in capsys.readouterr().err
+        assert ages.age(TOY, root).footer.source == "mixed"
+        assert ages.age(TOY, root).stale
+
+    def test_unknown_page_is_refused(self, root):
+        with pytest.raises(LookupError, match="a page of the catalogue"):
+            publish(root / "docs" / "other.md", "text", [TOY], root)
+
+    def test_stale_and_behind(self, root):
+        begun(root)
+        publish_toy(root)
+        write(root, "src/lostmotion/late.py", "value = 2\n")
+        assert ages.age(TOY, root).state == "stale"
+        write(root, "src/lostmotion/__init__.py", '__version__ = "0.10.0"\n')
+        assert ages.age(TOY, root).state == "stale, of version 0.2.0"
+
+    def test_page_that_is_not_there_is_behind(self, root):
+        age = ages.age(TOY, root)
+        assert (age.stale, age.behind, age.state) == (True, True, "not made")
+
+
+def begun(root):
+    """Let all files be older than this process."""
+    for path in root.rglob("*.*"):
+        os.utime(path, (1.0, 1.0))
+
+
+def publish_toy(root):
+    publish(root / "docs" / "toy.md", "# Toy\n", [TOY], root)
+
+
+class TestMake:
+    def test_oldest_first_failures_told_fresh_left_alone(self, root):
+        pages = [script(root, "good"), script(root, "bad", "sys.exit(3)"), script(root, "mute", "sys.exit(0)")]
+        write(root, "docs/good.md", signed("# Old\n", TestFooter.LAST))
+        write(root, "docs/bad.md", signed("# Old\n", TestFooter.LAST))
+        told = []
+        outcome = make(pages=pages, root=root, tell=told.append)
+        assert [line.split()[1] for line in told if line.startswith("[")] == [
+            "docs/mute.md",
+            "docs/bad.md",
+            "docs/good.md",
+        ]
+        assert outcome.made == ["good"]
+        assert outcome.failed == {"bad": "exit code 3", "mute": "the script ran and wrote no page"}
+        assert (root / "docs" / "bad.md").read_text(encoding="utf-8").startswith("# Old")
+        again = make(pages=pages, root=root, tell=told.append)
+        assert "good" not in again.made
+        assert set(again.failed) == {"bad", "mute"}
+
+    def test_time_is_kept(self, root):
+        outcome = make(most_minutes=-1.0, pages=[script(root, "good")], root=root, tell=lambda _: None)
+        assert (outcome.made, outcome.left) == ([], ["good"])
+        assert "left for another time: good" in str(outcome)
+
+    def test_named_pages_are_made_though_fresh(self, root):
+        page = script(root, "good")
+        for only in ((), ("good",)):
+            assert make(only, pages=[page], root=root, tell=lambda _: None).made == ["good"]
+        assert make(pages=[page], root=root, tell=lambda _: None).made == []
+
+    def test_unknown_name(self, root):
+        with pytest.raises(LookupError, match="expected names of pages, got gone; choose among good"):
+            make(["gone"], pages=[script(root, "good")], root=root)
+
+
+class TestKept:
+    def test_done_once_with_a_source(self, root):
+        calls = []
+
+        def work():
+            calls.append(1)
+            return "row", 2.5
+
+        assert [kept("toy", "first, 3 seeds", work, TOY, root) for _ in range(2)] == [["row", 2.5]] * 2
+        kept("toy", "first, 4 seeds", work, TOY, root)
+        assert len(calls) == 2
+
+    def test_gone_when_the_page_is_there(self, root):
+        kept("toy", "part", lambda: 1, TOY, root)
+        assert (root / ".cache" / "pages" / "toy").is_dir()
+        publish_toy(root)
+        assert not (root / ".cache" / "pages" / "toy").exists()
+
+    def test_another_source_begins_anew(self, root):
+        old = root / ".cache" / "pages" / "toy" / "000000000000" / "part.json"
+        write(root, old.relative_to(root).as_posix(), "1")
+        assert kept("toy", "part", lambda: 2, TOY, root) == 2
+        assert not old.exists()
+
+    def test_numbers_of_numpy(self, root):
+        numpy = pytest.importorskip("numpy")
+        assert kept("toy", "part", lambda: [numpy.int64(2), numpy.float64(0.1)], TOY, root) == [2, 0.1]
+
+    def test_too_large(self, root):
+        with pytest.raises(ValueError, match="keep rows only"):
+            kept("toy", "part", lambda: "x" * 2**21, TOY, root)
+
+
+PAGE = """# Toy
+
+It is 4.20 times
+faster, on **12** loops.
+
+| row | size | said |
+|---|---|---|
+| first | 1,000 | 3/4 |
+| first, again | 20 | 4/4 (97 %) |
+
+| other | size |
+| --- | --- |
+| first | -7 |
+"""
+
+
+class TestTables:
+    page = PageText("toy", PAGE)
+
+    def test_cells_and_numbers(self):
+        assert self.page.cell("first", "said") == "3/4"
+        assert self.page.number("first, again", "size") == 20
+        assert self.page.numbers("first", "size") == [1000, -7]
+        assert self.page.numbers("fir", "size") == [1000, 20, -7]
+        assert self.page.numbers("", "said") == [3, 4, 4, 4, 97]
+
+    def test_rows_by_another_cell(self):
+        assert self.page.rows("said", size="20") == [["first, again", "20", "4/4 (97 %)"]]
+
+    def test_sentences_over_lines(self):
+        assert self.page.said("is # times faster") == [4.2]
+
+    @pytest.mark.parametrize(
+        "read", [lambda p: p.cell("gone", "size"), lambda p: p.said("is # slow"), lambda p: p.rows("x")]
+    )
+    def test_what_is_not_there(self, read):
+        with pytest.raises(QuoteError, match=r"docs/toy\.md"):
+            read(self.page)
+
+
+class TestQuotes:
+    QUOTE = Quote(
+        "it is {:.1f} times faster on {:,.0f} rows", "toy", lambda p: [*p.said("is # times"), p.number("first", "size")]
+    )
+    TEXT = "# Read me\n\nWe say it is 4.2 times\nfaster on 1,000 rows, since 2010; see `x = 3`.\n"
+
+    @pytest.fixture(autouse=True)
+    def texts(self, root):
+        write(root, "docs/toy.md", PAGE)
+        write(root, "README.md", self.TEXT)
+
+    def test_right(self, root):
+        assert differences([self.QUOTE], root) == []
+
+    @pytest.mark.parametrize("wrong", [("4.2", "4.3"), ("1,000", "1,001"), ("times\nfaster", "times slower")])
+    def test_wrong(self, root, wrong):
+        write(root, "README.md", self.TEXT.replace(*wrong))
+        assert len(differences([self.QUOTE], root)) == 1
+
+    def test_page_that_says_it_no_longer(self, root):
+        write(root, "docs/toy.md", "# Toy\n")
+        assert "no longer says" in differences([self.QUOTE], root)[0]
+
+    def test_mend_changes_figures_and_keeps_lines(self, root):
+        write(root, "README.md", self.TEXT.replace("4.2", "99").replace("1,000", "5"))
+        assert len(list(mend([self.QUOTE], root))) == 1
+        assert (root / "README.md").read_text(encoding="utf-8") == self.TEXT
+
+    def test_shown_with_the_source(self, root):
+        write(root, "docs/toy.md", signed(PAGE, TestFooter.LAST))
+        assert list(shown([self.QUOTE], root)) == [
+            "README.md: it is 4.2 times faster on 1,000 rows\n"
+            "    docs/toy.md, source 0123456789ab, 2026-01-31, benchmarks/toy.py"
+        ]
+
+    def test_number_without_a_source(self):
+        assert uncovered(self.TEXT, [self.QUOTE], ["since 2010"]) == []
+        assert uncovered(self.TEXT, [self.QUOTE], []) == ["2010 in line 4"]
+        assert uncovered(self.TEXT, [], ["since 2010"]) == ["4.2 in line 3", "1,000 in line 4"]
+
+    def test_given_and_absent(self):
+        assert absent(self.TEXT, ["times faster", "since 2011"]) == ["since 2011"]
+
+    def test_excerpt(self, root):
+        readme = "```\n$ toy\n| first | 1,000 | 3/4 |\n| first | 1,001 | 3/4 |\n```\n"
+        assert excerpt_differences(readme, {"$ toy": "toy"}, root) == [
+            "docs/toy.md has no line '| first | 1,001 | 3/4 |'"
+        ]
+
+
+def test_command_line_says_its_options():
+    words = [sys.executable, "-m", "benchmarks.pages", "--help"]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "--most-minutes" in done.stdout
