@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+REMARKS = "src/lostmotion/report/fit_remarks.py"  # loaded by the verb of a fit
+REPORT = "src/lostmotion/report/diagnosis_*.py"
 SHARED = "the real records in ../shared/data"
 COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
 
@@ -55,9 +57,9 @@ PAGES = (
         "online", "benchmarks/online.py", 10, ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
     ),
     Page("paper", "benchmarks/paper_tables.py", 2),
-    Page("readme-examples", "benchmarks/readme_examples.py", 1, needs=SHARED),
-    Page("records", "benchmarks/records.py", 30),
-    Page("shared-data", "benchmarks/shared_data.py", 5, needs=SHARED),
+    Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED),
+    Page("records", "benchmarks/records.py", 30, (REMARKS,)),
+    Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED),
     Page("speed", "benchmarks/speed.py", 1),
     Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),
     Page("test-design", "benchmarks/design.py", 3),
