@@ -179,21 +179,7 @@ A PRS with a well chosen hold is a better rival than one with the shortest; to k
 Fisher information as well. The designed test tells most where it matters (the width) and least more than a PRS where
 both break points are wanted at once from many samples.
 
-Where it falls short: with both break points wanted, the best PRS comes within a factor of 1.5 on the tank (interval
-at N = 2,000, RMSE at N = 600) and in the closed loop (RMSE). Off centre, 2 of 30 records of the designed test end in a
-status other than OK (a second maximum of the likelihood). With few moves and coloured noise the intervals that
-`identify` reports cover 83 to 89 %, not 95; a test of the shortest length, 12 holds, identified with automatic orders,
-behaves likewise (80 to 87 % in 15 records each).
-
-## What else was tried
-
-* Information with order and dead time of the model taken for granted: the tests are hardly better, and short ones have
-  so few moves that `identify` with automatic orders took a linear model in one record of seven. The search counts one
-  more coefficient at either end of B, and a test lasts 12 of the shortest holds at least.
-* Information at the break points as they are: where the interval to be reached is wide (second order, coloured noise),
-  the levels came to lie nearer to the break points than the test could tell them apart. The half-width promised was
-  0.13; in 3 of 30 records `identify` found no dead zone and in 3 more one of 8 to 9 instead of 2. A test is now judged
-  once more with the break points moved out by their own half-widths: 30 of 30 found, none wrong.
+<!-- words by hand -->
 """
 
 if __name__ == "__main__":

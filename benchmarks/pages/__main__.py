@@ -39,12 +39,12 @@ def main() -> int:
 
 def table() -> str:
     """All pages, oldest first, then those written by hand."""
-    lines = [f"{'page':28} {'made':10} {'version':8} {'state':12} {'minutes':>7}  script"]
+    lines = [f"{'page':28} {'made':10} {'version':8} {'state':19} {'minutes':>7}  script"]
     for one in oldest_first():
         made, version = (str(one.footer.made), one.footer.version) if one.footer else ("-", "-")
         needs = f" (needs {one.page.needs})" if one.page.needs else ""
         lines.append(
-            f"{one.page.name:28} {made:10} {version:8} {one.state:12} {one.minutes:7g}  {one.page.script}{needs}"
+            f"{one.page.name:28} {made:10} {version:8} {one.state:19} {one.minutes:7g}  {one.page.script}{needs}"
         )
     return "\n".join([*lines, *(f"{name:28} by hand: {what}" for name, what in BY_HAND.items())])
 

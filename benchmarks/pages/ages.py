@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+from .by_hand import judged_source
 from .catalogue import PAGES, Page
 from .footer import Footer, footer_of, release
 from .publish import source, version
@@ -15,12 +16,18 @@ from .sources import ROOT
 
 @dataclass(frozen=True)
 class Age:
-    """A page beside the source of today."""
+    """A page beside the source of today; `judged` is the source that its words by hand were written for."""
 
     page: Page
     footer: Footer | None
     source: str
     version: str
+    judged: str | None = None
+
+    @property
+    def unread(self) -> bool:
+        """Whether it holds words by hand that were written for another run."""
+        return self.footer is not None and self.judged not in (None, self.footer.source)
 
     @property
     def stale(self) -> bool:
@@ -49,14 +56,14 @@ class Age:
             return "not made"
         if self.behind:
             return f"stale, of version {self.footer.version}"
-        return "stale" if self.stale else "fresh"
+        return ("stale" if self.stale else "fresh") + (", words older" if self.unread else "")
 
 
 def age(page: Page, root: Path = ROOT) -> Age:
     """Read a page and the source that it depends on."""
     path = root / page.file
-    footer = footer_of(path.read_text(encoding="utf-8")) if path.exists() else None
-    return Age(page, footer, source(page, root), version(root))
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    return Age(page, footer_of(text), source(page, root), version(root), judged_source(text))
 
 
 def oldest_first(pages: Iterable[Page] = PAGES, root: Path = ROOT) -> list[Age]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
+from .by_hand import carried
 from .catalogue import PAGES, Page
 from .footer import Footer, signed
 from .sources import ROOT, digest, sources
@@ -30,7 +31,8 @@ def publish(path: Path, text: str, pages: Iterable[Page] = PAGES, root: Path = R
         raise LookupError(f"expected a page of the catalogue, got {path}; add it to benchmarks/pages/catalogue.py")
     minutes = max(round((time.time() - BEGUN) / 60.0), 1)
     footer = Footer(datetime.now(UTC).date(), page.script, source(page, root, BEGUN), version(root), minutes)
-    replace_text(path, signed(text, footer))
+    old = path.read_text(encoding="utf-8") if path.exists() else ""
+    replace_text(path, signed(carried(text, old, footer.source), footer))
     forget_parts(page.name, root)
 
 

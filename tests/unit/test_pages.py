@@ -8,6 +8,7 @@ from datetime import date
 
 import pytest
 from benchmarks.pages import ages, kept, publish
+from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_source
 from benchmarks.pages.catalogue import Page
 from benchmarks.pages.footer import Footer, footer_of, release, signed, unsigned
 from benchmarks.pages.make import make
@@ -42,6 +43,7 @@ TOY = Page("toy", "benchmarks/toy.py", 1, ("benchmarks/words.md",))
 WRITER = """import sys
 sys.path.insert(0, {root!r})
 from pathlib import Path
+from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_source
 from benchmarks.pages.catalogue import Page
 from benchmarks.pages.publish import publish
 here = Path(__file__).resolve().parents[1]
@@ -199,6 +201,33 @@ def begun(root):
 
 def publish_toy(root):
     publish(root / "docs" / "toy.md", "# Toy\n", [TOY], root)
+
+
+class TestWordsByHand:
+    def test_carried_over_and_dated(self):
+        template = f"# Toy\n\n{PLACE}\n\nRows.\n"
+        first = carried(template, "", "aaa")
+        assert judged_source(first) == "unknown"
+        assert NOTE in first
+        written = first.replace("source unknown", "source aaa").replace(NOTE, "It holds.\n\n")
+        same, newer, newest = (carried(template, written, source) for source in ("aaa", "bbb", "ccc"))
+        assert same == written
+        assert NOTE + "It holds." in newer
+        assert judged_source(newer) == "aaa"
+        assert carried(template, newer, "ccc") == newest == newer
+        assert carried(template, newer, "aaa") == written
+
+    def test_page_without_place(self):
+        assert (
+            carried("# Toy\n", "<!-- by hand, for source aaa -->\nx\n<!-- end of the words by hand -->", "b")
+            == "# Toy\n"
+        )
+
+    def test_told_in_the_list(self, root):
+        begun(root)
+        publish(root / "docs" / "toy.md", f"# Toy\n\n{PLACE}\n", [TOY], root)
+        age = ages.age(TOY, root)
+        assert (age.unread, age.state) == (True, "fresh, words older")
 
 
 class TestMake:
