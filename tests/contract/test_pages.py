@@ -48,6 +48,12 @@ def test_page_is_in_the_catalogue(path):
     assert footer is None if path.stem in BY_HAND else footer.script == scripts[path.stem]
 
 
+@pytest.mark.parametrize("path", sorted((ROOT / "docs").glob("*.md")), ids=lambda path: path.stem)
+def test_page_can_be_reached(path):
+    others = [ROOT / "README.md", *(page for page in (ROOT / "docs").glob("*.md") if page != path)]
+    assert any(f"{path.name})" in other.read_text(encoding="utf-8") for other in others)
+
+
 def test_catalogue_and_scripts_agree():
     scripts = ROOT.glob("benchmarks/*.py")
     writers = {path.relative_to(ROOT).as_posix() for path in scripts if "publish(" in path.read_text(encoding="utf-8")}
