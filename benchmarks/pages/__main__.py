@@ -22,6 +22,7 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="show page, script, age and expected minutes; make nothing")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these pages, stale or not")
     parser.add_argument("--most-minutes", type=float, default=float("inf"), help="begin no further page after these")
+    parser.add_argument("--at-once", type=int, default=1, help="so many of the pages without times beside each other")
     parser.add_argument("--figures", action="store_true", help="show every quoted figure and the page it is from")
     parser.add_argument("--mend", action="store_true", help="put the figures of the pages into the texts")
     given = parser.parse_args()
@@ -31,7 +32,7 @@ def main() -> int:
     if given.figures or given.mend:
         print(*(mend(QUOTES) if given.mend else shown(QUOTES)), sep="\n")
         return 0
-    outcome = make(given.only, given.most_minutes)
+    outcome = make(given.only, given.most_minutes, given.at_once)
     print(outcome)
     print(*differences(QUOTES), sep="\n")
     return 1 if outcome.failed else 0

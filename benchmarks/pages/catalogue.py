@@ -8,6 +8,8 @@ REMARKS = "src/lostmotion/report/fit_remarks.py"  # loaded by the verb of a fit
 REPORT = "src/lostmotion/report/diagnosis_*.py"
 SHARED = "the real records in ../shared/data"
 COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
+EXPORT = ("benchmarks/export.md", "src/lostmotion/export/templates/*")
+RIVALS = ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class Page:
         Patterns of files that the script depends on without importing them.
     needs : str
         What must be there before.
+    shares : bool
+        Whether its script may run beside another: it keeps to one core, and its page holds no times.
     """
 
     name: str
@@ -33,6 +37,7 @@ class Page:
     minutes: float
     also: tuple[str, ...] = ()
     needs: str = ""
+    shares: bool = False
 
     @property
     def file(self) -> str:
@@ -42,23 +47,19 @@ class Page:
 
 PAGES = (
     Page("accuracy", "benchmarks/accuracy.py", 5),
-    Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",)),
-    Page("commissioning-example", "examples/virtual_commissioning.py", 1, ("tests/plc/*.py",), "make plc"),
-    Page("compensation", "benchmarks/compensation.py", 2, ("benchmarks/compensation.md",)),
-    Page("compensation-study-figures", "benchmarks/compensation_study.py", 3),
+    Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",), shares=True),
+    Page("commissioning-example", "examples/virtual_commissioning.py", 1, ("tests/plc/*.py",), "make plc", shares=True),
+    Page("compensation", "benchmarks/compensation.py", 2, ("benchmarks/compensation.md",), shares=True),
+    Page("compensation-study-figures", "benchmarks/compensation_study.py", 3, shares=True),
     Page("diagnosis", "benchmarks/diagnosis.py", 13, ("benchmarks/verdicts/page.md",), SHARED),
     Page("eastman", "benchmarks/eastman.py", 15, ("benchmarks/plant/worker.py", "benchmarks/tep-constraints.txt")),
     Page("endurance", "benchmarks/endurance.py", 8),
-    Page(
-        "export", "benchmarks/export.py", 15, ("benchmarks/export.md", "src/lostmotion/export/templates/*"), "make plc"
-    ),
+    Page("export", "benchmarks/export.py", 15, EXPORT, "make plc", shares=True),
     Page("family", "benchmarks/family.py", 10),
-    Page(
-        "online", "benchmarks/online.py", 10, ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
-    ),
+    Page("online", "benchmarks/online.py", 10, RIVALS),
     Page("paper", "benchmarks/paper_tables.py", 2),
-    Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED),
-    Page("records", "benchmarks/records.py", 30, (REMARKS,)),
+    Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED, shares=True),
+    Page("records", "benchmarks/records.py", 30, (REMARKS,), shares=True),
     Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED),
     Page("speed", "benchmarks/speed.py", 1),
     Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),

@@ -1,4 +1,4 @@
-"""Making pages again, one after another, each in a process of its own."""
+"""Making pages again, oldest first, each in a process of its own."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from .ages import Age, age, oldest_first
 from .catalogue import PAGES, Page
+from .publish import STORE
 from .sources import ROOT, forget
+
+SHOWN_LINES = 5  # of what a failed script said last
 
 
 @dataclass
@@ -29,12 +33,18 @@ class Outcome:
         return "\n".join(lines)
 
 
+def say(line: str) -> None:
+    """Progress."""
+    print(line, file=sys.stderr, flush=True)
+
+
 def make(
     only: Iterable[str] = (),
     most_minutes: float = float("inf"),
+    at_once: int = 1,
     pages: Iterable[Page] = PAGES,
     root: Path = ROOT,
-    tell: Callable[[str], None] = lambda line: print(line, file=sys.stderr, flush=True),
+    tell: Callable[[str], None] = say,
 ) -> Outcome:
     """Make the stale pages again, oldest first; a page that fails does not stop the others.
 
@@ -44,20 +54,30 @@ def make(
         Names of pages, made whether stale or not; empty: all that are stale.
     most_minutes : float
         After these no further page is begun.
+    at_once : int
+        Pages made beside each other, of those that hold no times and keep to one core. The others come last, alone.
     """
     chosen, begun, outcome = wanted(set(only), oldest_first(pages, root)), time.monotonic(), Outcome()
-    for number, one in enumerate(chosen, 1):
-        name = one.page.name
+
+    def remake(old: Age) -> None:
+        name = old.page.name
         if time.monotonic() - begun > 60.0 * most_minutes:
             outcome.left.append(name)
-            continue
-        tell(f"[{number}/{len(chosen)}] {one.page.file} by {one.page.script}, about {one.minutes:g} minutes")
-        reason = fault(one.page, root)
+            return
+        tell(f"{old.page.file} by {old.page.script}, about {old.minutes:g} minutes; log {log_of(old.page)}")
+        reason = fault(old.page, root)
         if reason:
-            tell(f"{name}: {reason}")
             outcome.failed[name] = reason
         else:
             outcome.made.append(name)
+        tell(f"{name}: {reason or 'made'}")
+
+    beside = [old for old in chosen if old.page.shares] if at_once > 1 else []
+    with ThreadPoolExecutor(at_once) as pool:
+        list(pool.map(remake, beside))
+    for old in chosen:
+        if old not in beside:
+            remake(old)
     return outcome
 
 
@@ -72,14 +92,23 @@ def wanted(only: set[str], ages: list[Age]) -> list[Age]:
 
 def fault(page: Page, root: Path) -> str:
     """Make a page; why that failed, or nothing."""
-    before = stamp(root / page.file)
-    done = subprocess.run([sys.executable, page.script], cwd=root, check=False)
+    before, log = stamp(root / page.file), root / log_of(page)
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with log.open("w", encoding="utf-8") as stream:
+        words = [sys.executable, "-u", page.script]
+        done = subprocess.run(words, cwd=root, stdout=stream, stderr=subprocess.STDOUT, check=False)
     if done.returncode != 0:
-        return f"exit code {done.returncode}"
+        last = log.read_text(encoding="utf-8", errors="replace").splitlines()[-SHOWN_LINES:]
+        return "\n    ".join([f"exit code {done.returncode}", *last])
     if stamp(root / page.file) == before:
         return "the script ran and wrote no page"
     forget()
-    return "" if not age(page, root).stale else "changed while it was made; make it again"
+    return "" if not age(page, root).stale else "its source changed while it was made; make it again"
+
+
+def log_of(page: Page) -> Path:
+    """Where a script's words go, relative to the repository; those of the last time are overwritten."""
+    return STORE / f"{page.name}.log"
 
 
 def stamp(path: Path) -> int | None:

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from datetime import date
 
 import pytest
@@ -232,18 +233,18 @@ class TestWordsByHand:
 
 class TestMake:
     def test_oldest_first_failures_told_fresh_left_alone(self, root):
-        pages = [script(root, "good"), script(root, "bad", "sys.exit(3)"), script(root, "mute", "sys.exit(0)")]
+        pages = [
+            script(root, "good"),
+            script(root, "bad", "print('the reason'); sys.exit(3)"),
+            script(root, "mute", "sys.exit(0)"),
+        ]
         write(root, "docs/good.md", signed("# Old\n", TestFooter.LAST))
         write(root, "docs/bad.md", signed("# Old\n", TestFooter.LAST))
         told = []
         outcome = make(pages=pages, root=root, tell=told.append)
-        assert [line.split()[1] for line in told if line.startswith("[")] == [
-            "docs/mute.md",
-            "docs/bad.md",
-            "docs/good.md",
-        ]
+        assert [line.split()[0] for line in told if " by " in line] == ["docs/mute.md", "docs/bad.md", "docs/good.md"]
         assert outcome.made == ["good"]
-        assert outcome.failed == {"bad": "exit code 3", "mute": "the script ran and wrote no page"}
+        assert outcome.failed == {"bad": "exit code 3\n    the reason", "mute": "the script ran and wrote no page"}
         assert (root / "docs" / "bad.md").read_text(encoding="utf-8").startswith("# Old")
         again = make(pages=pages, root=root, tell=told.append)
         assert "good" not in again.made
@@ -259,6 +260,17 @@ class TestMake:
         for only in ((), ("good",)):
             assert make(only, pages=[page], root=root, tell=lambda _: None).made == ["good"]
         assert make(pages=[page], root=root, tell=lambda _: None).made == []
+
+    def test_beside_each_other_only_where_they_share(self, root):
+        """Each page waits for the other to begin; the one that stands alone finds none beside it."""
+        wait = "import time; (here / '{0}').touch(); end = time.time() + 20"
+        until = "\nwhile not (here / '{1}').exists(): assert time.time() < end; time.sleep(0.01)"
+        pages = [script(root, name, (wait + until).format(name, other)) for name, other in (("a", "b"), ("b", "a"))]
+        alone = script(root, "alone", "assert (here / 'docs' / 'a.md').exists() and (here / 'docs' / 'b.md').exists()")
+        shared = [replace(page, shares=True) for page in pages]
+        outcome = make(at_once=2, pages=[alone, *shared], root=root, tell=lambda _: None)
+        assert outcome.failed == {}
+        assert sorted(outcome.made) == ["a", "alone", "b"]
 
     def test_unknown_name(self, root):
         with pytest.raises(LookupError, match="expected names of pages, got gone; choose among good"):
