@@ -15,10 +15,15 @@ _WORDS = re.compile(r"<!-- by hand, for source (\w+) -->\n(.*?)<!-- end of the w
 
 
 def carried(new: str, old: str, source: str) -> str:
-    """A new page with the words of the old one; `source` is that of the new page."""
-    if PLACE not in new:
-        return new
+    """A new page with the words of the old one; `source` is that of the new page.
+
+    Words that have lost their place in the template go to the end: nothing that somebody wrote is dropped in silence.
+    """
     found = _WORDS.search(old)
+    if PLACE not in new:
+        if found is None:
+            return new
+        new = f"{new.rstrip()}\n\n{PLACE}\n"
     judged, words = found.groups() if found else ("unknown", "")
     note = "" if judged == source else NOTE
     text = f"<!-- by hand, for source {judged} -->\n{note}{words.replace(NOTE, '')}<!-- end of the words by hand -->"

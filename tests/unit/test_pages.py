@@ -219,10 +219,9 @@ class TestWordsByHand:
         assert carried(template, newer, "aaa") == written
 
     def test_page_without_place(self):
-        assert (
-            carried("# Toy\n", "<!-- by hand, for source aaa -->\nx\n<!-- end of the words by hand -->", "b")
-            == "# Toy\n"
-        )
+        old = "<!-- by hand, for source aaa -->\nIt holds.\n<!-- end of the words by hand -->"
+        assert carried("# Toy\n", "# Old\n", "aaa") == "# Toy\n"
+        assert carried("# Toy\n", old, "aaa") == f"# Toy\n\n{old}\n"
 
     def test_told_in_the_list(self, root):
         begun(root)
