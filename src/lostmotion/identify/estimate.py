@@ -17,7 +17,6 @@ from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import EveryKind
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
-from lostmotion.identify.actuators.polish import profile_intervals
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
@@ -201,10 +200,8 @@ class _Identification:
 
 def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
     """Profile intervals in units of OP, where the likelihood has jumps."""
-    if not fitted.problem.family.kinks:
-        return {}
-    size = scaling.u_scale
-    return {name: (size * low, size * high) for name, (low, high) in profile_intervals(fitted).items()}
+    size, found = scaling.u_scale, kind_of(fitted.problem.family.kind).intervals(fitted)
+    return {name: (size * low, size * high) for name, (low, high) in found.items()}
 
 
 def _chosen(fitted: Fitted) -> Chosen:

@@ -69,7 +69,7 @@ class EveryKind:
         for kind in nested:
             if _is_open(kind, found, linear):
                 richer = with_own_loads(kind.enriched(found[kind.nests]))
-                if _keep(found, kind.name, richer):
+                if kind.met(richer) and _keep(found, kind.name, richer):
                     linear = _best_linear(linear, found)
         return linear, found
 
@@ -107,7 +107,9 @@ class EveryKind:
         for name, sought in likely_kinds(data, self.asked).items():
             kind = kind_of(name)
             nearest = max([linear, *found.values()], key=lambda other: gain_over_linear(other, linear))
-            found[name] = self.fit(data, kind, sought, None if kind.begins_alone or not found else nearest)
+            fitted = self.fit(data, kind, sought, None if kind.begins_alone or not found else nearest)
+            if kind.met(fitted):
+                found[name] = fitted
         return found
 
 

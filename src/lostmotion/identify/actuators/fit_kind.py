@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.actuators.no_fault import NONE
-from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -25,7 +25,7 @@ def fit_kind(sought: Sought, data: ScaledData, asked: Asked, near: Fitted | None
         As in ``best_fit``.
     """
     best = best_fit(data, sought.family, sought.etas, asked, near)
-    return polished(best) if sought.family.kinks else best
+    return kind_of(sought.family.kind).finished(best)
 
 
 def fit_linear(data: ScaledData, asked: Asked) -> Fitted:

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.identify.actuators.operator_profile import seek
+from lostmotion.identify.actuators.polish import polished, profile_intervals
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
@@ -134,6 +135,18 @@ class Kind(ABC):
         """Model with these parameters, in units of OP."""
         made: Nonlinearity = self.model(*(values[name] for name in self.model.own))
         return made
+
+    def finished(self, fitted: Fitted) -> Fitted:
+        """The maximum of the likelihood from a fit near it: last steps, where it has jumps."""
+        return polished(fitted) if self.family.kinks else fitted
+
+    def intervals(self, fitted: Fitted) -> dict[str, tuple[float, float]]:
+        """95 % intervals of the actuator's parameters (scaled) by their profile, where the likelihood has jumps."""
+        return profile_intervals(fitted) if self.family.kinks else {}
+
+    def met(self, fitted: Fitted) -> bool:  # noqa: ARG002
+        """Whether the record meets the actuator often enough for a fit of it to mean anything."""
+        return True
 
     def settled(self, fitted: Fitted, scaling: Scaling, offset: str) -> Fitted:  # noqa: ARG002
         """The fit after what else is to be decided of it, e.g. whether its offset is 0."""

@@ -3,73 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
 from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily
+from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
-from lostmotion.identify.likelihood.family import Family, Grid
+from lostmotion.identify.actuators.slip_profile import slips_of
+from lostmotion.identify.actuators.slip_search import slip_intervals, slipped, turns_seen
+from lostmotion.identify.actuators.sought import Sought
+from lostmotion.identify.actuators.stiction_family import STICTION_MODELS, StictionFamily, own
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData
-from lostmotion.kernels import stiction as kernel
 from lostmotion.models import Nonlinearity, Stiction
-from lostmotion.models.stiction import CODES
 
-STICTION_MODELS = ("kano", "he")  # Choudhury's never moves under noise inside its band
-LARGEST_JUMP = 3.0  # bands: a slip beyond this is not a valve
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
-FINE_GRID = 130  # bands, 3.5 % apart: a break-away must be in its sample
-GRID_ROWS = 2000  # of a record for which that is enough; the more break-aways, the narrower the peak
-FIRST_SHARES = (0.15, 0.5, 1.0)  # jump over band
-# jump over band around FIRST_SHARES, from near backlash (0.03) to beyond the band (1.3)
-SHARES = (0.03, 0.15, 0.3, 0.5, 0.75, 1.0, 1.3)
 NEEDED_JUMP = 5.0  # by which it must beat backlash: the place of its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
-
-
-@dataclass(frozen=True)
-class StictionFamily(MemoryFamily):
-    """Stiction; eta = band, jump with band in [0, widest] and jump in [0, 3 band]."""
-
-    model: str = "kano"
-    kind: ClassVar[str] = "stiction"
-    own: ClassVar[tuple[str, ...]] = ("band", "jump")
-
-    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
-        """Position from rest at the first command of each segment."""
-        for start, stop, rest in self.begun():
-            part, slopes = np.empty(stop - start), np.empty((2, stop - start))
-            position = u[start] + 0.5 * rest * (eta[0] + eta[1])
-            kernel.sensitivities(CODES[self.model], u[start:stop], eta[0], eta[1], position, part, slopes)
-            x[start:stop], dx[:2, start:stop] = part, slopes
-
-    def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
-        """The position alone."""
-        for start, stop, rest in self.begun():
-            position = u[start] + 0.5 * rest * (eta[0] + eta[1])
-            x[start:stop] = kernel.run(CODES[self.model], u[start:stop], eta[0], eta[1], position)
-
-    def valid(self, eta: FloatArray) -> FloatArray:
-        """Band and jump in their range."""
-        band = min(max(eta[0], 0.0), self.widest)
-        return np.array([band, min(max(eta[1], 0.0), LARGEST_JUMP * band)])
-
-    def grid(self, u: FloatArray, span: float, rows: int) -> Grid:
-        """By the band, which sets when the valve breaks away after a turn, and the jump, which sets how far it goes."""
-        del u
-        bands = span * np.geomspace(SMALLEST, LARGEST, round(FINE_GRID * max(rows / GRID_ROWS, 1.0) ** 1.5))
-        ratio = (bands[1] / bands[0]) ** np.linspace(-1.0, 1.0, 5)
-
-        def finer(eta: FloatArray) -> list[FloatArray]:
-            return [step * eta[0] * np.array([1.0, share]) for step in ratio for share in SHARES]
-
-        return [band * np.array([1.0, share]) for band in bands for share in FIRST_SHARES], finer
 
 
 class StictionKind(Kind):
@@ -102,16 +57,37 @@ class StictionKind(Kind):
         widest = float(np.ptp(data.u))
         return [StictionFamily(widest, data.segments, model) for model in STICTION_MODELS]
 
+    def sought(self, data: ScaledData, asked: Asked) -> Sought:
+        """Global search over band, jump and first position."""
+        places = slips_of(data, lags_of(data, asked))
+        best = places[0]
+        forms = [own(form).with_rests(best.rests) for form in self.forms(data)]
+        family = next(form for form in forms if own(form).code == best.model)
+        etas = [np.array([one.band, one.jump]) for one in places if one.model == best.model]
+        return Sought(family, etas[:MOST_STARTS], best.squares)
+
+    def finished(self, fitted: Fitted) -> Fitted:
+        """The best pattern of slips about a fit."""
+        return slipped(fitted)
+
+    def met(self, fitted: Fitted) -> bool:
+        """The valve turns twice at least."""
+        return turns_seen(fitted)
+
+    def intervals(self, fitted: Fitted) -> dict[str, tuple[float, float]]:
+        """All patterns of slips that the record does not reject."""
+        return slip_intervals(fitted)
+
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:
         """With the model of the family."""
-        return Stiction(values["band"], values["jump"], _own(family).model)
+        return Stiction(values["band"], values["jump"], own(family).model)
 
     def simplified(self, fitted: Fitted) -> Fitted:
         """Backlash begun at a stiction that was found, with its process, noise and loads.
 
         Without its jump stiction is backlash, which must not look worse because of its own search.
         """
-        problem, family = fitted.problem, _own(fitted.problem.family)
+        problem, family = fitted.problem, own(fitted.problem.family)
         simpler = BacklashFamily(
             family.widest, family.segments, rests=family.rests, load=family.load, loads=family.loads
         )
@@ -128,7 +104,7 @@ class StictionKind(Kind):
         """Stiction begun at a backlash that was found, with its process, noise and loads, and jumps of several sizes.
 
         The likelihood of a jump is a needle, which the profile, with a process of its own at every point, can pass by;
-        from the process that a backlash has found the pattern search reaches it.
+        from the process that a backlash has found the search over patterns reaches it.
         """
         problem, family = fitted.problem, fitted.problem.family
         if not isinstance(family, BacklashFamily):
@@ -142,8 +118,8 @@ class StictionKind(Kind):
             richer = replace(problem, family=sticking)
             for share in JUMPS:
                 theta = np.insert(fitted.fit.theta, problem.eta_at + 1, share * width)
-                found.append(polished(Fitted(richer, refine(richer, theta, richer.basis), richer.basis)))
-        return min(found, key=lambda one: one.fit.cost)
+                found.append(Fitted(richer, refine(richer, theta, richer.basis), richer.basis))
+        return self.finished(min(found, key=lambda one: one.fit.cost))
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:
         """Its jump must pay beside backlash."""
@@ -151,12 +127,6 @@ class StictionKind(Kind):
             return scores[self.name]
         band, jump = candidates[self.name].actuator
         return scores[self.name] - (NEEDED_NO_JUMP if jump < SMALLEST_JUMP * band else NEEDED_JUMP)
-
-
-def _own(family: Family) -> StictionFamily:
-    if not isinstance(family, StictionFamily):
-        raise TypeError(f"expected a family of stiction, got one of {family.kind}; ask its own kind")
-    return family
 
 
 STICTION = register(StictionKind())

@@ -83,6 +83,7 @@ class Family(ABC):
     kind: ClassVar[str]  # name of the kind, as in its model
     own: ClassVar[tuple[str, ...]]  # names of the actuator's parameters
     kinks: ClassVar[bool] = False  # x jumps where eta moves: gradients alone do not end at the maximum
+    needles: ClassVar[bool] = False  # and jumps so often that a start keeps eta until the rest is refined
     places: ClassVar[bool] = False  # own parameters are places on the axis of OP, not sizes
     relative: ClassVar[bool] = False  # x is 0 inside the actuator, so that the offset is PV at rest there
     rests: tuple[float, ...] = field(default=(), kw_only=True)  # of a memory: where it begins each segment

@@ -263,14 +263,27 @@ class _Search:
         family = self.family.with_load(integrating)
         problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
-        return Fitted(problem, refine(problem, theta, most_steps=FIRST_STEPS), problem.basis)
+        first = refine(problem, theta, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
+        return Fitted(problem, first, problem.basis)
 
 
 def _further(fitted: Fitted) -> Fitted:
     """More steps, where it has not converged."""
     if fitted.fit.converged:
         return fitted
-    return replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis, most_steps=ROUGH_STEPS))
+    problem = fitted.problem
+    held = _held(problem) if problem.family.needles else fitted.basis
+    further = refine(problem, fitted.fit.theta, held, most_steps=ROUGH_STEPS, tied=problem.family.needles)
+    return replace(fitted, fit=further)
+
+
+def _held(problem: Problem) -> FloatArray | None:
+    """Free directions of a start: the actuator stays in its needle until the process around it is known."""
+    if not problem.family.needles:
+        return None
+    free = np.eye(problem.size) if problem.basis is None else problem.basis
+    own = free[problem.eta_at : problem.eta_at + len(problem.family.own)]
+    return np.asarray(free[:, ~np.any(own != 0.0, axis=0)])
 
 
 def _without_mode(v: FloatArray, decay: float) -> FloatArray:
