@@ -201,7 +201,10 @@ def pattern(
             if direction == 0.0:
                 if abs(v - start) > reach:
                     direction = 1.0 if v > start else -1.0
-                    edge = 0.5 * (v + (highest if direction > 0.0 else lowest))
+                    if direction > 0.0:
+                        edge = 0.5 * (min(v, lowest + 2.0 * reach) + highest)
+                    else:
+                        edge = 0.5 * (max(v, highest - 2.0 * reach) + lowest)
                     start = edge - direction * reach
                     last_slip[:k] = edge - direction * band
                     side[:k] = -direction
@@ -244,11 +247,11 @@ def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
     for k in range(1, u.size):
         v = u[k]
         if v > highest:
-            found[count] = 0.5 * (v + highest) - reach
+            found[count] = 0.5 * (min(v, lowest + 2.0 * reach) + highest) - reach
             count += 1
             highest = v
         elif v < lowest:
-            found[count] = 0.5 * (v + lowest) + reach
+            found[count] = 0.5 * (max(v, highest - 2.0 * reach) + lowest) + reach
             count += 1
             lowest = v
         if highest - lowest > 2.0 * reach:
