@@ -63,6 +63,7 @@ PAGES = (
     Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED),
     Page("speed", "benchmarks/speed.py", 1),
     Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),
+    Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),
 )
 BY_HAND = {

@@ -282,11 +282,6 @@ def test_sizes_in_random_closed_loops(random_fits):
 
 
 @pytest.mark.statistics
-@pytest.mark.xfail(
-    reason="of stiction, other peaks of the likelihood are not in the interval: 12 or 13 of 17, by the rounding of the "
-    "processor, of backlash 7 of 8",
-    strict=False,
-)
 def test_intervals_in_random_closed_loops(random_fits):
     inside = []
     for cause, loop, fit in those_told(random_fits):

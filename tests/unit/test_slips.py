@@ -217,6 +217,7 @@ def test_drop_of_a_threshold():
         assert 2.0 * slip_search.threshold_drop(level) == pytest.approx(twice, abs=0.006)
 
 
+@pytest.mark.statistics
 def test_a_valve_that_hardly_turns_is_not_called_sticking():
     """Steps of load and a command that turns once: no band can be learned from that."""
     random = np.random.default_rng(5)
