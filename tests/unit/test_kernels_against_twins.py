@@ -132,6 +132,20 @@ def test_all_pole(order):
     np.testing.assert_allclose(out, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("order", [1, 2, 4, 6])
+def test_all_pole_decays_to_zero_itself(order):
+    a, x = stable_polynomial(np.random.default_rng(order), order), np.zeros(40_000)
+    x[0] = x[30_000] = 1.0
+    out = np.empty(x.size)
+    likelihood.all_pole(a, x, out)
+    for at in (0, 30_000):
+        expected = slow_linear.simulate(a, [1.0], 0, x[:200])
+        np.testing.assert_allclose(out[at : at + 200], expected, rtol=1e-9, atol=1e-90)
+    assert out[29_999] == 0.0
+    denormal = (out != 0.0) & (np.abs(out) < np.finfo(float).tiny)
+    assert denormal.sum() <= 2 * likelihood.REST
+
+
 CASES = [
     (na, nb, p, delay)
     for i, (na, nb) in enumerate([*itertools.product(range(4), range(4)), (4, 2), (5, 1), (6, 0)])

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.likelihood import GONE, add_lagged, all_pole
 
 RIDGE = 1e-12
 
@@ -45,10 +45,12 @@ def _add_segment(
     size = lags + 2
     part = np.zeros((size, size))
     with_decay = np.zeros(size)
-    mode = np.empty(n - first)  # the decay
+    mode = np.zeros(n - first)  # the decay
     mode[0] = 1.0
     for k in range(1, mode.size):
         mode[k] = mode[k - 1] * decay
+        if mode[k] < GONE:
+            break
     steps, target, newest = level[first:], y[first:], x[first - low : n - low]  # slices: loops over them run in lanes
     with_decay[lags], with_decay[lags + 1] = _product(mode, steps), _product(mode, target)
     whole = _product(mode, mode)
