@@ -3,11 +3,10 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import actuator, contrast, dead_zone, lagged, likelihood, linear, loop, products, stamps
+from lostmotion.kernels import actuator, contrast, dead_zone, likelihood, linear, loop, products, stamps
 from tests.naive import backlash as slow_backlash
 from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
-from tests.naive import lagged as slow_lagged
 from tests.naive import likelihood as slow_likelihood
 from tests.naive import linear as slow_linear
 from tests.naive import loop as slow_loop
@@ -109,17 +108,6 @@ def test_stability_leaves_its_argument_alone():
 
 def test_nan_is_not_stable():
     assert not linear.is_stable(np.array([np.nan]), 1.0)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize(
-    ("signals", "lags", "start", "stop"), [(1, 1, 0, 90), (2, 4, 3, 90), (3, 6, 9, 71), (5, 3, 2, 4)]
-)
-def test_lagged_gram(seed, signals, lags, start, stop):
-    values = np.random.default_rng(seed).normal(loc=2.0, size=(90, signals))
-    expected = slow_lagged.lagged_gram(values, lags, start, stop)
-    result = lagged.lagged_gram(values, lags, start, stop)
-    np.testing.assert_allclose(result, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("order", range(8))
@@ -354,3 +342,23 @@ def test_add_gram(size, length):
     expected = out + rows @ rows.T
     products.add_gram(rows, out)
     np.testing.assert_allclose(out, expected, atol=1e-11)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 30])
+def test_regression_by_cholesky(size):
+    rng = np.random.default_rng(size)
+    columns, y = rng.normal(size=(50, size)), rng.normal(size=50)
+    gram, target = columns.T @ columns, columns.T @ y
+    gains = np.linalg.solve(gram, target)
+    explained = products.factorise(gram, target)
+    assert explained == pytest.approx(gains @ columns.T @ y, rel=1e-12)
+    products.solve_behind(gram, target)
+    np.testing.assert_allclose(target, gains, rtol=1e-9)
+
+
+def test_a_column_twice_explains_as_much_as_once():
+    rng = np.random.default_rng(0)
+    columns, y = rng.integers(-3, 4, size=(40, 3)).astype(float), rng.normal(size=40)
+    twice = columns[:, [0, 1, 1, 2]]
+    once = products.factorise(columns.T @ columns, columns.T @ y)
+    assert products.factorise(twice.T @ twice, twice.T @ y) == pytest.approx(once, rel=1e-9)

@@ -110,7 +110,60 @@ def add_lagged_table(
     table[outputs + 1 : outputs + 1 + inputs] += gram
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _factorise(gram: FloatArray, target: FloatArray) -> float:
+    """Put the Cholesky factor L of `gram` (n, n) in its lower half, its diagonal inverted; make `target` L^-1 `target`.
+
+    Returns the sum of squares that the regression explains. Columns that rounding has made dependent are left out.
+    """
+    total = 0.0
+    for i in range(target.size):
+        row = gram[i]
+        for j in range(i):
+            other, value = gram[j], row[j]
+            for k in range(j):
+                value -= row[k] * other[k]
+            row[j] = value * other[j]
+        value, right = row[i], target[i]
+        for k in range(i):
+            value -= row[k] * row[k]
+            right -= row[k] * target[k]
+        row[i] = 1.0 / np.sqrt(value) if value > 0.0 else 0.0
+        target[i] = right * row[i]
+        total += target[i] * target[i]
+    return total
+
+
+def _factorise_plain(gram: FloatArray, target: FloatArray) -> float:
+    for i in range(target.size):
+        column = gram[i:, i] - gram[i:, :i] @ gram[i, :i]
+        inverse = 1.0 / np.sqrt(column[0]) if column[0] > 0.0 else 0.0
+        gram[i + 1 :, i], gram[i, i] = column[1:] * inverse, inverse
+        target[i] = (target[i] - gram[i, :i] @ target[:i]) * inverse
+    return float(target @ target)
+
+
+factorise = _factorise_plain if config.DISABLE_JIT else _factorise  # type: ignore[attr-defined]
+
+
+@njit(cache=True, nogil=True)
+def solve_ahead(root: FloatArray, table: FloatArray) -> None:
+    """Make `table` (n, m) L^-1 `table`, L from ``factorise``."""
+    for i in range(table.shape[0]):
+        for k in range(i):
+            table[i] -= root[i, k] * table[k]
+        table[i] *= root[i, i]
+
+
+@njit(cache=True, nogil=True)
+def solve_behind(root: FloatArray, values: FloatArray) -> None:
+    """Make `values` (n,) L'^-1 `values`, L from ``factorise``."""
+    for i in range(values.size - 1, -1, -1):
+        values[i] *= root[i, i]
+        values[:i] -= values[i] * root[i, :i]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
     """Sum of squares that m columns explain beyond k columns that are always there.
 
@@ -118,12 +171,22 @@ def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: fl
     (k, r) makes the k orthonormal and `known` (r,) are their products with the target.
     """
     k, m = basis.shape[0], table.shape[1]
-    past = np.dot(basis.T.copy(), table[:k])
-    gram = table[k : k + m] - np.dot(past.T.copy(), past)
-    cross = table[k + m] - np.dot(known, past)
+    past = np.zeros((basis.shape[1], m))
+    gram, cross = table[k : k + m].copy(), table[k + m].copy()
+    for r in range(past.shape[0]):
+        row = past[r]
+        for i in range(k):
+            weight, products = basis[i, r], table[i]
+            for j in range(m):
+                row[j] += weight * products[j]
+        for i in range(m):
+            weight, products = row[i], gram[i]
+            for j in range(i + 1):
+                products[j] -= weight * row[j]
+            cross[i] -= known[r] * weight
     for i in range(m):
         gram[i, i] += ridge * gram[i, i] + floor
-    return float(np.dot(cross, np.linalg.solve(gram, cross)))
+    return factorise(gram, cross)
 
 
 @njit(cache=True)
