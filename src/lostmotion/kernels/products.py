@@ -7,6 +7,8 @@ from numba import config, njit
 
 from lostmotion.arrays import FloatArray
 
+DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
+
 
 @njit(cache=True, fastmath={"reassoc", "contract"})
 def _add_gram(rows: FloatArray, out: FloatArray) -> None:
@@ -124,11 +126,11 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
             for k in range(j):
                 value -= row[k] * other[k]
             row[j] = value * other[j]
-        value, right = row[i], target[i]
+        value, right, least = row[i], target[i], DEPENDENT * row[i]
         for k in range(i):
             value -= row[k] * row[k]
             right -= row[k] * target[k]
-        row[i] = 1.0 / np.sqrt(value) if value > 0.0 else 0.0
+        row[i] = 1.0 / np.sqrt(value) if value > least else 0.0
         target[i] = right * row[i]
         total += target[i] * target[i]
     return total
@@ -136,8 +138,8 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
 
 def _factorise_plain(gram: FloatArray, target: FloatArray) -> float:
     for i in range(target.size):
-        column = gram[i:, i] - gram[i:, :i] @ gram[i, :i]
-        inverse = 1.0 / np.sqrt(column[0]) if column[0] > 0.0 else 0.0
+        least, column = DEPENDENT * gram[i, i], gram[i:, i] - gram[i:, :i] @ gram[i, :i]
+        inverse = 1.0 / np.sqrt(column[0]) if column[0] > least else 0.0
         gram[i + 1 :, i], gram[i, i] = column[1:] * inverse, inverse
         target[i] = (target[i] - gram[i, :i] @ target[:i]) * inverse
     return float(target @ target)
