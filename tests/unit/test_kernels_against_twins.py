@@ -3,7 +3,17 @@ import itertools
 import numpy as np
 import pytest
 
-from lostmotion.kernels import actuator, contrast, dead_zone, likelihood, linear, loop, products, stamps
+from lostmotion.kernels import (
+    actuator,
+    contrast,
+    dead_zone,
+    likelihood,
+    linear,
+    loop,
+    normal_equations,
+    products,
+    stamps,
+)
 from tests.naive import backlash as slow_backlash
 from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
@@ -169,7 +179,7 @@ def check_normal_equations(orders, segments, u, y, theta):
     x, dx = actuator_arrays(orders, theta, u)
     before = theta.copy(), x.copy(), dx.copy(), y.copy()
     hessian, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
-    cost = likelihood.normal_equations(
+    cost = normal_equations.normal_equations(
         theta, orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first, segments, x, dx, y,
         hessian, gradient,
     )  # fmt: skip
@@ -208,7 +218,7 @@ def test_normal_equations_without_actuator(p, lengths):
     check_normal_equations(*likelihood_case(2, 1, p, 2, 0, lengths, 1))
 
 
-@pytest.mark.parametrize("rows", [likelihood.BLOCK - 1, likelihood.BLOCK, likelihood.BLOCK + 1])
+@pytest.mark.parametrize("rows", [normal_equations.BLOCK - 1, normal_equations.BLOCK, normal_equations.BLOCK + 1])
 def test_normal_equations_at_the_edge_of_a_block(rows):
     orders = likelihood_case(2, 1, 2, 1, 3, [40], 0)[0]
     length = rows + orders.first + orders.p
@@ -221,9 +231,9 @@ def test_normal_equations_add_to_what_is_there():
     settings = (theta, 1, 1, 3, 1, 1, orders.first, segments, x, dx, y)
     clean = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     twice = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
-    likelihood.normal_equations(*settings, *clean)
-    likelihood.normal_equations(*settings, *twice)
-    likelihood.normal_equations(*settings, *twice)
+    normal_equations.normal_equations(*settings, *clean)
+    normal_equations.normal_equations(*settings, *twice)
+    normal_equations.normal_equations(*settings, *twice)
     for once, both in zip(clean, twice, strict=True):
         np.testing.assert_allclose(both, 2 * once, rtol=1e-13)
 
@@ -334,16 +344,6 @@ def test_add_lagged_of_any_number_of_terms(terms, length):
     np.testing.assert_allclose(out, expected, atol=1e-13)
 
 
-@pytest.mark.parametrize("size", [*range(1, 12), 29])
-@pytest.mark.parametrize("length", [0, 1, 7, 1024])
-def test_add_gram(size, length):
-    rng = np.random.default_rng(size)
-    rows, out = rng.normal(size=(size, length)), rng.normal(size=(size, size))
-    expected = out + rows @ rows.T
-    products.add_gram(rows, out)
-    np.testing.assert_allclose(out, expected, atol=1e-11)
-
-
 @pytest.mark.parametrize("size", [1, 2, 7, 30])
 def test_regression_by_cholesky(size):
     rng = np.random.default_rng(size)
@@ -362,3 +362,9 @@ def test_a_column_twice_explains_as_much_as_once():
     twice = columns[:, [0, 1, 1, 2]]
     once = products.factorise(columns.T @ columns, columns.T @ y)
     assert products.factorise(twice.T @ twice, twice.T @ y) == pytest.approx(once, rel=1e-9)
+
+
+def test_a_long_record_whose_initial_state_has_gone():
+    orders, segments, u, y, theta = likelihood_case(2, 2, 2, 1, 3, [3 * normal_equations.BLOCK + 7], 0)
+    theta[:2] = np.poly([0.5, 0.3])[1:]
+    check_normal_equations(orders, segments, u, y, theta)

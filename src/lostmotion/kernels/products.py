@@ -10,49 +10,6 @@ from lostmotion.arrays import FloatArray
 DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
-def _add_gram(rows: FloatArray, out: FloatArray) -> None:
-    """Add the products of all pairs of `rows` (n, m) to `out` (n, n); of small n twice as fast as a matrix product.
-
-    Two rows and four columns at a time stay in registers; of the symmetric matrix the lower half is summed up.
-    """
-    n, m = rows.shape
-    last = n - 1
-    half = np.empty((n, n))
-    for i in range(0, n, 2):
-        i1 = min(i + 1, last)
-        first, second = rows[i], rows[i1]
-        for j in range(0, i1 + 1, 4):
-            j1, j2, j3 = min(j + 1, last), min(j + 2, last), min(j + 3, last)
-            r0, r1, r2, r3 = rows[j], rows[j1], rows[j2], rows[j3]
-            s0 = s1 = s2 = s3 = t0 = t1 = t2 = t3 = 0.0
-            for k in range(m):
-                x, y = first[k], second[k]
-                s0 += x * r0[k]
-                s1 += x * r1[k]
-                s2 += x * r2[k]
-                s3 += x * r3[k]
-                t0 += y * r0[k]
-                t1 += y * r1[k]
-                t2 += y * r2[k]
-                t3 += y * r3[k]
-            half[i, j], half[i, j1], half[i, j2], half[i, j3] = s0, s1, s2, s3
-            half[i1, j], half[i1, j1], half[i1, j2], half[i1, j3] = t0, t1, t2, t3
-    for i in range(n):
-        out[i, i] += half[i, i]
-        for j in range(i):
-            out[i, j] += half[i, j]
-            out[j, i] += half[i, j]
-
-
-def _add_gram_plain(rows: FloatArray, out: FloatArray) -> None:
-    """The same in NumPy: as plain Python the loops would take minutes for one fit."""
-    out += rows @ rows.T
-
-
-add_gram = _add_gram_plain if config.DISABLE_JIT else _add_gram  # type: ignore[attr-defined]
-
-
 @njit(cache=True)
 def add_products(
     first: FloatArray,

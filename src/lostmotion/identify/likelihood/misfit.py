@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.kernels import likelihood as kernel
+from lostmotion.kernels.normal_equations import normal_equations
 
 WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
 SHAPE_KNOTS = 4  # hinges at the quintiles of the levels of OP: few degrees of freedom keep the test sharp
@@ -90,7 +90,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
         wide[row] = problem.u > edge
     longer = np.concatenate([theta[: problem.noise_at], np.zeros(added), theta[problem.noise_at :]])
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
-    cost = kernel.normal_equations(
+    cost = normal_equations(
         longer, s.na, s.nb, wide.shape[0], order, s.delay, first, problem.segments, x, wide,
         problem.y, hessian, gradient,
     )  # fmt: skip

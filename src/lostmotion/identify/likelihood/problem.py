@@ -12,6 +12,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.normal_equations import normal_equations
 
 POLE_RADIUS = 1.0 - 1e-7  # an output-error predictor needs a stable A
 
@@ -132,7 +133,7 @@ class Problem:
         s = self.structure
         x, dx = self.internal(theta)
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        cost = kernel.normal_equations(
+        cost = normal_equations(
             theta, s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first,
             self.segments, x, dx, self.y, hessian, gradient,
         )  # fmt: skip
