@@ -18,12 +18,12 @@ from scipy.signal import fftconvolve
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.spectral_lines import (
     FEWEST_PERIODS,
-    PADDING,
     SHORTEST_PERIOD,
     STANDS_OUT,
     dominant,
     lines,
     share_of,
+    strongest,
 )
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
@@ -266,12 +266,8 @@ class _Errors:
             yield _Option(float(scores[row]), Step(start + row), course)
         n = stop - first
         if n > 2 * FEWEST_PERIODS * SHORTEST_PERIOD:
-            size = PADDING * n
-            power = np.abs(np.fft.rfft(left[first:stop], size)) ** 2 * 2.0 / n
-            low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
-            power[low:high][self._made_by_the_loop(size / np.arange(low, high), start, stop)] = 0.0
-            index = low + int(np.argmax(power[low:high]))
-            yield _swing(left.size, size / index, start, stop, float(power[index]))
+            period, gain = strongest(left[first:stop], lambda periods: self._made_by_the_loop(periods, start, stop))
+            yield _swing(left.size, period, start, stop, gain)
 
     def _column(self, course: FloatArray) -> FloatArray:
         """What a load does to the prediction errors."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from lostmotion.arrays import FloatArray
@@ -42,13 +45,46 @@ def dominant(x: FloatArray) -> float | None:
 
 def share_of(x: FloatArray, period: float) -> float:
     """Share of the variance of a signal that is a sine of this period."""
-    wave = np.exp(-2j * np.pi / period * np.arange(x.size))
-    return float(2.0 * np.abs(wave @ (x - x.mean())) ** 2 / (x.size**2 * max(float(x.var()), 1e-300)))
+    wave = abs(_transform(x - x.mean(), np.array([1.0 / period]))[0])
+    return float(2.0 * wave**2 / (x.size**2 * max(float(x.var()), 1e-300)))
+
+
+def strongest(x: FloatArray, made_inside: Callable[[FloatArray], npt.NDArray[np.bool_]]) -> tuple[float, float]:
+    """Period of the sine that explains most of a signal, and its sum of squares; not of those that are made inside.
+
+    The grid of a transform of PADDING times the length, which is transforms of the length itself of the signal moved
+    by fractions of a line: they never are in memory all at once.
+    """
+    n = x.size
+    size = PADDING * n
+    low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
+    best = (0.0, low)
+    for part in range(PADDING // 2 + 1):
+        moved = np.fft.fft(x * np.exp(-2j * np.pi * part / size * np.arange(n)))
+        both = [(np.arange(part, high, PADDING), moved)]
+        if 0 < part < PADDING // 2:  # what is left of a line of the grid, seen from the other side
+            both.append((np.arange(PADDING - part, high, PADDING), moved[::-1]))
+        for index, values in both:
+            inner = index >= low
+            lines, power = index[inner], np.abs(values[: index.size][inner]) ** 2 * 2.0 / n
+            power[made_inside(size / lines)] = 0.0
+            at = int(np.argmax(power))
+            best = max(best, (float(power[at]), int(lines[at])), key=lambda one: (one[0], -one[1]))
+    return size / best[1], best[0]
 
 
 def _finest(x: FloatArray, line: int) -> float:
     """Frequency (1/samples) of the largest line within one of the grid of the periodogram."""
-    n = x.size
-    trials = (line + np.linspace(-1.0, 1.0, 2 * PADDING + 1)) / n
-    waves = np.exp(-2j * np.pi * np.outer(trials, np.arange(n)))
-    return float(trials[int(np.argmax(np.abs(waves @ (x - x.mean()))))])
+    trials = (line + np.linspace(-1.0, 1.0, 2 * PADDING + 1)) / x.size
+    return float(trials[int(np.argmax(np.abs(_transform(x - x.mean(), trials))))])
+
+
+def _transform(x: FloatArray, frequencies: FloatArray) -> npt.NDArray[np.complex128]:
+    """Fourier transform at any frequencies (1/samples), by stretches: the waves never are of the length of x."""
+    length = int(np.ceil(np.sqrt(x.size)))
+    rows = -(-x.size // length)
+    table = np.zeros(rows * length)
+    table[: x.size] = x
+    inner = np.exp(-2j * np.pi * np.outer(np.arange(length), frequencies))
+    outer = np.exp(-2j * np.pi * length * np.outer(np.arange(rows), frequencies))
+    return np.asarray((outer * (table.reshape(rows, length) @ inner)).sum(axis=0))
