@@ -11,6 +11,7 @@ from lostmotion.distributions import f_tail
 from lostmotion.identify.likelihood.arx_gram import Lags, arx_products
 from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import factorise
+from lostmotion.kernels.triangular import triangular
 
 LAGS = 10  # past rows of OP and PV: a PI controller needs two, a filter in front of it a few more
 LEVEL = 1e-4  # of the test whether OP answers PV
@@ -19,7 +20,6 @@ SURE = 8.0  # standard errors of a gain of the controller, from which on its sig
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
 NORMAL = 1e-7  # share of the variance of OP, of which sums of products still tell seven digits
 ROUNDING = 1e-15
-STRETCH = 4096  # rows of which the lagged matrix exists at once
 NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
@@ -85,15 +85,15 @@ def _left_over(turned: ScaledData) -> tuple[float, float]:
 
 
 def _triangular(turned: ScaledData) -> FloatArray:
-    """R of 1, past OP, PV now and past, and OP, a stretch of rows at a time."""
-    root: FloatArray = np.zeros((0, 2 * LAGS + 3))
-    for start, stop in turned.segments.tolist():
-        for first in range(start + LAGS, stop, STRETCH):
-            now = np.arange(first, min(first + STRETCH, stop))[:, None]
-            past = turned.y[now - np.arange(1, LAGS + 1)]
-            rows = np.hstack([np.ones(now.shape), past, turned.u[now - np.arange(LAGS + 1)], turned.y[now]])
-            root = np.asarray(np.linalg.qr(np.concatenate([root, rows]), mode="r"))
-    return root
+    """R of 1, past OP, PV now and past, and OP."""
+
+    def rows(start: int, stop: int) -> FloatArray:
+        now = np.arange(start, stop)[:, None]
+        past = turned.y[now - np.arange(1, LAGS + 1)]
+        return np.hstack([np.ones(now.shape), past, turned.u[now - np.arange(LAGS + 1)], turned.y[now]])
+
+    spans = [(start + LAGS, stop) for start, stop in turned.segments.tolist()]
+    return triangular(rows, spans, 2 * LAGS + 3)
 
 
 def _direction(signals: Signals) -> int:
