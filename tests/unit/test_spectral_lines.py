@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from lostmotion.identify.actuators import spectral_lines
 from lostmotion.identify.actuators.spectral_lines import (
     FEWEST_PERIODS,
     PADDING,
@@ -44,7 +45,9 @@ def test_what_a_loop_mostly_does():
 
 
 @pytest.mark.parametrize("n", [150, 257])
-def test_strongest_line_of_a_padded_transform(n):
+@pytest.mark.parametrize("at_once", [0, 1000])
+def test_strongest_line_of_a_padded_transform(n, at_once, monkeypatch):
+    monkeypatch.setattr(spectral_lines, "AT_ONCE", at_once)
     x = np.random.default_rng(n).normal(size=n) + np.sin(2.0 * np.pi * np.arange(n) / 11.3)
     size = PADDING * n
     power = np.abs(np.fft.rfft(x, size)) ** 2 * 2.0 / n
