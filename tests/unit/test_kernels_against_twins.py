@@ -180,8 +180,8 @@ def check_normal_equations(orders, segments, u, y, theta):
     before = theta.copy(), x.copy(), dx.copy(), y.copy()
     hessian, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     cost = normal_equations.normal_equations(
-        theta, orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first, segments, x, dx, y,
-        hessian, gradient,
+        theta, orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first, segments, x, dx[:2],
+        dx[2:], y, hessian, gradient,
     )  # fmt: skip
     errors = slow_likelihood.all_errors(theta, orders, segments, u, y).real
     jacobian = slow_likelihood.jacobian(theta, orders, segments, u, y)
@@ -228,7 +228,7 @@ def test_normal_equations_at_the_edge_of_a_block(rows):
 def test_normal_equations_add_to_what_is_there():
     orders, segments, u, y, theta = likelihood_case(1, 1, 1, 1, 3, [40], 0)
     x, dx = actuator_arrays(orders, theta, u)
-    settings = (theta, 1, 1, 3, 1, 1, orders.first, segments, x, dx, y)
+    settings = (theta, 1, 1, 3, 1, 1, orders.first, segments, x, dx, dx[:0], y)
     clean = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     twice = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     normal_equations.normal_equations(*settings, *clean)

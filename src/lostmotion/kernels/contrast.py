@@ -44,7 +44,7 @@ def variances(
     full, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     segments = np.zeros((1, 2), dtype=np.int64)
     segments[0, 1] = u.size
-    normal_equations(theta, na, nb, parameters, p, delay, delay, segments, x, dx, y, full, gradient)
+    normal_equations(theta, na, nb, parameters, p, delay, delay, segments, x, dx, dx[:0], y, full, gradient)
     full /= noise_variance
     for i in range(3):
         full[eta + i, eta + i] += prior[i]

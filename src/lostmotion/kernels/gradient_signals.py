@@ -92,6 +92,12 @@ def _moved(b: FloatArray, dx: FloatArray, begin: int, k0: int, out: FloatArray) 
 
 
 @njit(cache=True, nogil=True)
+def _eta_row(dx: FloatArray, shapes: FloatArray, e: int) -> FloatArray:
+    row: FloatArray = dx[e] if e < dx.shape[0] else shapes[e - dx.shape[0]]
+    return row
+
+
+@njit(cache=True, nogil=True)
 def fill_block(
     a: FloatArray,
     b: FloatArray,
@@ -102,6 +108,7 @@ def fill_block(
     begin: int,
     x: FloatArray,
     dx: FloatArray,
+    shapes: FloatArray,
     y: FloatArray,
     raw: FloatArray,
     white: FloatArray,
@@ -112,7 +119,7 @@ def fill_block(
 
     `raw` are the signals before D, `white` behind it; without D they are one array.
     """
-    m, ne = y.size, dx.shape[0]
+    m, ne = y.size, dx.shape[0] + shapes.shape[0]
     z, drive = work[0, :m], work[1, :m]
     drive[:] = 0.0
     if k0 == 0:
@@ -126,15 +133,15 @@ def fill_block(
         v[k] = y[k] - offset - z[k]
     done = 0
     if ne > 0:
-        _moved(b, dx[0], begin, k0, drive)
+        _moved(b, _eta_row(dx, shapes, 0), begin, k0, drive)
         _two_pole_filters(a, z, raw[Z], drive, raw[ETA], at)
         done = 1
     else:
         _one_pole_filter(a, z, raw[Z], at)
     while done < ne:
-        _moved(b, dx[done], begin, k0, drive)
+        _moved(b, _eta_row(dx, shapes, done), begin, k0, drive)
         if done + 1 < ne:
-            _moved(b, dx[done + 1], begin, k0, z)
+            _moved(b, _eta_row(dx, shapes, done + 1), begin, k0, z)
             _two_pole_filters(a, drive, raw[ETA + done], z, raw[ETA + done + 1], at)
         else:
             _one_pole_filter(a, drive, raw[ETA + done], at)

@@ -159,6 +159,18 @@ def _quiet(values: FloatArray) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def _add_block(
+    flat: FloatArray, begins: IntArray, single: IntArray, lagged: IntArray, gone: int, skipped: int, rows: int,
+    cross: FloatArray, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Add the products of a block to `cross` and the sums of its signals to `sums`; the `gone` last lags are zero."""
+    singles = single.size - 1 if gone else single.size
+    _cross(flat, single + skipped, singles, lagged + skipped, lagged.size - gone, rows, cross)
+    for g in range(begins.size):
+        sums[g] += _sum(flat[begins[g] + skipped :], rows)
+
+
+@njit(cache=True, nogil=True)
 def _add_level(
     cross: FloatArray, sums: FloatArray, whole: float, level: int, count: IntArray, heads: FloatArray,
     tails: FloatArray, place: IntArray, sign: FloatArray, hessian: FloatArray, gradient: FloatArray,
@@ -195,13 +207,15 @@ def normal_equations(
     segments: IntArray,
     x: FloatArray,
     dx: FloatArray,
+    shapes: FloatArray,
     y: FloatArray,
     hessian: FloatArray,
     gradient: FloatArray,
 ) -> float:
     """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
 
-    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. `dx` is (ne, samples).
+    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. Derivatives of x
+    with respect to the ne parameters of the actuator are the rows of `dx` (m, samples) and then those of `shapes`.
     """
     nc, level, signals = max(na, nb), na + nb + 1, 4 + ne
     shared = level + 1 + ne
@@ -225,16 +239,12 @@ def normal_equations(
         for k0 in range(0, n, BLOCK):
             m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
             gone = nc if k0 > 0 and _quiet(white[H, :history]) else 0
-            fill_block(
-                a, b, c, d, offset, k0, head - delay, x, dx, y[head + k0 : head + k0 + m], raw, white, history, work
-            )
+            y_part = y[head + k0 : head + k0 + m]
+            fill_block(a, b, c, d, offset, k0, head - delay, x, dx, shapes, y_part, raw, white, history, work)
             if k0 == 0:
                 _ends(flat, begins, count, p - 1, heads)
             if m > skipped:
-                singles = groups if gone else groups + 1
-                _cross(flat, single + skipped, singles, lagged + skipped, many - gone, m - skipped, cross)
-                for g in range(groups):
-                    sums[g] += _sum(flat[begins[g] + skipped :], m - skipped)
+                _add_block(flat, begins, single, lagged, gone, skipped, m - skipped, cross, sums)
                 errors = white[ETA + ne, history + skipped : history + m]
                 total, cost = total + _sum(errors, m - skipped), cost + np.dot(errors, errors)
             if k0 + m < n:

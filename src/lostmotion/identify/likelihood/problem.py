@@ -135,14 +135,14 @@ class Problem:
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
         cost = normal_equations(
             theta, s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first,
-            self.segments, x, dx, self.y, hessian, gradient,
+            self.segments, x, dx, self.family.courses(self.u.size), self.y, hessian, gradient,
         )  # fmt: skip
         return float(cost), gradient, hessian
 
     def internal(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Internal variable x (n,) and dx/deta (ne, n)."""
-        x, dx = np.empty(self.u.size), np.empty((len(self.family.names), self.u.size))
-        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, x, dx)
+        """Internal variable x (n,) and dx/deta (m, n), but for the sizes of known courses."""
+        x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
+        self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
         return x, dx
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
