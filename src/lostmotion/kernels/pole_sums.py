@@ -19,7 +19,7 @@ def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, l
 
     `a` is (na, 4), coefficient by coefficient.
     """
-    na, poles = a.shape[0], address(a)
+    na, poles = a.shape[0], address(a.reshape(-1))
     to_x, to_level = address(x), address(level)
     none = spread(0.0)
     a1 = load(poles, 0) if na > 0 else none
