@@ -1,6 +1,7 @@
 """Speed of ``identify`` against a plain ``scipy.optimize.least_squares`` output-error fit, same data, same run.
 
-Run: ``.venv/bin/python benchmarks/speed.py`` (about 1 minute, one thread); writes docs/speed.md.
+Run: ``.venv/bin/python benchmarks/speed.py`` (about 6 minutes, one thread); writes docs/speed.md. Processor time,
+what is compared by turns.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ sys.path.insert(0, str(Path(__file__).parent.parent))  # for the plain Python lo
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[name] = "1"  # before NumPy is imported
 
-import resource  # noqa: E402
 import time  # noqa: E402
 from collections.abc import Callable  # noqa: E402
 from concurrent.futures import ProcessPoolExecutor  # noqa: E402
@@ -24,12 +24,22 @@ from scipy.optimize import least_squares  # noqa: E402
 from scipy.signal import lfilter  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
+from lostmotion.evaluate import random_faulty_loop  # noqa: E402
 from lostmotion.identify.likelihood import search  # noqa: E402
 from pages import publish  # noqa: E402
 from tests.naive.loop import closed_loop  # noqa: E402
+from verdicts.second_family import CELLS, second_family  # noqa: E402
 
 N = 20_000
 REPEATS = 7
+SAMPLES, SEEDS = 2000, 50_000  # loops of known fault: length, first seed
+MEMORY_AT = 200_000  # samples
+PLAIN = "plain `least_squares`, generic start"
+ANALYSES = {
+    "white": "`identify`, orders given, noise white",
+    "auto": "`identify`, everything auto",
+    "diagnose": "`diagnose`",
+}
 OUTPUT = Path(__file__).parent.parent / "docs" / "speed.md"
 TANK = lm.platforms.level_tank()
 
@@ -50,15 +60,17 @@ def plain_fit(u: np.ndarray, y: np.ndarray, start: np.ndarray) -> np.ndarray:
     return least_squares(plain_residuals, start, args=(u, y), x_scale="jac", max_nfev=200).x
 
 
-def median_time(work: Callable[[], object]) -> float:
-    """Median seconds after one warm-up."""
-    work()
-    times = []
-    for _ in range(REPEATS):
-        begin = time.perf_counter()
+def median_times(works: dict[str, Callable[[], object]]) -> dict[str, float]:
+    """Median seconds of processor time of each, by turns after a warm-up."""
+    times: dict[str, list[float]] = {name: [] for name in works}
+    for work in works.values():
         work()
-        times.append(time.perf_counter() - begin)
-    return float(np.median(times))
+    for _ in range(REPEATS):
+        for name, work in works.items():
+            begin = time.process_time()
+            work()
+            times[name].append(time.process_time() - begin)
+    return {name: float(np.median(values)) for name, values in times.items()}
 
 
 class Stopwatch:
@@ -69,10 +81,10 @@ class Stopwatch:
         self._inner = search.refine
 
     def __call__(self, problem: object, *arguments: object, **options: object) -> object:
-        begin = time.perf_counter()
+        begin = time.process_time()
         result = self._inner(problem, *arguments, **options)
         if problem.family.kind == "dead zone":
-            self.seconds += time.perf_counter() - begin
+            self.seconds += time.process_time() - begin
         return result
 
 
@@ -108,7 +120,8 @@ def loop_times() -> tuple[float, float]:
             a, b, 3, 0.0, four, (*four, 0.0), 0.5, 0.07, -np.inf, np.inf, 0.0, reference, np.zeros(1000), noise
         )
 
-    return median_time(fast), median_time(slow)
+    times = median_times({"fast": fast, "slow": slow})
+    return times["fast"], times["slow"]
 
 
 def record(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -116,60 +129,87 @@ def record(n: int) -> tuple[np.ndarray, np.ndarray]:
     return u, TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=n)
 
 
-def peak(n: int) -> int:
-    """Largest resident memory, in bytes, of a process that identifies n samples."""
-    lm.identify(*record(2000), 0.1, orders=(3, 2, 3))
+def diagnosed(n: int, loops: int) -> float:
+    """Median seconds of ``diagnose`` over simulated loops of n samples; of 2,000 those of both families."""
+    made = [random_faulty_loop(seed, n) for seed in range(SEEDS, SEEDS + loops)]
+    if n == SAMPLES:
+        made += [second_family(cell) for cell in range(0, CELLS, CELLS // loops)]
+    times = []
+    for loop in made:
+        record_of = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
+        begin = time.process_time()
+        try:
+            lm.diagnose(record_of)
+        except lm.InputError:  # a constant, say: nothing is fitted
+            continue
+        times.append(time.process_time() - begin)
+    return float(np.median(times))
+
+
+def run(what: str, n: int) -> Callable[[], object]:
+    """One analysis of n samples, data made."""
+    if what == "diagnose":
+        loop = random_faulty_loop(SEEDS + 4, n)
+        whole = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0))
+        return lambda: lm.diagnose(whole)
     u, y = record(n)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    lm.identify(u, y, 0.1, orders=(3, 2, 3))
-    return 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+    options = {"orders": (3, 2, 3), "noise": "white"} if what == "white" else {}
+    return lambda: lm.identify(u, y, 0.1, **options)
 
 
-def doubles_per_sample() -> float:
-    """Growth of the peak memory from 200,000 to 600,000 samples, in doubles per sample, in fresh processes."""
-    sizes = (200_000, 600_000)
-    peaks = []
-    for size in sizes:
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            peaks.append(pool.submit(peak, size).result())
-    return (peaks[1] - peaks[0]) / 8 / (sizes[1] - sizes[0])
+def peak(what: str, n: int) -> int:
+    """Largest resident memory, in bytes, that an analysis of n samples takes in this process."""
+    run(what, 3000)()
+    work = run(what, n)
+    Path("/proc/self/clear_refs").write_text("5")  # the largest so far is what is there now
+    before = resident("VmRSS")
+    work()
+    return resident("VmHWM") - before
+
+
+def resident(name: str) -> int:
+    """Resident memory of this process, in bytes, now or largest; `ru_maxrss` is inherited from who started it."""
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    return next(1024 * int(line.split()[1]) for line in lines if line.startswith(name + ":"))
+
+
+def doubles_per_sample(what: str) -> float:
+    """Peak memory at MEMORY_AT samples, in doubles per sample, in a fresh process."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(peak, what, MEMORY_AT).result() / 8 / MEMORY_AT
 
 
 def main() -> None:
     u, y = record(N)
-
-    def whole() -> object:
-        return lm.identify(u, y, 0.1, orders=(3, 2, 3))
-
-    def white() -> object:
-        return lm.identify(u, y, 0.1, orders=(3, 2, 3), noise="white")
-
-    def auto() -> object:
-        return lm.identify(u, y, 0.1)
-
-    times = {
-        "maximum-likelihood refinement, noise white": refinement_time(white),
-        "maximum-likelihood refinement, noise auto": refinement_time(whole),
-        "whole `identify`, orders given, noise white": median_time(white),
-        "whole `identify`, orders given": median_time(whole),
-        "whole `identify`, everything auto": median_time(auto),
-        "plain `least_squares`, generic start": median_time(lambda: plain_fit(u, y, GENERIC)),
-        "plain `least_squares`, started near the truth": median_time(lambda: plain_fit(u, y, NEAR)),
+    works: dict[str, Callable[[], object]] = {
+        "whole `identify`, orders given, noise white": lambda: lm.identify(u, y, 0.1, orders=(3, 2, 3), noise="white"),
+        "whole `identify`, orders given": lambda: lm.identify(u, y, 0.1, orders=(3, 2, 3)),
+        "whole `identify`, everything auto": lambda: lm.identify(u, y, 0.1),
+        PLAIN: lambda: plain_fit(u, y, GENERIC),
+        "plain `least_squares`, started near the truth": lambda: plain_fit(u, y, NEAR),
     }
-    plain = times["plain `least_squares`, generic start"]
-    lines = [f"| {name} | {1e3 * value:.0f} ms | {plain / value:.1f} |" for name, value in times.items()]
-    memory = doubles_per_sample()
+    white, given, *_ = works.values()
+    times = {
+        "inside the refinement of the dead zone, rough and final, noise white": refinement_time(white),
+        "inside the refinement of the dead zone, rough and final, noise auto": refinement_time(given),
+        **median_times(works),
+    }
+    lines = [f"| {name} | {1e3 * value:.0f} ms | {times[PLAIN] / value:.1f} |" for name, value in times.items()]
+    found = {n: diagnosed(n, loops) for n, loops in ((SAMPLES, 10), (N, 4))}
+    diagnoses = [f"| `diagnose`, {n:,} samples | {value:.2f} s |" for n, value in found.items()]
+    memory = [f"| {name} | {doubles_per_sample(what):.0f} |" for what, name in ANALYSES.items()]
     fast, slow = loop_times()
     loop = f"{1e6 * fast:.0f} us against {1e3 * slow:.1f} ms, {slow / fast:.0f} times faster"
-    print("loop:", loop)
-    print("\n".join(lines), f"\nmemory: {memory:.0f} doubles per sample")
-    publish(OUTPUT, PAGE.format(rows="\n".join(lines), memory=memory, loop=loop))
+    parts = {"rows": lines, "diagnoses": diagnoses, "memory": memory}
+    page = PAGE.format(loop=loop, **{name: "\n".join(part) for name, part in parts.items()})
+    print(page)
+    publish(OUTPUT, page)
 
 
-PAGE = """# Speed of `identify`
+PAGE = """# Speed of `identify` and `diagnose`
 
 Made by `.venv/bin/python benchmarks/speed.py`. Paper's plant, N = 20,000, one thread, median of 7 after a warm-up,
-all in one run. The times are of the machine of that run; the ratio is what carries over.
+processor time, all by turns in one run. The times are of the machine of that run; the ratio is what carries over.
 
 | what | time | times faster than the plain fit from a generic start |
 |---|---|---|
@@ -178,10 +218,20 @@ all in one run. The times are of the machine of that run; the ratio is what carr
 The plain fit knows the orders, that the noise is white and where to start; `identify` searches the break points
 globally, fits the linear alternative, settles noise and offset, tests the residuals and needs no start.
 
+Median over simulated loops of known fault (both families of `benchmarks/diagnosis.py`; of the longer ones the first):
+
+| what | processor time |
+|---|---|
+{diagnoses}
+
+Memory beyond the data at 200,000 samples, largest:
+
+| what | doubles per sample |
+|---|---|
+{memory}
+
 `simulate_loop`, 1,000 samples of the compensated tank: {loop} than the same loop in plain Python
 (`tests/naive/loop.py`).
-
-Memory: the peak of `identify` grows by {memory:.0f} doubles per sample (from 200,000 to 600,000 samples).
 """
 
 

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from lostmotion.identify.actuators.spectral_lines import dominant, lines, share_of
+from lostmotion.identify.actuators import spectral_lines
+from lostmotion.identify.actuators.spectral_lines import (
+    FEWEST_PERIODS,
+    PADDING,
+    SHORTEST_PERIOD,
+    dominant,
+    lines,
+    share_of,
+    strongest,
+)
 
 
 def swinging(period, deviation, n=1500, seed=0):
@@ -33,3 +42,19 @@ def test_what_a_loop_mostly_does():
     assert dominant(swinging(50.0, 0.3)) == pytest.approx(50.0, rel=2e-3)
     assert dominant(swinging(50.0, 1.5)) is None  # a line, but not most of it
     assert dominant(np.zeros(500)) is None
+
+
+@pytest.mark.parametrize("n", [150, 257])
+@pytest.mark.parametrize("at_once", [0, 1000])
+def test_strongest_line_of_a_padded_transform(n, at_once, monkeypatch):
+    monkeypatch.setattr(spectral_lines, "AT_ONCE", at_once)
+    x = np.random.default_rng(n).normal(size=n) + np.sin(2.0 * np.pi * np.arange(n) / 11.3)
+    size = PADDING * n
+    power = np.abs(np.fft.rfft(x, size)) ** 2 * 2.0 / n
+    low, high = int(FEWEST_PERIODS * PADDING), int(size / SHORTEST_PERIOD)
+    for banned in (0.0, 0.05):  # relative distance from the period of the sine
+        periods = size / np.arange(low, high)
+        allowed = np.where(np.abs(periods / 11.3 - 1.0) < banned, 0.0, power[low:high])
+        period, gain = strongest(x, lambda trials, banned=banned: np.abs(trials / 11.3 - 1.0) < banned)
+        assert period == pytest.approx(periods[np.argmax(allowed)], rel=1e-12)
+        assert gain == pytest.approx(allowed.max(), rel=1e-9)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite_signal, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.kernels.triangular import triangular
 
 ORDER = 15  # of the autoregression
 ROWS_PER_PARAMETER = 4  # so that by chance it explains no more than a quarter of white noise
@@ -122,7 +123,9 @@ def _unpredicted(error: FloatArray, shortest: int, longest: int, order: int) -> 
     lags = longest + order - 1
     rows = error.size - lags
     window = np.lib.stride_tricks.sliding_window_view(error, lags + 1)
-    factor: FloatArray = np.asarray(np.linalg.qr(np.column_stack([window, np.ones(rows)]), mode="r"))
+    factor = triangular(
+        lambda start, stop: np.column_stack([window[start:stop], np.ones(stop - start)]), [(0, rows)], lags + 2
+    )
     now = factor[:, lags]
     left = []
     for delay in range(shortest, longest + 1):

@@ -6,7 +6,8 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels import dead_zone, likelihood
+from lostmotion.kernels import dead_zone
+from lostmotion.kernels.normal_equations import normal_equations
 
 RIDGE = 1e-12  # relative; keeps the solution finite where a direction has no information at all
 
@@ -43,7 +44,7 @@ def variances(
     full, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     segments = np.zeros((1, 2), dtype=np.int64)
     segments[0, 1] = u.size
-    likelihood.normal_equations(theta, na, nb, parameters, p, delay, delay, segments, x, dx, y, full, gradient)
+    normal_equations(theta, na, nb, parameters, p, delay, delay, segments, x, dx, dx[:0], y, full, gradient)
     full /= noise_variance
     for i in range(3):
         full[eta + i, eta + i] += prior[i]

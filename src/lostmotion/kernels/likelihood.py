@@ -16,31 +16,39 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.products import add_gram
+from lostmotion.arrays import FloatArray
 
-BLOCK = 1024  # samples whose gradients are held at once
+GONE = 1e-100  # what has decayed to this is zero: below 1e-308 a product of two numbers takes a hundred times as long
+REST = 256  # samples after which it is looked at
 
 
 @njit(cache=True, fastmath={"contract"})
 def all_pole(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Write (1/A) x into `out`, from rest; up to four poles run in registers."""
     if a.size > 4:
-        for k in range(x.size):
-            value = x[k]
-            for i in range(min(a.size, k)):
-                value -= a[i] * out[k - 1 - i]
-            out[k] = value
+        _many_poles(a, x, out)
         return
     a1 = a[0] if a.size > 0 else 0.0
     a2 = a[1] if a.size > 1 else 0.0
     a3 = a[2] if a.size > 2 else 0.0
     a4 = a[3] if a.size > 3 else 0.0
     y1 = y2 = y3 = y4 = 0.0
+    for begin in range(0, x.size, REST):
+        if abs(y1) < GONE and abs(y2) < GONE and abs(y3) < GONE and abs(y4) < GONE:
+            y1 = y2 = y3 = y4 = 0.0
+        for k in range(begin, min(begin + REST, x.size)):
+            value = (x[k] - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1  # the newest last: it is the critical path
+            y4, y3, y2, y1 = y3, y2, y1, value
+            out[k] = value
+
+
+@njit(cache=True, fastmath={"contract"})
+def _many_poles(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
     for k in range(x.size):
-        value = (x[k] - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1  # the newest last: it is the critical path
-        y4, y3, y2, y1 = y3, y2, y1, value
-        out[k] = value
+        value = x[k]
+        for i in range(min(a.size, k)):
+            value -= a[i] * out[k - 1 - i]
+        out[k] = value if abs(value) > GONE else 0.0
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -62,72 +70,6 @@ def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None
         later = out[i:]
         for k in range(n - i):
             later[k] += weight * x[k]
-
-
-@njit(cache=True)
-def _filtered_signals(
-    a: FloatArray, b: FloatArray, c: FloatArray, delay: int, first: int, x: FloatArray, dx: FloatArray, base: FloatArray
-) -> FloatArray:
-    """Fill the rows of `base` (3+ne, n) with (1/A)x, -(1/A)z, (1/A)delta, (B/A)dx/deta; return z."""
-    n = base.shape[1]
-    begin = first - delay  # the input that first acts
-    all_pole(a, x[begin : begin + n], base[0])
-    drive = np.zeros(n)
-    drive[0] = 1.0
-    all_pole(a, drive, base[2])
-    z = np.zeros(n)
-    add_lagged(b, base[0], z)
-    add_lagged(c, base[2], z)
-    all_pole(a, z, base[1])
-    for k in range(n):
-        base[1, k] = -base[1, k]
-    for e in range(dx.shape[0]):
-        all_pole(a, dx[e, begin : begin + n], drive)
-        base[3 + e] = 0.0
-        add_lagged(b, drive, base[3 + e])
-    return z
-
-
-@njit(cache=True)
-def _fill_gradients(
-    rows: FloatArray,
-    k0: int,
-    m: int,
-    na: int,
-    nb1: int,
-    ne: int,
-    p: int,
-    nc: int,
-    c_at: int,
-    base: FloatArray,
-    v: FloatArray,
-    offset_gain: float,
-) -> None:
-    """Gradients of e(k0) .. e(k0+m-1) with respect to all parameters, into rows[:, :m]; c of others stays zero."""
-    for i in range(na):
-        _copy_shifted(base[1], k0, m, i + 1, rows[i])
-    for i in range(nb1):
-        _copy_shifted(base[0], k0, m, i, rows[na + i])
-    at = na + nb1
-    rows[at, :m] = -offset_gain
-    for e in range(ne):
-        _copy_shifted(base[3 + e], k0, m, 0, rows[at + 1 + e])
-    at += 1 + ne
-    for i in range(p):
-        rows[at + i, :m] = v[k0 - 1 - i : k0 - 1 - i + m]
-    for i in range(nc):
-        _copy_shifted(base[2], k0, m, i, rows[c_at + i])
-
-
-@njit(cache=True)
-def _copy_shifted(signal: FloatArray, k0: int, m: int, lag: int, row: FloatArray) -> None:
-    """row[j] = -signal[k0 + j - lag], zero before the first sample."""
-    before = min(m, max(lag - k0, 0))
-    row[:before] = 0.0
-    later = row[before:m]
-    source = signal[max(k0 - lag, 0) :]
-    for j in range(later.size):
-        later[j] = -source[j]
 
 
 @njit(cache=True)
@@ -154,57 +96,3 @@ def prediction_errors(
     errors = v.copy()
     add_lagged(d, v[:-1], errors[1:])
     return z + offset, errors[d.size :]
-
-
-@njit(cache=True)
-def normal_equations(
-    theta: FloatArray,
-    na: int,
-    nb: int,
-    ne: int,
-    p: int,
-    delay: int,
-    first: int,
-    segments: IntArray,
-    x: FloatArray,
-    dx: FloatArray,
-    y: FloatArray,
-    hessian: FloatArray,
-    gradient: FloatArray,
-) -> float:
-    """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
-
-    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. `dx` is (ne, samples).
-    """
-    nb1 = nb + 1
-    a = theta[:na]
-    b = theta[na : na + nb1]
-    offset = theta[na + nb1]
-    shared = na + nb1 + 1 + ne
-    d = theta[shared : shared + p]
-    nc = max(na, nb)
-    cost = 0.0
-    rows = np.zeros((theta.size, BLOCK))
-    for s in range(segments.shape[0]):
-        start, stop = segments[s, 0], segments[s, 1]
-        n = stop - start - first
-        c_at = shared + p + s * nc
-        base = np.empty((3 + ne, n))
-        z = _filtered_signals(a, b, theta[c_at : c_at + nc], delay, first, x[start:stop], dx[:, start:stop], base)
-        v = y[start + first : stop] - offset - z
-        errors = v.copy()
-        add_lagged(d, v[:-1], errors[1:])
-        if p > 0:
-            for row in range(3 + ne):
-                z[:] = base[row]
-                add_lagged(d, z[:-1], base[row, 1:])
-        rows[shared + p :] = 0.0
-        for k0 in range(p, n, BLOCK):
-            m = min(BLOCK, n - k0)
-            _fill_gradients(rows, k0, m, na, nb1, ne, p, nc, c_at, base, v, 1.0 + d.sum())
-            block = rows if m == BLOCK else rows[:, :m].copy()
-            part = errors[k0 : k0 + m]
-            add_gram(block, hessian)
-            gradient += np.dot(block, part)
-            cost += np.dot(part, part)
-    return cost

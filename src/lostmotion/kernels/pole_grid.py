@@ -8,111 +8,126 @@ state) is eliminated.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numba import njit
+import numpy.typing as npt
+from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.lanes import WIDTH
 from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.pole_sums import GONE, respond, sum_lags, sum_modes
 
 RIDGE = 1e-12
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _product(first: FloatArray, second: FloatArray) -> float:
-    """Sum of the products."""
-    total = 0.0
-    for k in range(first.size):
-        total += first[k] * second[k]
-    return total
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True)
 def _add_segment(
-    x: FloatArray,
-    y: FloatArray,
-    level: FloatArray,
-    decay: float,
+    a: FloatArray,
+    decays: FloatArray,
+    drive: FloatArray,
+    ones: FloatArray,
+    target: FloatArray,
     first: int,
     low: int,
     lags: int,
-    gram: FloatArray,
+    grams: FloatArray,
 ) -> None:
-    """Add the Gram matrix of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without the decaying mode.
+    """Add the Gram matrices of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without a decaying mode.
 
-    `gram` is (lags + 2, lags + 2).
+    For four A: `a` (na, 4), `decays` (4,); `grams` is (4, lags + 2, lags + 2), lower halves.
     """
-    n = y.size
-    size = lags + 2
-    part = np.zeros((size, size))
-    with_decay = np.zeros(size)
-    mode = np.empty(n - first)  # the decay
-    mode[0] = 1.0
-    for k in range(1, mode.size):
-        mode[k] = mode[k - 1] * decay
-    steps, target, newest = level[first:], y[first:], x[first - low : n - low]  # slices: loops over them run in lanes
-    with_decay[lags], with_decay[lags + 1] = _product(mode, steps), _product(mode, target)
-    whole = _product(mode, mode)
-    part[lags, lags] = _product(steps, steps)
-    part[lags + 1, lags], part[lags + 1, lags + 1] = _product(steps, target), _product(target, target)
-    for lag in range(lags):
-        shifted = x[first - low - lag : n - low - lag]
-        product, cross, sums, decayed = 0.0, 0.0, 0.0, 0.0
-        for k in range(shifted.size):
-            value = shifted[k]
-            product += value * newest[k]
-            cross += value * target[k]
-            sums += value * steps[k]
-            decayed += value * mode[k]
-        part[lag, 0] = product
-        part[lags + 1, lag] = cross
-        part[lags, lag] = sums
-        with_decay[lag] = decayed
-    for column in range(1, lags):
-        for row in range(column, lags):
-            head = x[first - 1 - (low + row - 1)] * x[first - 1 - (low + column - 1)]
-            tail = x[n - 1 - (low + row - 1)] * x[n - 1 - (low + column - 1)]
-            part[row, column] = part[row - 1, column - 1] + head - tail
-    for i in range(size):
-        for j in range(i + 1):
-            gram[i, j] += part[i, j] - with_decay[i] * with_decay[j] / whole
+    n = target.size
+    x, level = np.empty(WIDTH * n), np.empty(WIDTH * n)
+    sums, modes = np.empty((lags, 3, WIDTH)), np.empty((5, WIDTH))
+    respond(a, drive, ones, x, level)
+    sum_lags(x, level, target, first, low, lags, sums)
+    sum_modes(x, level, target, decays, first, low, modes)
+    square = 0.0
+    for k in range(first, n):
+        square += target[k] * target[k]
+    part, with_mode = np.zeros((lags + 2, lags + 2)), np.zeros(lags + 2)
+    for lane in range(WIDTH):
+        decay, rows = decays[lane], n - first
+        whole = rows if decay == 1.0 else (1.0 - decay ** (2 * rows)) / (1.0 - decay * decay)
+        last = decay ** (rows - 1)
+        with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0, lane], modes[1, lane], modes[2, lane]
+        for lag in range(1, lags):  # one lag more: a value in front, a power of the decay, one value less at the end
+            before, after = x[(first - low - lag) * WIDTH + lane], x[(n - low - lag) * WIDTH + lane]
+            with_mode[lag] = before + decay * (with_mode[lag - 1] - last * after)
+        part[:lags, 0], part[lags + 1, :lags], part[lags, :lags] = sums[:, 0, lane], sums[:, 1, lane], sums[:, 2, lane]
+        part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3, lane], modes[4, lane], square
+        for column in range(1, lags):
+            head, tail = x[(first - low - column) * WIDTH + lane], x[(n - low - column) * WIDTH + lane]
+            for row in range(column, lags):
+                before, after = x[(first - low - row) * WIDTH + lane], x[(n - low - row) * WIDTH + lane]
+                part[row, column] = part[row - 1, column - 1] + before * head - after * tail
+        for i in range(lags + 2):
+            share = with_mode[i] / whole
+            for j in range(i + 1):
+                grams[lane, i, j] += part[i, j] - share * with_mode[j]
 
 
 @njit(cache=True, nogil=True)
-def _least_squares(gram: FloatArray, at: int, count: int, lags: int, b: FloatArray) -> float:
-    """Residual sum of squares of y on X at lags at .. at + count - 1 and the level; fill b (count,)."""
-    size = count + 1
-    root = np.zeros((size, size))
-    right = np.zeros(size)
-    for i in range(size):
-        row = at + i if i < count else lags
-        right[i] = gram[lags + 1, row]
-        for j in range(i + 1):
-            total = gram[row, at + j if j < count else lags]
-            if i == j:
-                whole = total
-                for k in range(j):
-                    total -= root[i, k] * root[j, k]
-                root[i, i] = np.sqrt(total) if total > RIDGE * whole else np.inf
-            else:
-                for k in range(j):
-                    total -= root[i, k] * root[j, k]
-                root[i, j] = total / root[j, j]
-    rss = gram[lags + 1, lags + 1]
-    for i in range(size):
+def _pivot(left: float, whole: float) -> float:
+    """Of a column of which others leave `left`; infinite where it is one of them, or nothing."""
+    return float(np.sqrt(left)) if left > RIDGE * whole and whole > GONE else np.inf
+
+
+@njit(cache=True, nogil=True)
+def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray) -> None:
+    """Residual sums of squares of y on X at lags at .. at + i and the level, for every i; fill rss (m,) and b (m, m).
+
+    The level comes last in every factorisation, so that each order is the one before it with a column more.
+    """
+    orders = rss.size
+    root, steps, right = np.zeros((orders, orders)), np.zeros(orders), np.zeros(orders)
+    left, level, wanted = gram[lags + 1, lags + 1], gram[lags, lags], gram[lags + 1, lags]
+    for i in range(orders):
+        for j in range(i):
+            value = gram[at + i, at + j]
+            for k in range(j):
+                value -= root[i, k] * root[j, k]
+            root[i, j] = value / root[j, j]
+        value = gram[at + i, at + i]
+        right[i], steps[i] = gram[lags + 1, at + i], gram[lags, at + i]
         for k in range(i):
+            value -= root[i, k] * root[i, k]
             right[i] -= root[i, k] * right[k]
-        right[i] /= root[i, i]
-        rss -= right[i] * right[i]
-    for i in range(size - 1, -1, -1):
-        for k in range(i + 1, size):
-            right[i] -= root[k, i] * right[k]
-        right[i] /= root[i, i]
-    b[:count] = right[:count]
-    return float(max(rss, 0.0))
+            steps[i] -= root[i, k] * steps[k]
+        root[i, i] = _pivot(value, gram[at + i, at + i])
+        right[i], steps[i] = right[i] / root[i, i], steps[i] / root[i, i]
+        left -= right[i] * right[i]
+        level -= steps[i] * steps[i]
+        wanted -= right[i] * steps[i]
+        pivot = _pivot(level, gram[lags, lags])
+        rss[i] = max(left - (wanted / pivot) ** 2, 0.0)
+        offset = wanted / pivot / pivot
+        for j in range(i, -1, -1):
+            value = right[j] - steps[j] * offset
+            for k in range(j + 1, i + 1):
+                value -= root[k, j] * b[i, k]
+            b[i, j] = value / root[j, j]
 
 
 @njit(cache=True, nogil=True)
-def scan(
+def _whitened(
+    d: FloatArray, segments: IntArray, x: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """D of y, x and a constant, from rest in every segment: D before 1/A is D behind it."""
+    white, drive, ones = np.zeros(y.size), np.zeros(y.size), np.zeros(y.size)
+    for start, stop in segments:
+        white[start:stop], drive[start:stop], ones[start:stop] = y[start:stop], x[start:stop], 1.0
+        add_lagged(d, y[start : stop - 1], white[start + 1 : stop])
+        add_lagged(d, x[start : stop - 1], drive[start + 1 : stop])
+        whole = ones[start:stop].copy()
+        add_lagged(d, whole[:-1], ones[start + 1 : stop])
+    return white, drive, ones
+
+
+@njit(cache=True, nogil=True)
+def _scan(
     x: FloatArray,
     y: FloatArray,
     segments: IntArray,
@@ -132,27 +147,66 @@ def scan(
     """
     lags = high - low + orders
     first = high + orders + d.size
-    white, drive, ones = np.zeros(y.size), np.zeros(y.size), np.ones(y.size)
+    white, drive, ones = _whitened(d, segments, x, y)
     rows = 0
-    for start, stop in segments:  # from rest, D before 1/A is D behind it
-        white[start:stop], drive[start:stop] = y[start:stop], x[start:stop]
-        add_lagged(d, y[start : stop - 1], white[start + 1 : stop])
-        add_lagged(d, x[start : stop - 1], drive[start + 1 : stop])
-        whole = ones[start:stop].copy()
-        add_lagged(d, whole[:-1], ones[start + 1 : stop])
+    for start, stop in segments:
         rows += max(stop - start - first, 0)
-    whitened, level = np.zeros(y.size), np.zeros(y.size)
-    for m in range(polynomials.shape[0]):
-        gram = np.zeros((lags + 2, lags + 2))
+    m, na = polynomials.shape
+    a, modes = np.empty((na, WIDTH)), np.empty(WIDTH)
+    squares, gains = np.empty(orders), np.empty((orders, orders))
+    for begin in range(0, m, WIDTH):
+        for lane in range(WIDTH):
+            a[:, lane], modes[lane] = polynomials[min(begin + lane, m - 1)], decays[min(begin + lane, m - 1)]
+        grams = np.zeros((WIDTH, lags + 2, lags + 2))
         for start, stop in segments:
-            if stop - start <= first:
-                continue
-            all_pole(polynomials[m], drive[start:stop], whitened[start:stop])
-            all_pole(polynomials[m], ones[start:stop], level[start:stop])
-            _add_segment(whitened[start:stop], white[start:stop], level[start:stop], decays[m], first, low, lags, gram)
-        for order in range(orders):
-            for delay in range(low, high + 1):
-                rss[m, order, delay - low] = _least_squares(
-                    gram, delay - low, order + 1, lags, b[m, order, delay - low]
-                )
+            if stop - start > first:
+                _add_segment(a, modes, drive[start:stop], ones[start:stop], white[start:stop], first, low, lags, grams)
+        for lane in range(min(WIDTH, m - begin)):
+            for at in range(high - low + 1):
+                _least_squares(grams[lane], at, lags, squares, gains)
+                for order in range(orders):
+                    rss[begin + lane, order, at] = squares[order]
+                    b[begin + lane, order, at, : order + 1] = gains[order, : order + 1]
     return rows
+
+
+def _gram_plain(columns: list[Any], mode: FloatArray) -> npt.NDArray[Any]:
+    table = np.column_stack(columns)
+    table = table - np.outer(mode, mode @ table) / (mode @ mode)
+    return np.asarray(table.T @ table)
+
+
+def _scan_plain(
+    x: FloatArray,
+    y: FloatArray,
+    segments: IntArray,
+    d: FloatArray,
+    polynomials: FloatArray,
+    decays: FloatArray,
+    low: int,
+    high: int,
+    orders: int,
+    rss: FloatArray,
+    b: FloatArray,
+) -> int:
+    """The same by the columns themselves: as plain Python the loops over rows would take minutes."""
+    lags, first = high - low + orders, high + orders + d.size
+    white, drive, ones = _whitened(d, segments, x, y)
+    long = [(start, stop) for start, stop in segments.tolist() if stop - start > first]
+    for m, (a, decay) in enumerate(zip(polynomials, decays, strict=True)):
+        gram = np.zeros((lags + 2, lags + 2))
+        for start, stop in long:
+            response, level = np.empty(stop - start), np.empty(stop - start)
+            all_pole(a, drive[start:stop], response)
+            all_pole(a, ones[start:stop], level)
+            lagged = [response[first - low - lag : stop - start - low - lag] for lag in range(lags)]
+            mode = decay ** np.arange(stop - start - first)
+            gram += _gram_plain([*lagged, level[first:], white[start + first : stop]], mode)
+        for at in range(high - low + 1):
+            squares, gains = np.empty(orders), np.zeros((orders, orders))
+            _least_squares(gram, at, lags, squares, gains)
+            rss[m, :, at], b[m, :, at] = squares, gains
+    return sum(stop - start - first for start, stop in long)
+
+
+scan = _scan_plain if config.DISABLE_JIT else _scan  # type: ignore[attr-defined]

@@ -5,53 +5,58 @@ from __future__ import annotations
 import numpy as np
 from numba import config, njit
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
+
+DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
-def _add_gram(rows: FloatArray, out: FloatArray) -> None:
-    """Add the products of all pairs of `rows` (n, m) to `out` (n, n); of small n twice as fast as a matrix product.
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _add_lags(first: FloatArray, second: FloatArray, other: FloatArray, begin: int, lags: int, out: FloatArray) -> None:
+    """Add to `out` (2, lags) the sums of first(k) other(begin + k - lag), and of second(k) with the same.
 
-    Two rows and four columns at a time stay in registers; of the symmetric matrix the lower half is summed up.
+    Two by four at a time stay in registers.
     """
-    n, m = rows.shape
-    last = n - 1
-    half = np.empty((n, n))
-    for i in range(0, n, 2):
-        i1 = min(i + 1, last)
-        first, second = rows[i], rows[i1]
-        for j in range(0, i1 + 1, 4):
-            j1, j2, j3 = min(j + 1, last), min(j + 2, last), min(j + 3, last)
-            r0, r1, r2, r3 = rows[j], rows[j1], rows[j2], rows[j3]
-            s0 = s1 = s2 = s3 = t0 = t1 = t2 = t3 = 0.0
-            for k in range(m):
-                x, y = first[k], second[k]
-                s0 += x * r0[k]
-                s1 += x * r1[k]
-                s2 += x * r2[k]
-                s3 += x * r3[k]
-                t0 += y * r0[k]
-                t1 += y * r1[k]
-                t2 += y * r2[k]
-                t3 += y * r3[k]
-            half[i, j], half[i, j1], half[i, j2], half[i, j3] = s0, s1, s2, s3
-            half[i1, j], half[i1, j1], half[i1, j2], half[i1, j3] = t0, t1, t2, t3
-    for i in range(n):
-        out[i, i] += half[i, i]
-        for j in range(i):
-            out[i, j] += half[i, j]
-            out[j, i] += half[i, j]
+    m = first.size
+    for j in range(0, lags, 4):
+        j1, j2, j3 = min(j + 1, lags - 1), min(j + 2, lags - 1), min(j + 3, lags - 1)
+        r0, r1 = other[begin - j : begin - j + m], other[begin - j1 : begin - j1 + m]
+        r2, r3 = other[begin - j2 : begin - j2 + m], other[begin - j3 : begin - j3 + m]
+        s0 = s1 = s2 = s3 = t0 = t1 = t2 = t3 = 0.0
+        for k in range(m):
+            x, y = first[k], second[k]
+            s0 += x * r0[k]
+            s1 += x * r1[k]
+            s2 += x * r2[k]
+            s3 += x * r3[k]
+            t0 += y * r0[k]
+            t1 += y * r1[k]
+            t2 += y * r2[k]
+            t3 += y * r3[k]
+        out[0, j] += s0
+        out[1, j] += t0
+        if j1 > j:
+            out[0, j1] += s1
+            out[1, j1] += t1
+        if j2 > j1:
+            out[0, j2] += s2
+            out[1, j2] += t2
+        if j3 > j2:
+            out[0, j3] += s3
+            out[1, j3] += t3
 
 
-def _add_gram_plain(rows: FloatArray, out: FloatArray) -> None:
-    """The same in NumPy: as plain Python the loops would take minutes for one fit."""
-    out += rows @ rows.T
+def _add_lags_plain(
+    first: FloatArray, second: FloatArray, other: FloatArray, begin: int, lags: int, out: FloatArray
+) -> None:
+    heads = np.stack([first, second])
+    for lag in range(lags):
+        out[:, lag] += heads @ other[begin - lag : begin - lag + first.size]
 
 
-add_gram = _add_gram_plain if config.DISABLE_JIT else _add_gram  # type: ignore[attr-defined]
+add_lags = _add_lags_plain if config.DISABLE_JIT else _add_lags  # type: ignore[attr-defined]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def add_products(
     first: FloatArray,
     ahead: int,
@@ -68,12 +73,12 @@ def add_products(
     Only the first row and column are summed up: moving both lags by one drops the last product and adds one in front.
     """
     gram = np.empty((rows, columns))
+    across, along = np.zeros((2, columns)), np.zeros((2, rows))
     head = first[start - ahead : stop - ahead]
-    for j in range(columns):
-        gram[0, j] = np.dot(head, second[start - behind - j : stop - behind - j])
+    add_lags(head, head, second, start - behind, columns, across)
     head = second[start - behind : stop - behind]
-    for i in range(1, rows):
-        gram[i, 0] = np.dot(first[start - ahead - i : stop - ahead - i], head)
+    add_lags(head, head, first, start - ahead, rows, along)
+    gram[0], gram[1:, 0] = across[0], along[0, 1:]
     for i in range(1, rows):
         before, after = first[start - ahead - i], first[stop - ahead - i]
         for j in range(1, columns):
@@ -81,7 +86,7 @@ def add_products(
     out += gram
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def add_lagged_table(
     y: FloatArray, outputs: int, x: FloatArray, delay: int, inputs: int, start: int, stop: int, table: FloatArray
 ) -> None:
@@ -89,28 +94,86 @@ def add_lagged_table(
 
     Of 1, y(k-1) .. y(k-outputs), x(k-delay) .. x(k-delay-inputs+1) and y(k), in this order.
     """
-    past = np.zeros((outputs + 1, inputs))
-    add_products(y, 0, outputs + 1, x, delay, inputs, start, stop, past)
-    table[-1] += past[0]
-    table[1 : outputs + 1] += past[1:]
-    sums = np.empty(inputs)
-    sums[0] = np.sum(x[start - delay : stop - delay])
-    gram = np.empty((inputs, inputs))
-    head = x[start - delay : stop - delay]
-    for j in range(inputs):
-        gram[0, j] = np.dot(head, x[start - delay - j : stop - delay - j])
-        gram[j, 0] = gram[0, j]
+    head, sums = x[start - delay : stop - delay], 0.0
+    across, along = np.zeros((2, inputs)), np.zeros((2, outputs + 1))
+    add_lags(y[start:stop], head, x, start - delay, inputs, across)
+    add_lags(head, head, y, start, outputs + 1, along)
+    for value in head:
+        sums += value
+    past, gram = np.empty((outputs + 1, inputs)), np.empty((inputs, inputs))
+    past[0], past[1:, 0], gram[0], gram[:, 0] = across[0], along[0, 1:], across[1], across[1]
+    for i in range(1, outputs + 1):
+        before, after = y[start - i], y[stop - i]
+        for j in range(1, inputs):
+            past[i, j] = past[i - 1, j - 1] + before * x[start - delay - j] - after * x[stop - delay - j]
     for i in range(1, inputs):
         before, after = x[start - delay - i], x[stop - delay - i]
-        sums[i] = sums[i - 1] + before - after
         for j in range(i, inputs):
             gram[i, j] = gram[i - 1, j - 1] + before * x[start - delay - j] - after * x[stop - delay - j]
             gram[j, i] = gram[i, j]
-    table[0] += sums
+    table[0, 0] += sums
+    for j in range(1, inputs):
+        sums += x[start - delay - j] - x[stop - delay - j]
+        table[0, j] += sums
+    table[1 : outputs + 1] += past[1:]
     table[outputs + 1 : outputs + 1 + inputs] += gram
+    table[-1] += past[0]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _factorise(gram: FloatArray, target: FloatArray) -> float:
+    """Put the Cholesky factor L of `gram` (n, n) in its lower half, its diagonal inverted; make `target` L^-1 `target`.
+
+    Returns the sum of squares that the regression explains. Columns that rounding has made dependent are left out.
+    """
+    total = 0.0
+    for i in range(target.size):
+        row = gram[i]
+        for j in range(i):
+            other, value = gram[j], row[j]
+            for k in range(j):
+                value -= row[k] * other[k]
+            row[j] = value * other[j]
+        value, right, least = row[i], target[i], DEPENDENT * row[i]
+        for k in range(i):
+            value -= row[k] * row[k]
+            right -= row[k] * target[k]
+        row[i] = 1.0 / np.sqrt(value) if value > least else 0.0
+        target[i] = right * row[i]
+        total += target[i] * target[i]
+    return total
+
+
+def _factorise_plain(gram: FloatArray, target: FloatArray) -> float:
+    for i in range(target.size):
+        least, column = DEPENDENT * gram[i, i], gram[i:, i] - gram[i:, :i] @ gram[i, :i]
+        inverse = 1.0 / np.sqrt(column[0]) if column[0] > least else 0.0
+        gram[i + 1 :, i], gram[i, i] = column[1:] * inverse, inverse
+        target[i] = (target[i] - gram[i, :i] @ target[:i]) * inverse
+    return float(target @ target)
+
+
+factorise = _factorise_plain if config.DISABLE_JIT else _factorise  # type: ignore[attr-defined]
+
+
+@njit(cache=True, nogil=True)
+def solve_ahead(root: FloatArray, table: FloatArray) -> None:
+    """Make `table` (n, m) L^-1 `table`, L from ``factorise``."""
+    for i in range(table.shape[0]):
+        for k in range(i):
+            table[i] -= root[i, k] * table[k]
+        table[i] *= root[i, i]
+
+
+@njit(cache=True, nogil=True)
+def solve_behind(root: FloatArray, values: FloatArray) -> None:
+    """Make `values` (n,) L'^-1 `values`, L from ``factorise``."""
+    for i in range(values.size - 1, -1, -1):
+        values[i] *= root[i, i]
+        values[:i] -= values[i] * root[i, :i]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
     """Sum of squares that m columns explain beyond k columns that are always there.
 
@@ -118,12 +181,45 @@ def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: fl
     (k, r) makes the k orthonormal and `known` (r,) are their products with the target.
     """
     k, m = basis.shape[0], table.shape[1]
-    past = np.dot(basis.T.copy(), table[:k])
-    gram = table[k : k + m] - np.dot(past.T.copy(), past)
-    cross = table[k + m] - np.dot(known, past)
+    past = np.zeros((basis.shape[1], m))
+    gram, cross = table[k : k + m].copy(), table[k + m].copy()
+    for r in range(past.shape[0]):
+        row = past[r]
+        for i in range(k):
+            weight, products = basis[i, r], table[i]
+            for j in range(m):
+                row[j] += weight * products[j]
+        for i in range(m):
+            weight, products = row[i], gram[i]
+            for j in range(i + 1):
+                products[j] -= weight * row[j]
+            cross[i] -= known[r] * weight
     for i in range(m):
         gram[i, i] += ridge * gram[i, i] + floor
-    return float(np.dot(cross, np.linalg.solve(gram, cross)))
+    return factorise(gram, cross)
+
+
+@njit(cache=True, nogil=True)
+def explained_by_lags(
+    y: FloatArray,
+    outputs: int,
+    x: FloatArray,
+    delay: int,
+    inputs: int,
+    blocks: IntArray,
+    basis: FloatArray,
+    known: FloatArray,
+    floor: float,
+    ridge: float,
+) -> float:
+    """Sum of squares of y that the lags of x explain beyond its past and a constant, over the rows of `blocks` (n, 2).
+
+    `basis` and `known` as in ``explained``.
+    """
+    table = np.zeros((outputs + inputs + 2, inputs))
+    for start, stop in blocks:
+        add_lagged_table(y, outputs, x, delay, inputs, start, stop, table)
+    return explained(table, basis, known, floor, ridge)
 
 
 @njit(cache=True)

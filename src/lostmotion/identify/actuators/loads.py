@@ -18,12 +18,12 @@ from scipy.signal import fftconvolve
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.spectral_lines import (
     FEWEST_PERIODS,
-    PADDING,
     SHORTEST_PERIOD,
     STANDS_OUT,
     dominant,
     lines,
     share_of,
+    strongest,
 )
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
@@ -121,14 +121,14 @@ def without_their_effect(fitted: Fitted, data: ScaledData) -> ScaledData:
 def swings_of(data: ScaledData) -> Loads | None:
     """Swings that stand out in PV and are a good part of it: smaller ones do not bend the process."""
     found = [
-        _swing(data.y.size, period, start, stop, ratio)
+        _Option(ratio, Swing(period), start, stop)
         for start, stop in data.segments.tolist()
         for period, ratio in lines(data.y[start:stop])
         if share_of(data.y[start:stop], period) > LEAST_SHARE
     ]
     if not found:
         return None
-    return Loads(np.concatenate([one.courses for one in found]), tuple(one.event for one in found))
+    return Loads(_shapes(found, data.y.size), tuple(one.event for one in found))
 
 
 def without_swings(data: ScaledData, loads: Loads) -> ScaledData:
@@ -173,11 +173,32 @@ def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
 
 @dataclass(frozen=True)
 class _Option:
-    """An event, what it explains (sum of squares), and its courses."""
+    """An event, what it explains (sum of squares), and the rows of its segment."""
 
     gain: float
     event: Step | Swing
-    courses: FloatArray
+    start: int
+    stop: int
+
+    def courses(self, rows: int) -> FloatArray:
+        """Shapes of the event, 0 in other segments: made when asked, as those of all trials would fill the memory."""
+        courses = np.zeros((len(self.event.names), rows))
+        if isinstance(self.event, Step):
+            courses[0, self.event.row : self.stop] = 1.0
+            return courses
+        phase = 2.0 * np.pi / self.event.period * np.arange(self.stop - self.start)
+        courses[0, self.start : self.stop], courses[1, self.start : self.stop] = np.sin(phase), np.cos(phase)
+        return courses
+
+
+def _shapes(options: list[_Option], rows: int) -> FloatArray:
+    """Of all events."""
+    shapes = np.empty((sum(len(option.event.names) for option in options), rows))
+    at = 0
+    for option in options:
+        shapes[at : at + len(option.event.names)] = option.courses(rows)
+        at += len(option.event.names)
+    return shapes
 
 
 class _Errors:
@@ -197,24 +218,30 @@ class _Errors:
 
     def loads(self) -> tuple[Loads, FloatArray] | None:
         """Loads by orthogonal matching pursuit, and their sizes."""
-        left, sizes = self.errors, np.zeros(0)
+        left, sizes, rows = self.errors, np.zeros(0), self.errors.size
         columns: list[FloatArray] = []
         options: list[_Option] = []
-        response = self._effect(np.ones(self.errors.size), 0, self.errors.size)
+        gram, target = np.zeros((0, 0)), np.zeros(0)
+        response = self._effect(np.ones(rows), 0, rows)
         while len(options) < self.room:
             trials = [option for each in self.segments for option in self._options(left, response, *each)]
             best = max(trials, key=lambda option: option.gain, default=None)
             if best is None or not best.gain > self.limit:
                 break
             options.append(best)
-            columns += [self._column(course) for course in best.courses]
-            table = np.column_stack(columns)
-            sizes = np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
-            left = self.errors - table @ sizes
+            for course in best.courses(rows):
+                columns.append(self._column(course))
+                products = np.array([columns[-1] @ column for column in columns])
+                gram = np.block([[gram, products[:-1, None]], [products[None, :-1], products[-1:, None]]])
+                target = np.append(target, columns[-1] @ self.errors)
+            sizes = _solved(gram, target)
+            left = self.errors.copy()
+            for size, column in zip(sizes, columns, strict=True):
+                left -= size * column
+        columns.clear()
         if not options:
             return None
-        shapes = np.concatenate([option.courses for option in options])
-        return Loads(shapes, tuple(option.event for option in options)), sizes
+        return Loads(_shapes(options, rows), tuple(option.event for option in options)), sizes
 
     def hidden_swing(self) -> tuple[Loads, FloatArray] | None:
         """The line that stands out most from what the model leaves of PV: an AR of high order may hide it in part."""
@@ -225,10 +252,11 @@ class _Errors:
         for (start, _, stop), residual in zip(self.segments, residuals, strict=True):
             for period, ratio in lines(residual)[:1]:
                 if ratio > gain and not self._made_by_the_loop(np.array([period]), start, stop)[0]:
-                    best, gain = _swing(self.errors.size, period, start, stop, 0.0), ratio
+                    best, gain = _Option(0.0, Swing(period), start, stop), ratio
         if best is None:
             return None
-        return Loads(best.courses, (best.event,)), self.sizes(best.courses)
+        shapes = best.courses(self.errors.size)
+        return Loads(shapes, (best.event,)), self.sizes(shapes)
 
     def _made_by_the_loop(self, periods: FloatArray, start: int, stop: int) -> npt.NDArray[np.bool_]:
         """Which periods are harmonics of the swing of PV, where that is not a load itself.
@@ -261,17 +289,11 @@ class _Errors:
                 norms[:skipped] -= energy[skipped - 1 - np.arange(skipped)]
             scores = fftconvolve(part, w[::-1])[part.size - 1 :] ** 2 / np.maximum(norms, 1e-9 * energy[-1])
             row = EDGE + int(np.argmax(scores[EDGE:-EDGE]))
-            course = np.zeros((1, left.size))
-            course[0, start + row : stop] = 1.0
-            yield _Option(float(scores[row]), Step(start + row), course)
+            yield _Option(float(scores[row]), Step(start + row), start, stop)
         n = stop - first
         if n > 2 * FEWEST_PERIODS * SHORTEST_PERIOD:
-            size = PADDING * n
-            power = np.abs(np.fft.rfft(left[first:stop], size)) ** 2 * 2.0 / n
-            low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
-            power[low:high][self._made_by_the_loop(size / np.arange(low, high), start, stop)] = 0.0
-            index = low + int(np.argmax(power[low:high]))
-            yield _swing(left.size, size / index, start, stop, float(power[index]))
+            period, gain = strongest(left[first:stop], lambda periods: self._made_by_the_loop(periods, start, stop))
+            yield _Option(gain, Swing(float(period)), start, stop)
 
     def _column(self, course: FloatArray) -> FloatArray:
         """What a load does to the prediction errors."""
@@ -288,8 +310,7 @@ class _Errors:
         return result
 
 
-def _swing(rows: int, period: float, start: int, stop: int, gain: float) -> _Option:
-    courses = np.zeros((2, rows))
-    phase = 2.0 * np.pi / period * np.arange(stop - start)
-    courses[0, start:stop], courses[1, start:stop] = np.sin(phase), np.cos(phase)
-    return _Option(gain, Swing(float(period)), courses)
+def _solved(gram: FloatArray, target: FloatArray) -> FloatArray:
+    """Least squares from the products of the columns with each other and with what they are to explain."""
+    scale = np.sqrt(np.diag(gram)) + np.finfo(float).tiny
+    return np.asarray(np.linalg.lstsq(gram / np.outer(scale, scale), target / scale, rcond=1e-13)[0] / scale)

@@ -7,18 +7,20 @@ internal variable.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.actuators.memory_family import MemoryFamily
 from lostmotion.identify.actuators.polish import MOST_SEGMENTS
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.scaled import ScaledData, Signals
-from lostmotion.kernels.products import add_lagged_table, explained
+from lostmotion.kernels.products import explained_by_lags
 
 MOST_ROWS = 6000  # of the profile: it only makes starts
 RIDGE = 1e-9  # relative; keeps noise-free Gram matrices invertible, as in static_profile
@@ -72,18 +74,21 @@ class LaggedRegression:
         basis = (right[kept] / sizes[kept, None] / scale).T
         return cls(lags, y, blocks, basis, explained, float(target @ target))
 
-    @property
+    @cached_property
     def samples(self) -> int:
         """Predicted rows."""
         return sum(stop - start for start, stop in self.blocks)
 
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
-        outputs, inputs = self.lags.outputs, self.lags.inputs
-        table = np.zeros((outputs + inputs + 2, inputs))
-        for start, stop in self.blocks:
-            add_lagged_table(self.y, outputs, x, self.lags.delay, inputs, start, stop, table)
-        return self.alone - explained(table, self.basis, self.explained, RIDGE * self.samples, RIDGE)
+        lags, floor = self.lags, RIDGE * self.samples
+        return self.alone - explained_by_lags(
+            self.y, lags.outputs, x, lags.delay, lags.inputs, self._rows, self.basis, self.explained, floor, RIDGE
+        )
+
+    @cached_property
+    def _rows(self) -> IntArray:
+        return np.array(self.blocks)
 
 
 def _blocks(segments: IntArray, head: int, most: int) -> list[tuple[int, int]]:
@@ -136,13 +141,14 @@ def operator_profile(
     low, high = (float(value) for value in np.quantile(u, [TAIL, 1.0 - TAIL]))
     span = high - low if high > low else float(np.ptp(u))  # OP may rest nearly always
     first, finer = family.grid(u, span, regression.samples)
-    x = np.empty(u.size)
+    end = regression.blocks[-1][1]  # what comes later does not count
+    x = np.empty(end)
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
-        found = []
+        found, short = [], _until(end, member)
         for eta in etas:
             valid = member.project(eta)
-            member.path(valid, u, x)
+            short.path(valid, u[:end], x)
             found.append(Start(valid, regression.squares(x), member))
         return sorted(found, key=lambda start: start.squares)
 
@@ -157,6 +163,15 @@ def operator_profile(
     best = sorted(best, key=lambda start: start.squares)[:most]
     best = sorted((_climbed(start, score) for start in best), key=lambda start: start.squares)
     return best[0].family, _apart(best, regression.samples, most)
+
+
+def _until(end: int, family: Family) -> Family:
+    """The family on the first rows only; segments that begin later are empty."""
+    if not isinstance(family, MemoryFamily):
+        return family
+    cut = np.minimum(family.segments, end)
+    cut[cut[:, 0] == end] = end - 1
+    return replace(family, segments=cut)
 
 
 def _at_rests(family: Family, rests: tuple[float, ...]) -> list[Family]:
@@ -185,10 +200,11 @@ def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, 
     """The family with the rest at the beginning of each segment that explains PV best; those without memory as is."""
     if not 0 < family.resting <= MOST_SEGMENTS:
         return family
-    x = np.empty(u.size)
+    end = regression.blocks[-1][1]
+    x, short = np.empty(end), _until(end, family)
 
     def squares(rests: list[float]) -> float:
-        family.with_rests(rests).path(eta, u, x)
+        short.with_rests(rests).path(eta, u[:end], x)
         return regression.squares(x)
 
     rests = [*family.rests, *[0.0] * (family.resting - len(family.rests))]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from lostmotion.arrays import FloatArray
 
 PADDING = 16  # of the periodogram
+AT_ONCE = 32_768  # samples: more are transformed by parts, in a tenth of the memory and four times the time
 SHORTEST_PERIOD, FEWEST_PERIODS = 4.0, 6.0
 NEIGHBOURS = 41  # lines of the periodogram whose median is the level about a line
 MOST_LINES = 4  # the loudest; what they leave is asked again in the next round of loads
@@ -42,13 +46,53 @@ def dominant(x: FloatArray) -> float | None:
 
 def share_of(x: FloatArray, period: float) -> float:
     """Share of the variance of a signal that is a sine of this period."""
-    wave = np.exp(-2j * np.pi / period * np.arange(x.size))
-    return float(2.0 * np.abs(wave @ (x - x.mean())) ** 2 / (x.size**2 * max(float(x.var()), 1e-300)))
+    wave = abs(_transform(x - x.mean(), np.array([1.0 / period]))[0])
+    return float(2.0 * wave**2 / (x.size**2 * max(float(x.var()), 1e-300)))
+
+
+def strongest(x: FloatArray, made_inside: Callable[[FloatArray], npt.NDArray[np.bool_]]) -> tuple[float, float]:
+    """Period of the sine that explains most of a signal, and its sum of squares; not of those that are made inside.
+
+    On the grid of a transform of PADDING times the length. Of a long signal that is one transform for every fraction
+    of a line by which it is moved, so that nothing of that length is ever in memory.
+    """
+    size = PADDING * x.size
+    low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
+    best = (0.0, low)
+    for first, step, values in _spectra(x):
+        index = np.arange(first, high, step)
+        inner = index >= low
+        found, power = index[inner], np.abs(values[: index.size][inner]) ** 2 * 2.0 / x.size
+        power[made_inside(size / found)] = 0.0
+        at = int(np.argmax(power))
+        best = max(best, (float(power[at]), int(found[at])), key=lambda one: (one[0], -one[1]))
+    return size / best[1], best[0]
+
+
+def _spectra(x: FloatArray) -> Iterator[tuple[int, int, npt.NDArray[np.complex128]]]:
+    """Lines first, first + step, .. of the grid, up to signs and phases."""
+    if x.size <= AT_ONCE:
+        yield 0, 1, np.fft.rfft(x, PADDING * x.size)
+        return
+    for part in range(PADDING // 2 + 1):
+        moved = np.fft.fft(x * np.exp(-2j * np.pi * part / (PADDING * x.size) * np.arange(x.size)))
+        yield part, PADDING, moved
+        if 0 < part < PADDING // 2:  # the same lines seen from the other side
+            yield PADDING - part, PADDING, moved[::-1]
 
 
 def _finest(x: FloatArray, line: int) -> float:
     """Frequency (1/samples) of the largest line within one of the grid of the periodogram."""
-    n = x.size
-    trials = (line + np.linspace(-1.0, 1.0, 2 * PADDING + 1)) / n
-    waves = np.exp(-2j * np.pi * np.outer(trials, np.arange(n)))
-    return float(trials[int(np.argmax(np.abs(waves @ (x - x.mean()))))])
+    trials = (line + np.linspace(-1.0, 1.0, 2 * PADDING + 1)) / x.size
+    return float(trials[int(np.argmax(np.abs(_transform(x - x.mean(), trials))))])
+
+
+def _transform(x: FloatArray, frequencies: FloatArray) -> npt.NDArray[np.complex128]:
+    """Fourier transform at any frequencies (1/samples), by stretches: the waves never are of the length of x."""
+    length = int(np.ceil(np.sqrt(x.size)))
+    rows = -(-x.size // length)
+    table = np.zeros(rows * length)
+    table[: x.size] = x
+    inner = np.exp(-2j * np.pi * np.outer(np.arange(length), frequencies))
+    outer = np.exp(-2j * np.pi * length * np.outer(np.arange(rows), frequencies))
+    return np.asarray((outer * (table.reshape(rows, length) @ inner)).sum(axis=0))

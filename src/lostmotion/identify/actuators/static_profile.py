@@ -8,13 +8,14 @@ lagged hinge functions, from which past outputs are eliminated once.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram, eliminate_past
+from lostmotion.identify.actuators.bends import Hinges, Jumps
+from lostmotion.identify.actuators.paired_inputs import regress_on_pairs
+from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
 
 KNOTS = 16  # 136 pairs; a local search from the nearest knot converges for widths of a tenth of the range
@@ -89,19 +90,12 @@ def narrow_zones(data: ScaledData, lags: Lags, low: float, high: float) -> list[
     """
     few = data if data.u.size <= NARROW_ROWS else replace(data, segments=_longest(data.segments, NARROW_ROWS))
     places = np.linspace(low, high, NARROW_KNOTS + 2)[1:-1]
-    rss, widths = np.full(NARROW_KNOTS, np.inf), np.zeros(NARROW_KNOTS)
-    samples = 1
-    for index, place in enumerate(places):
-        gram, samples = arx_gram(_jump_at(data.u, float(place)), few, lags)
-        inner, cross, total = eliminate_past(gram, lags, 2)
-        inner += RIDGE * np.diag(np.diag(inner) + np.finfo(float).tiny)
-        gains = np.linalg.solve(inner, cross)
-        rss[index] = max(total - float(gains @ cross), 0.0)
-        slope, jump = gains.reshape(lags.inputs, 2).sum(axis=0)
-        widths[index] = -jump / slope if slope else 0.0
+    found = regress_on_pairs(Jumps(places), few, lags, uniform=False)
+    rss, (slopes, jumps) = found.rss, found.gains.T
+    widths = np.divide(-jumps, slopes, out=np.zeros(NARROW_KNOTS), where=slopes != 0.0)
     widths = np.minimum(widths, 0.5 * (high - low))
     order = [int(index) for index in np.argsort(rss) if widths[index] > 0.0]
-    limit = rss.min() * (1.0 + 2.0 * START_MARGIN / samples)
+    limit = rss.min() * (1.0 + 2.0 * START_MARGIN / found.samples)
     spacing = places[1] - places[0]
     zones: list[tuple[float, float, float]] = []
     for index in order:
@@ -110,11 +104,6 @@ def narrow_zones(data: ScaledData, lags: Lags, low: float, high: float) -> list[
         if apart and rss[index] <= limit and len(zones) < MOST_NARROW:
             zones.append((left, right, max(spacing, widths[index] / 2)))
     return zones
-
-
-def _jump_at(u: FloatArray, place: float) -> Callable[[int, int], FloatArray]:
-    """Signals u and [u > place] of a range of rows."""
-    return lambda start, stop: np.column_stack([u[start:stop], u[start:stop] > place])
 
 
 def _longest(segments: IntArray, rows: int) -> IntArray:
@@ -149,40 +138,17 @@ class _Surface:
 
 def _scan(data: ScaledData, lags: Lags, left: FloatArray, right: FloatArray) -> tuple[tuple[_Surface, _Surface], int]:
     """Of a dead zone with free slopes and with equal slopes."""
-
-    def hinges(start: int, stop: int) -> FloatArray:
-        part = data.u[start:stop, None]
-        return np.concatenate([np.minimum(part - left, 0.0), np.maximum(part - right, 0.0)], axis=1)
-
-    gram, samples = arx_gram(hinges, data, lags)
-    inner, cross, total = eliminate_past(gram, lags, left.size + right.size)
-    pairs = [(i, j) for i in range(left.size) for j in range(right.size) if left[i] <= right[j]]
-    signals, n = left.size + right.size, lags.inputs
-    steps = np.arange(n) * signals
-    index = np.array([np.concatenate([steps + i, steps + left.size + j]) for i, j in pairs])
-    blocks = inner[index[:, :, None], index[:, None, :]]
-    slopes = cross[index]
-    both = blocks.reshape(-1, 2, n, 2, n).sum(axis=(1, 3))
-    equal, _ = _explained(both, slopes.reshape(-1, 2, n).sum(axis=1))
-    free, gains = _explained(blocks, slopes)
-    side = gains.reshape(len(pairs), 2, n).sum(axis=2)
+    hinges = Hinges(left, right)
+    found = regress_on_pairs(hinges, data, lags, uniform=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        log_ratio = np.log(np.abs(side[:, 0] / side[:, 1]))
+        log_ratio = np.log(np.abs(found.gains[:, 0] / found.gains[:, 1]))
     log_ratio = np.where(np.isfinite(log_ratio), np.clip(log_ratio, -2.0, 2.0), 0.0)
-    chance = np.exp(2.0 * n / samples)
-    rows, columns = np.array(pairs).T
+    chance = np.exp(2.0 * lags.inputs / found.samples)
+    rows, columns = hinges.places.T
 
     def surface(rss: FloatArray, ratio: FloatArray) -> _Surface:
         placed = _Surface(np.full((left.size, right.size), np.inf), np.zeros((left.size, right.size)))
-        placed.rss[rows, columns], placed.log_ratio[rows, columns] = np.maximum(rss, 0.0), ratio
+        placed.rss[rows, columns], placed.log_ratio[rows, columns] = rss, ratio
         return placed
 
-    return (surface((total - free) * chance, log_ratio), surface(total - equal, np.zeros(len(pairs)))), samples
-
-
-def _explained(blocks: FloatArray, slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sum of squares that every regression explains, and its coefficients."""
-    diagonal = np.einsum("kii->ki", blocks)
-    diagonal += RIDGE * (diagonal.max(axis=1, keepdims=True) + np.finfo(float).tiny)
-    gains = np.asarray(np.linalg.solve(blocks, slopes[:, :, None])[:, :, 0], np.float64)
-    return np.asarray((gains * slopes).sum(axis=1)), gains
+    return (surface(found.rss * chance, log_ratio), surface(found.rss_of_sum, np.zeros(rows.size))), found.samples

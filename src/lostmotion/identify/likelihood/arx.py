@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_gram
+from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_products
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import is_stable
 
@@ -36,20 +36,17 @@ class HighOrderArx:
 def fit_arx(data: ScaledData, x: FloatArray, delay: int, lags: int = START_LAGS) -> HighOrderArx:
     """High-order ARX from the internal variable x (n,) to y by least squares."""
     past = Lags.for_record(data.shortest, delay, lags, lags)
-    gram, samples = arx_gram(lambda start, stop: x[start:stop, None], data, past)
-    columns = np.concatenate(
-        [3 * np.arange(1, past.outputs + 1), 3 * np.arange(past.inputs) + 2, [1]]
-    )  # signals are y, 1, x
-    block = gram[np.ix_(columns, columns)]
-    scale = np.sqrt(np.diag(block)) + np.finfo(float).tiny
-    scaled = block / np.outer(scale, scale) + RIDGE * np.eye(columns.size)
+    gram, target, total, samples = arx_products(x, data, past)
+    scale = np.sqrt(np.diag(gram)) + np.finfo(float).tiny
+    scaled = gram / np.outer(scale, scale) + RIDGE * np.eye(scale.size)
     inverse = np.linalg.inv(scaled) / np.outer(scale, scale)
-    solution = inverse @ gram[columns, 0]
-    rss = max(float(gram[0, 0] - solution @ gram[columns, 0]), 0.0)
+    solution = inverse @ target
+    rss = max(total - float(solution @ target), 0.0)
     n = past.outputs
     sign = np.concatenate([-np.ones(n), np.ones(past.inputs)])
-    covariance = inverse[:-1, :-1] * np.outer(sign, sign)
-    return HighOrderArx(-solution[:n], solution[n:-1], covariance, rss / max(samples - columns.size, 1), samples, delay)
+    covariance = inverse[1:, 1:] * np.outer(sign, sign)
+    a, b = -solution[1 : n + 1], solution[n + 1 :]
+    return HighOrderArx(a, b, covariance, rss / max(samples - scale.size, 1), samples, delay)
 
 
 def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[FloatArray, FloatArray, float]:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.scaled import Signals
-from lostmotion.kernels.lagged import lagged_gram
+from lostmotion.kernels.products import add_lagged_table, add_products
 
 # an ARX this long needs neither orders nor a noise model: at the true cell in 10 of 10 drifting closed loops
 OUTPUT_LAGS = 15
 INPUT_LAGS = 12
-CHUNK = 8192  # rows of which the input signals exist at once
 RIDGE = 1e-10  # relative; keeps noise-free Gram matrices invertible
 
 
@@ -37,41 +35,32 @@ class Lags:
         """Rows without a complete past."""
         return max(self.outputs, self.inputs - 1) + self.delay
 
+    def rows(self, segments: IntArray) -> list[tuple[int, int]]:
+        """First and last row with a complete past, of every segment that has one."""
+        bounds = [(start + self.head, stop) for start, stop in segments.tolist()]
+        return [(start, stop) for start, stop in bounds if stop > start]
 
-def arx_gram(inputs: Callable[[int, int], FloatArray], signals: Signals, lags: Lags) -> tuple[FloatArray, int]:
-    """Gram matrix of [y, 1, inputs] at lags 0 .. max, inputs advanced by the delay; and the rows used.
 
-    `inputs` makes the signals (stop - start, m) of a range of rows, so that they never exist all at once.
-    """
-    length = max(lags.outputs + 1, lags.inputs)
-    total: FloatArray | None = None
+def arx_products(x: FloatArray, signals: Signals, lags: Lags) -> tuple[FloatArray, FloatArray, float, int]:
+    """Gram matrix of 1, past outputs and lags of x; their products with y; sum of squares of y; and the rows used."""
+    own, known, total = past_products(signals, lags)
+    table = np.zeros((lags.outputs + lags.inputs + 2, lags.inputs))
+    for start, stop in lags.rows(signals.segments):
+        add_lagged_table(signals.y, lags.outputs, x, lags.delay, lags.inputs, start, stop, table)
+    mixed = table[: lags.outputs + 1]
+    gram = np.block([[own, mixed], [mixed.T, table[lags.outputs + 1 : -1]]])
+    return gram, np.concatenate([known, table[-1]]), total, int(own[0, 0])
+
+
+def past_products(signals: Signals, lags: Lags) -> tuple[FloatArray, FloatArray, float]:
+    """Gram matrix of 1 and past outputs (first element: rows), their products with y, and sum of squares of y."""
+    y, most = signals.y, lags.outputs + 1
+    table, level = np.zeros((most, most)), np.zeros(most)
     samples = 0
-    for start, stop in signals.segments:
-        for row in range(start + lags.delay + length - 1, stop, CHUNK):
-            head, end = row - length + 1, min(row + CHUNK, stop)
-            ones = np.ones((end - head, 1))
-            columns = np.concatenate(
-                [signals.y[head:end, None], ones, inputs(head - lags.delay, end - lags.delay)], axis=1
-            )
-            gram = lagged_gram(columns, length, length - 1, end - head)
-            total = gram if total is None else total + gram
-            samples += end - row
-    assert total is not None  # noqa: S101  there is always a segment
-    return total, samples
-
-
-def eliminate_past(gram: FloatArray, lags: Lags, inputs: int) -> tuple[FloatArray, FloatArray, float]:
-    """Gram of the input columns, their products with y, and y'y, with past outputs and constant projected out.
-
-    Input columns are ordered lag by lag.
-    """
-    m = inputs + 2
-    past = np.concatenate([[1], m * np.arange(1, lags.outputs + 1)])
-    columns = (m * np.arange(lags.inputs)[:, None] + 2 + np.arange(inputs)).ravel()
-    block = gram[np.ix_(past, past)]
-    block = block + RIDGE * np.diag(np.diag(block) + np.finfo(float).tiny)
-    wanted = np.concatenate([columns, [0]])
-    rest = gram[np.ix_(wanted, wanted)] - gram[np.ix_(wanted, past)] @ np.linalg.solve(
-        block, gram[np.ix_(past, wanted)]
-    )
-    return rest[:-1, :-1], rest[:-1, -1], float(rest[-1, -1])
+    for start, stop in lags.rows(signals.segments):
+        samples += stop - start
+        add_products(y, 0, most, y, 0, most, start, stop, table)
+        level += [y[start - lag : stop - lag].sum() for lag in range(most)]
+    known, total = np.append(level[0], table[0, 1:]), float(table[0, 0])
+    table[0], table[:, 0], table[0, 0] = level, level, samples
+    return table, known, total

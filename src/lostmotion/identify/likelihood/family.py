@@ -109,6 +109,12 @@ class Family(ABC):
 
     def evaluate(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Fill x (n,) and dx/deta (len(names), n) for the command u (n,)."""
+        self.respond(eta, u, x, dx)
+        if self.loads is not None:
+            dx[-len(self.loads.shapes) :] = self.loads.shapes
+
+    def respond(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+        """The same without the derivatives with respect to the sizes of known courses, which are these courses."""
         at = len(self.own)
         self.act(eta[:at], u, x, dx[:at])
         if self.load:
@@ -117,7 +123,10 @@ class Family(ABC):
             at += 1
         if self.loads is not None:
             x += eta[at:] @ self.loads.shapes
-            dx[at:] = self.loads.shapes
+
+    def courses(self, rows: int) -> FloatArray:
+        """Known courses (m, rows)."""
+        return np.zeros((0, rows)) if self.loads is None else self.loads.shapes
 
     def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
         """Fill x (n,) for the actuator alone, without derivatives where that is cheaper."""

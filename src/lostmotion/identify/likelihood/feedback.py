@@ -8,13 +8,18 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import f_tail
-from lostmotion.identify.scaled import Signals
+from lostmotion.identify.likelihood.arx_gram import Lags, arx_products
+from lostmotion.identify.scaled import ScaledData, Signals
+from lostmotion.kernels.products import factorise
+from lostmotion.kernels.triangular import triangular
 
 LAGS = 10  # past rows of OP and PV: a PI controller needs two, a filter in front of it a few more
 LEVEL = 1e-4  # of the test whether OP answers PV
 RESTS, LEAST_MOVE = 0.5, 0.02  # share of moves of PV at which OP rests, and of the range of OP that a move takes then
 SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
+NORMAL = 1e-7  # share of the variance of OP, of which sums of products still tell seven digits
+ROUNDING = 1e-15
 NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
@@ -46,45 +51,65 @@ class Feedback:
 
 def feedback(signals: Signals) -> Feedback:
     """Test for feedback from PV to OP with linear regressions of OP on ten past samples of both."""
-    u, y, segments = signals.u, signals.y, signals.segments
-    rows, targets, moves = [], [], []
-    for start, stop in segments:
-        if stop - start < 4 * LAGS:
-            continue
-        ks = np.arange(start + LAGS, stop)
-        past = ks[:, None] - np.arange(1, LAGS + 1)
-        rows.append(np.column_stack([np.ones(ks.size), u[past], y[past], y[ks]]))
-        targets.append(u[ks])
-        moves.append(u[ks] - u[ks - 1])
-    if not rows:
-        return Feedback(True, 1.0)
-    regressors, target = np.concatenate(rows), np.concatenate(targets)
-    columns = regressors.shape[1]
-    free = target.size - columns
+    u, y = signals.u, signals.y
+    long = [(start, stop) for start, stop in signals.segments.tolist() if stop - start >= 4 * LAGS]
+    samples = sum(stop - start - LAGS for start, stop in long)
+    free = samples - 2 * LAGS - 2
     if free < LAGS:
         return Feedback(True, 1.0)
-    alone = _left_over(regressors[:, : LAGS + 1], target)
-    both = _left_over(regressors, target)
+    alone, both = _left_over(ScaledData(y, u, np.array(long)))
     ratio = (alone - both) / (LAGS + 1) / max(both / free, 1e-300)
     closed = bool(f_tail(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(signals)
-    variance = float(np.sum(np.concatenate(moves) ** 2))
+    variance = sum(float(np.sum(np.diff(u[start + LAGS - 1 : stop]) ** 2)) for start, stop in long)
     direction = _direction(signals) if closed else 0
     return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0, direction)
 
 
+def _left_over(turned: ScaledData) -> tuple[float, float]:
+    """Sums of squares of OP that its own past leaves over, and that the past of both and PV now do.
+
+    `turned` has PV as input and OP as output. Of sums of products nothing is left where a regression is nearly exact;
+    there the rows themselves are brought to triangular form.
+    """
+    gram, target, total, samples = arx_products(turned.u, turned, Lags(LAGS, LAGS + 1, 0))
+    around_mean = total - target[0] ** 2 / samples
+    scale = np.sqrt(np.diag(gram)) + np.finfo(float).tiny
+    gram, target = gram / np.outer(scale, scale), target / scale
+    whole = gram.copy(), target.copy()
+    alone = total - factorise(np.ascontiguousarray(gram[: LAGS + 1, : LAGS + 1]), target[: LAGS + 1].copy())
+    both = total - factorise(*whole)
+    if min(alone, both) > NORMAL * around_mean:
+        return alone, both
+    errors = _triangular(turned)[:, -1] ** 2
+    return float(errors[LAGS + 1 :].sum()), float(errors[-1])
+
+
+def _triangular(turned: ScaledData) -> FloatArray:
+    """R of 1, past OP, PV now and past, and OP."""
+
+    def rows(start: int, stop: int) -> FloatArray:
+        now = np.arange(start, stop)[:, None]
+        past = turned.y[now - np.arange(1, LAGS + 1)]
+        return np.hstack([np.ones(now.shape), past, turned.u[now - np.arange(LAGS + 1)], turned.y[now]])
+
+    spans = [(start + LAGS, stop) for start, stop in turned.segments.tolist()]
+    return triangular(rows, spans, 2 * LAGS + 3)
+
+
 def _direction(signals: Signals) -> int:
     """Sign of kp and ki in du = kp dy + ki y + constant, where both are sure and agree, or one is sure."""
-    u, y, segments = signals.u, signals.y, signals.segments
-    du = np.concatenate([np.diff(u[start:stop]) for start, stop in segments])
-    dy = np.concatenate([np.diff(y[start:stop]) for start, stop in segments])
-    now = np.concatenate([y[start + 1 : stop] for start, stop in segments])
-    columns = np.column_stack([dy, now, np.ones(du.size)])
-    gram = columns.T @ columns
+    gram, cross, moved, samples = np.zeros((3, 3)), np.zeros(3), 0.0, 0
+    for start, stop in signals.segments.tolist():
+        du, dy, now = np.diff(signals.u[start:stop]), np.diff(signals.y[start:stop]), signals.y[start + 1 : stop]
+        columns = (dy, now, np.ones(now.size))
+        gram += [[first @ second for second in columns] for first in columns]
+        cross += [column @ du for column in columns]
+        moved, samples = moved + float(du @ du), samples + now.size
     if np.linalg.cond(gram) > LARGEST_CONDITION:
         return 0
-    gains = np.linalg.solve(gram, columns.T @ du)
-    left = du - columns @ gains
-    errors = np.sqrt(float(left @ left) / max(du.size - 3, 1) * np.diag(np.linalg.inv(gram)))
+    gains = np.linalg.solve(gram, cross)
+    left = max(moved - float(gains @ cross), ROUNDING * moved)
+    errors = np.sqrt(left / max(samples - 3, 1) * np.diag(np.linalg.inv(gram)))
     sure = np.sign(gains[:2]) * (np.abs(gains[:2]) > SURE * errors[:2])
     return int(np.sign(sure.sum())) if abs(sure.sum()) == np.abs(sure).sum() else 0
 
@@ -100,8 +125,3 @@ def _by_hand(signals: Signals) -> bool:
         return False
     rests = float(np.mean(answered == 0.0)) > RESTS
     return rests and float(np.median(moved)) > LEAST_MOVE * float(np.ptp(u))
-
-
-def _left_over(columns: FloatArray, target: FloatArray) -> float:
-    solution = np.linalg.lstsq(columns, target, rcond=1e-12)[0]
-    return float(np.sum((target - columns @ solution) ** 2))

@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.kernels import likelihood as kernel
+from lostmotion.kernels.normal_equations import normal_equations
 
 WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
 SHAPE_KNOTS = 4  # hinges at the quintiles of the levels of OP: few degrees of freedom keep the test sharp
@@ -80,22 +80,22 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
         theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     eta = theta[problem.eta_at : problem.noise_at]
     knots, jumps = _knots(problem.u), problem.family.edges(fitted.actuator)
-    added = len(knots) + len(jumps)
-    wide = np.empty((eta.size + added, problem.u.size))
-    x = np.empty(problem.u.size)
-    problem.family.evaluate(eta, problem.u, x, wide[: eta.size])
-    for row, knot in enumerate(knots, eta.size):
-        np.maximum(problem.u - knot, 0.0, out=wide[row])
-    for row, edge in enumerate(jumps, eta.size + len(knots)):
-        wide[row] = problem.u > edge
-    longer = np.concatenate([theta[: problem.noise_at], np.zeros(added), theta[problem.noise_at :]])
+    added, first_new = len(knots) + len(jumps), len(problem.family.own) + problem.family.load
+    dx, x = np.empty((first_new + added, problem.u.size)), np.empty(problem.u.size)
+    problem.family.respond(eta, problem.u, x, dx[:first_new])
+    for row, knot in enumerate(knots, first_new):
+        np.maximum(problem.u - knot, 0.0, out=dx[row])
+    for row, edge in enumerate(jumps, first_new + len(knots)):
+        dx[row] = problem.u > edge
+    at = problem.eta_at + first_new
+    longer = np.concatenate([theta[:at], np.zeros(added), theta[at:]])
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
-    cost = kernel.normal_equations(
-        longer, s.na, s.nb, wide.shape[0], order, s.delay, first, problem.segments, x, wide,
-        problem.y, hessian, gradient,
+    cost = normal_equations(
+        longer, s.na, s.nb, eta.size + added, order, s.delay, first, problem.segments, x, dx,
+        problem.family.courses(problem.u.size), problem.y, hessian, gradient,
     )  # fmt: skip
     index = np.arange(longer.size)
-    new = (index >= problem.noise_at) & (index < problem.noise_at + added)
+    new = (index >= at) & (index < at + added)
     scale = np.sqrt(np.diag(hessian))
     scale[scale == 0] = 1.0
     hessian, gradient = hessian / np.outer(scale, scale), gradient / scale

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels.lagged import lagged_gram
+from lostmotion.kernels.products import add_products
 
 MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
@@ -20,7 +20,7 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
     gram = np.zeros((most + 1, most + 1))
     rows = 0
     for part in usable:
-        gram += lagged_gram(np.ascontiguousarray(part[:, None]), most + 1, most, part.size)
+        add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
     scale = gram[0, 0] + np.finfo(float).tiny
     models, variances = [np.zeros(0)], [gram[0, 0] / rows]

@@ -12,6 +12,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.normal_equations import normal_equations
 
 POLE_RADIUS = 1.0 - 1e-7  # an output-error predictor needs a stable A
 
@@ -132,16 +133,16 @@ class Problem:
         s = self.structure
         x, dx = self.internal(theta)
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        cost = kernel.normal_equations(
+        cost = normal_equations(
             theta, s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first,
-            self.segments, x, dx, self.y, hessian, gradient,
+            self.segments, x, dx, self.family.courses(self.u.size), self.y, hessian, gradient,
         )  # fmt: skip
         return float(cost), gradient, hessian
 
     def internal(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Internal variable x (n,) and dx/deta (ne, n)."""
-        x, dx = np.empty(self.u.size), np.empty((len(self.family.names), self.u.size))
-        self.family.evaluate(theta[self.eta_at : self.noise_at], self.u, x, dx)
+        """Internal variable x (n,) and dx/deta (m, n), but for the sizes of known courses."""
+        x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
+        self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
         return x, dx
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:

@@ -1,0 +1,258 @@
+"""Normal equations of the likelihood (``kernels.likelihood``), a block of samples at a time.
+
+All gradients but those of eta are lags of a few signals. So of every two signals only the products with one of them at
+its first lag are summed up; moving both lags by one drops the last product and adds one in front. And no more than a
+block of the signals ever exists, whatever the length of the record.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import config, njit
+
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.gradient_signals import ETA, H, X, Z, fill_block
+
+BLOCK = 512  # samples: a dozen signals of this length stay in the fastest memory
+DEAD = 1e-30  # an initial state that has decayed to this share tells nothing more
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _add_cross(
+    flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, out: FloatArray
+) -> None:
+    """Add to `out` the products of rows that begin at `single` with rows that begin at `lagged`, m long each.
+
+    Two and four at a time stay in registers.
+    """
+    for i in range(0, singles, 2):
+        i1 = min(i + 1, singles - 1)
+        first, second = flat[single[i] : single[i] + m], flat[single[i1] : single[i1] + m]
+        for j in range(0, lags, 4):
+            j1, j2, j3 = min(j + 1, lags - 1), min(j + 2, lags - 1), min(j + 3, lags - 1)
+            r0, r1 = flat[lagged[j] : lagged[j] + m], flat[lagged[j1] : lagged[j1] + m]
+            r2, r3 = flat[lagged[j2] : lagged[j2] + m], flat[lagged[j3] : lagged[j3] + m]
+            s0 = s1 = s2 = s3 = t0 = t1 = t2 = t3 = 0.0
+            for k in range(m):
+                x, y = first[k], second[k]
+                s0 += x * r0[k]
+                s1 += x * r1[k]
+                s2 += x * r2[k]
+                s3 += x * r3[k]
+                t0 += y * r0[k]
+                t1 += y * r1[k]
+                t2 += y * r2[k]
+                t3 += y * r3[k]
+            out[i, j] += s0
+            if i1 > i:
+                out[i1, j] += t0
+            if j1 > j:
+                out[i, j1] += s1
+                if i1 > i:
+                    out[i1, j1] += t1
+            if j2 > j1:
+                out[i, j2] += s2
+                if i1 > i:
+                    out[i1, j2] += t2
+            if j3 > j2:
+                out[i, j3] += s3
+                if i1 > i:
+                    out[i1, j3] += t3
+
+
+def _add_cross_plain(
+    flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, out: FloatArray
+) -> None:
+    ahead = np.stack([flat[at : at + m] for at in single[:singles]])
+    out[:singles, :lags] += ahead @ np.stack([flat[at : at + m] for at in lagged[:lags]]).T
+
+
+_cross = _add_cross_plain if config.DISABLE_JIT else _add_cross  # type: ignore[attr-defined]
+
+
+@njit(cache=True, nogil=True)
+def _layout(
+    na: int, nb1: int, ne: int, p: int, nc: int, width: int
+) -> tuple[IntArray, IntArray, IntArray, IntArray, IntArray]:
+    """Signals in the order of their parameters: where each is in a buffer of rows `width` long, and its lags.
+
+    Returns the place of its first sample at its first lag and the number of lags of each; the places of all lags; the
+    first parameter of each, the initial state left open; and the places of the first lags, of the errors and, last
+    because it goes first, of the initial state.
+    """
+    groups, behind = 4 + ne, 4 + ne if p > 0 else 0  # first row of the signals behind D
+    history = width - BLOCK
+    row, lag, count = np.empty(groups, np.int64), np.zeros(groups, np.int64), np.ones(groups, np.int64)
+    place = np.zeros(groups, np.int64)
+    row[0], lag[0], count[0] = behind + Z, 1, na
+    row[1], count[1], place[1] = behind + X, nb1, na
+    for e in range(ne):
+        row[2 + e], place[2 + e] = behind + ETA + e, na + nb1 + 1 + e
+    row[2 + ne], lag[2 + ne], count[2 + ne], place[2 + ne] = ETA + ne, 1, p, na + nb1 + 1 + ne  # v, before D
+    row[3 + ne], count[3 + ne] = behind + H, nc
+    begins = row * width + history - lag
+    single = np.empty(groups + 1, np.int64)
+    single[: groups - 1], single[groups] = begins[:-1], begins[-1]
+    single[groups - 1] = (behind + ETA + ne) * width + history
+    lagged = np.empty(count.sum(), np.int64)
+    at = 0
+    for g in range(groups):
+        for i in range(count[g]):
+            lagged[at] = begins[g] - i
+            at += 1
+    return begins, count, lagged, place, single
+
+
+@njit(cache=True, nogil=True)
+def _assemble(
+    cross: FloatArray,
+    count: IntArray,
+    heads: FloatArray,
+    tails: FloatArray,
+    place: IntArray,
+    sign: FloatArray,
+    hessian: FloatArray,
+) -> None:
+    """Add the products of all lags to `hessian`.
+
+    `heads` and `tails` (groups, lags) are what one lag more lets in and out; `place` is the first parameter of each
+    group, `sign` what its gradients are multiplied by.
+    """
+    groups = count.size
+    at = np.zeros(groups + 1, np.int64)
+    at[1:] = np.cumsum(count)
+    for g in range(groups):
+        for h in range(g + 1):
+            table = np.zeros((count[g], count[h]))
+            first, second = (g if g < groups - 1 else groups), (h if h < groups - 1 else groups)
+            for i in range(count[g]):
+                for j in range(count[h]):
+                    if i == 0:
+                        value = cross[first, at[h] + j]
+                    elif j == 0:
+                        value = cross[second, at[g] + i]
+                    else:
+                        value = (
+                            table[i - 1, j - 1] + heads[g, i - 1] * heads[h, j - 1] - tails[g, i - 1] * tails[h, j - 1]
+                        )
+                    table[i, j] = value
+                    if g != h or j <= i:
+                        hessian[place[g] + i, place[h] + j] += sign[g] * sign[h] * value
+                        if g != h or j < i:
+                            hessian[place[h] + j, place[g] + i] += sign[g] * sign[h] * value
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _sum(values: FloatArray, m: int) -> float:
+    total = 0.0
+    for k in range(m):
+        total += values[k]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _quiet(values: FloatArray) -> bool:
+    loudest = 0.0
+    for value in values:
+        loudest = max(loudest, abs(value))
+    return loudest < DEAD
+
+
+@njit(cache=True, nogil=True)
+def _add_block(
+    flat: FloatArray, begins: IntArray, single: IntArray, lagged: IntArray, gone: int, skipped: int, rows: int,
+    cross: FloatArray, sums: FloatArray,
+) -> None:  # fmt: skip
+    """Add the products of a block to `cross` and the sums of its signals to `sums`; the `gone` last lags are zero."""
+    singles = single.size - 1 if gone else single.size
+    _cross(flat, single + skipped, singles, lagged + skipped, lagged.size - gone, rows, cross)
+    for g in range(begins.size):
+        sums[g] += _sum(flat[begins[g] + skipped :], rows)
+
+
+@njit(cache=True, nogil=True)
+def _add_level(
+    cross: FloatArray, sums: FloatArray, whole: float, level: int, count: IntArray, heads: FloatArray,
+    tails: FloatArray, place: IntArray, sign: FloatArray, hessian: FloatArray, gradient: FloatArray,
+) -> None:  # fmt: skip
+    """Add the products with the errors, and those with the gradient of the offset, which is `whole` in every row."""
+    at = 0
+    for g in range(count.size):
+        for i in range(count[g]):
+            gradient[place[g] + i] += sign[g] * cross[count.size - 1, at]
+            product = sign[g] * whole * sums[g]
+            sums[g] += heads[g, i] - tails[g, i]
+            hessian[level, place[g] + i] += product
+            hessian[place[g] + i, level] += product
+            at += 1
+
+
+@njit(cache=True, nogil=True)
+def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, values: FloatArray) -> None:
+    """Fill `values` (groups, lags) with what is at a column, each group at its lags."""
+    for g in range(count.size):
+        for i in range(count[g] - 1):
+            values[g, i] = flat[begins[g] + column - i]
+
+
+@njit(cache=True, nogil=True)
+def normal_equations(
+    theta: FloatArray,
+    na: int,
+    nb: int,
+    ne: int,
+    p: int,
+    delay: int,
+    first: int,
+    segments: IntArray,
+    x: FloatArray,
+    dx: FloatArray,
+    shapes: FloatArray,
+    y: FloatArray,
+    hessian: FloatArray,
+    gradient: FloatArray,
+) -> float:
+    """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
+
+    `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. Derivatives of x
+    with respect to the ne parameters of the actuator are the rows of `dx` (m, samples) and then those of `shapes`.
+    """
+    nc, level, signals = max(na, nb), na + nb + 1, 4 + ne
+    shared = level + 1 + ne
+    a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
+    history = max(na, nb + 1, p, 4) + 1
+    begins, count, lagged, place, single = _layout(na, nb + 1, ne, p, nc, history + BLOCK)
+    groups, many = count.size, lagged.size
+    buffer, work = np.empty((2 * signals if p > 0 else signals, history + BLOCK)), np.empty((2, BLOCK))
+    raw, white, flat = buffer[:signals], buffer[-signals:], buffer.reshape(-1)
+    sign = -np.ones(groups)
+    sign[0] = sign[2 + ne] = 1.0
+    heads, tails = np.zeros((groups, history)), np.zeros((groups, history))
+    whole = -(1.0 + d.sum())  # gradient of the offset
+    cost = 0.0
+    for s in range(segments.shape[0]):
+        head, n, place[-1] = segments[s, 0] + first, segments[s, 1] - segments[s, 0] - first, shared + p + s * nc
+        if n <= p:
+            continue
+        c, cross, sums, total = theta[place[-1] : place[-1] + nc], np.zeros((groups + 1, many)), np.zeros(groups), 0.0
+        buffer[:, :history] = 0.0
+        for k0 in range(0, n, BLOCK):
+            m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
+            gone = nc if k0 > 0 and _quiet(white[H, :history]) else 0
+            y_part = y[head + k0 : head + k0 + m]
+            fill_block(a, b, c, d, offset, k0, head - delay, x, dx, shapes, y_part, raw, white, history, work)
+            if k0 == 0:
+                _ends(flat, begins, count, p - 1, heads)
+            if m > skipped:
+                _add_block(flat, begins, single, lagged, gone, skipped, m - skipped, cross, sums)
+                errors = white[ETA + ne, history + skipped : history + m]
+                total, cost = total + _sum(errors, m - skipped), cost + np.dot(errors, errors)
+            if k0 + m < n:
+                buffer[:, :history] = buffer[:, m : m + history]
+            else:
+                _ends(flat, begins, count, m - 1, tails)
+        _assemble(cross, count, heads, tails, place, sign, hessian)
+        _add_level(cross, sums, whole, level, count, heads, tails, place, sign, hessian, gradient)
+        hessian[level, level] += whole * whole * (n - p)
+        gradient[level] += whole * total
+    return cost

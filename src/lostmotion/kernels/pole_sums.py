@@ -1,0 +1,99 @@
+"""Sums over rows for four processes at once: where the grid of poles spends its time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from lostmotion.arrays import FloatArray
+from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store, times
+
+GONE = 1e-100  # a mode that has decayed to this is zero: numbers below 1e-308 take a hundred times as long
+REST = 64  # rows after which it is looked at; the fastest mode of a grid decays by 1e-40 meanwhile
+NUDGE = 1e-140  # keeps responses away from such numbers while a command rests at zero; its square is still above them
+
+
+@njit(cache=True, nogil=True)
+def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, level: FloatArray) -> None:
+    """Fill `x` and `level` (4 n,), sample by sample, with 1/A of `drive` and `ones` (n,) for four A, from rest.
+
+    `a` is (na, 4), coefficient by coefficient.
+    """
+    na, poles = a.shape[0], address(a.reshape(-1))
+    to_x, to_level = address(x), address(level)
+    none = spread(0.0)
+    a1 = load(poles, 0) if na > 0 else none
+    a2 = load(poles, WIDTH) if na > 1 else none
+    a3 = load(poles, 2 * WIDTH) if na > 2 else none
+    minus = spread(-1.0)
+    a1, a2, a3 = times(minus, a1), times(minus, a2), times(minus, a3)
+    x1, x2, x3, y1, y2, y3 = none, none, none, none, none, none
+    for k in range(drive.size):
+        first, second = spread(drive[k] + NUDGE), spread(ones[k])
+        for i in range(3, min(na, k)):
+            pole = times(minus, load(poles, i * WIDTH))
+            first = plus_product(first, pole, load(to_x, (k - 1 - i) * WIDTH))
+            second = plus_product(second, pole, load(to_level, (k - 1 - i) * WIDTH))
+        first = plus_product(plus_product(plus_product(first, a3, x3), a2, x2), a1, x1)  # the newest last
+        second = plus_product(plus_product(plus_product(second, a3, y3), a2, y2), a1, y1)
+        x3, x2, x1, y3, y2, y1 = x2, x1, first, y2, y1, second
+        store(to_x, k * WIDTH, first)
+        store(to_level, k * WIDTH, second)
+
+
+@njit(cache=True, nogil=True)
+def sum_lags(
+    x: FloatArray, level: FloatArray, target: FloatArray, first: int, low: int, lags: int, sums: FloatArray
+) -> None:
+    """Fill `sums` (lags, 3, 4) with the products of x(k - low - lag) with x(k - low), target(k) and level(k).
+
+    Over rows k >= first of `target` (n,); `x` and `level` are (4 n,) as ``respond`` leaves them.
+    """
+    to_x, to_level, out = address(x), address(level), address(sums.reshape(-1))
+    for lag in range(0, lags, 2):
+        none = spread(0.0)
+        p0, p1, t0, t1, l0, l1 = none, none, none, none, none, none
+        at, further = low + lag, 1 if lag + 1 < lags else 0  # an odd one out is summed up twice
+        for k in range(first, target.size):
+            newest, wanted, steps = load(to_x, (k - low) * WIDTH), spread(target[k]), load(to_level, k * WIDTH)
+            x0, x1 = load(to_x, (k - at) * WIDTH), load(to_x, (k - at - further) * WIDTH)
+            p0, t0, l0 = plus_product(p0, x0, newest), plus_product(t0, x0, wanted), plus_product(l0, x0, steps)
+            p1, t1, l1 = plus_product(p1, x1, newest), plus_product(t1, x1, wanted), plus_product(l1, x1, steps)
+        here, there = lag * 3 * WIDTH, (lag + further) * 3 * WIDTH
+        store(out, there, p1)
+        store(out, there + WIDTH, t1)
+        store(out, there + 2 * WIDTH, l1)
+        store(out, here, p0)
+        store(out, here + WIDTH, t0)
+        store(out, here + 2 * WIDTH, l0)
+
+
+@njit(cache=True, nogil=True)
+def sum_modes(
+    x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, sums: FloatArray
+) -> None:
+    """Fill `sums` (5, 4) with products over rows k >= first.
+
+    Of the modes decays^(k - first), `decays` (4,), with x(k - low), target(k) and level(k), and of level with itself
+    and with target.
+    """
+    to_x, to_level, now, out = address(x), address(level), np.ones(WIDTH), address(sums.reshape(-1))
+    place, factor, none = address(now), load(address(decays), 0), spread(0.0)
+    drive, wanted, steps, square, both = none, none, none, none, none
+    for begin in range(first, target.size, REST):
+        mode = load(place, 0)
+        for k in range(begin, min(begin + REST, target.size)):
+            here, value = load(to_level, k * WIDTH), spread(target[k])
+            drive = plus_product(drive, mode, load(to_x, (k - low) * WIDTH))
+            wanted, steps = plus_product(wanted, mode, value), plus_product(steps, mode, here)
+            square, both = plus_product(square, here, here), plus_product(both, here, value)
+            mode = times(mode, factor)
+        store(place, 0, mode)
+        for lane in range(WIDTH):
+            if now[lane] < GONE:
+                now[lane] = 0.0
+    store(out, 0, drive)
+    store(out, WIDTH, wanted)
+    store(out, 2 * WIDTH, steps)
+    store(out, 3 * WIDTH, square)
+    store(out, 4 * WIDTH, both)
