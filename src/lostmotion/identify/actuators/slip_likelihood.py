@@ -202,10 +202,32 @@ class SlipLikelihood:
         return np.ascontiguousarray((vectors[:, kept] / np.sqrt(values[kept])).T @ rows)
 
 
+def shortened(fitted: Fitted, most: int) -> Fitted:
+    """The same fit on the first rows, about `most` of them, where there are more: gradients of all would not fit."""
+    problem = fitted.problem
+    if problem.errors <= most:
+        return fitted
+    segments, room = [], most
+    for start, stop in problem.segments.tolist():
+        segments.append((start, min(stop, start + max(room, 2 * problem.structure.start))))
+        room -= segments[-1][1] - start
+        if room <= 0:
+            break
+    few = replace(problem, segments=np.array(segments))
+    theta = fitted.fit.theta[: few.size]
+    basis = fitted.basis
+    if basis is not None:
+        basis = basis[: few.size]
+        basis = basis[:, np.any(basis != 0.0, axis=0)]
+    cost = float(sum(part @ part for part in few.predict(theta)[1]))
+    return replace(fitted, problem=few, fit=replace(fitted.fit, theta=theta, cost=cost), basis=basis)
+
+
 def error_gradients(problem: Problem, theta: FloatArray) -> FloatArray:
     """Gradients (parameters, errors) of all prediction errors; as in :mod:`lostmotion.kernels.likelihood`."""
     s, parts = problem.structure, problem.parts(theta)
     x, dx = problem.internal(theta)
+    courses = problem.family.courses(x.size)
     states = parts.initial.reshape(len(problem.segments), s.initial)
     whiten = np.append(1.0, parts.d)
     found = np.zeros((problem.size, problem.errors))
@@ -219,7 +241,7 @@ def error_gradients(problem: Problem, theta: FloatArray) -> FloatArray:
         rows = [_later(by_a, i + 1) for i in range(s.na)]
         rows += [-_later(by_b, i) for i in range(s.nb + 1)]
         rows += [-np.ones(n)]
-        rows += [-_lagged(parts.b, _answer(parts.a, one[begin : begin + n])) for one in dx]
+        rows += [-_lagged(parts.b, _answer(parts.a, one[begin : begin + n])) for one in (*dx, *courses)]
         white = [_lagged(whiten, row) for row in rows] + [_later(v, i + 1) for i in range(s.noise_order)]
         part = slice(done, done + n - s.noise_order)
         found[: problem.initial_at, part] = [row[s.noise_order :] for row in white]

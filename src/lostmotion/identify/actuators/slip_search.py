@@ -10,12 +10,13 @@ import numpy as np
 
 from lostmotion.identify.actuators.polish import profile_intervals
 from lostmotion.identify.actuators.slip_draws import even_draws
-from lostmotion.identify.actuators.slip_likelihood import Pattern, SlipLikelihood
+from lostmotion.identify.actuators.slip_likelihood import Pattern, SlipLikelihood, shortened
 from lostmotion.identify.actuators.stiction_family import LARGEST_JUMP, own
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
 
+MOST_ROWS = 20_000  # of a search: on more, the place that it finds is refined
 ROUNDS = 5  # of search and refinement
 WORTH = 0.3  # of log-likelihood, for another round
 # half the width of a box of trials, relative to the band, and their number
@@ -128,6 +129,7 @@ def _refined(fitted: Fitted, family: Family, place: Pattern) -> Fitted:
 
 def _likelihood(fitted: Fitted, model: int | None = None) -> SlipLikelihood:
     family = own(fitted.problem.family)
+    fitted = shortened(fitted, MOST_ROWS)
     return SlipLikelihood(fitted, family.code if model is None else model, family.widest, LARGEST_JUMP)
 
 
