@@ -74,7 +74,7 @@ def _left_of_the_start(theta: FloatArray, earlier: FloatArray, count: int) -> Fl
     """Square of what is left of a wrong start; `earlier`: theta after the power of 2 before the last."""
     older = 2 ** (count.bit_length() - 2)
     moved = theta - earlier
-    return np.outer(moved, moved) / (count / older - 1.0)
+    return np.asarray(np.outer(moved, moved) / (count / older - 1.0))
 
 
 def _recent(feedback: FloatArray, jacobian: FloatArray) -> FloatArray:

@@ -142,6 +142,11 @@ class RecursiveML:
         return self._recursion is not None
 
     @property
+    def start_samples(self) -> int:
+        """Samples of the first window."""
+        return self._settings.start_samples
+
+    @property
     def dt(self) -> float:
         """Sampling time in seconds."""
         return self._settings.dt
