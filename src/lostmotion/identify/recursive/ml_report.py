@@ -46,8 +46,9 @@ def present(recursion: Recursion) -> RecursiveEstimate:
     )
     values, jacobian, wrong = _named(recursion, shown)
     spread = memory.variance * inverse
-    for place in (memory.eta, memory.eta + 1):
-        spread[place, place] += drift.unsettled(recursion.layout) + _between_levels(memory)
+    for side in range(2):
+        place = memory.eta + side
+        spread[place, place] += drift.unsettled(recursion.state, recursion.layout, side) + _between_levels(memory)
     covariance = jacobian @ spread @ jacobian.T
     for direction in empty.T:
         move = jacobian @ direction

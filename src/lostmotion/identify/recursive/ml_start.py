@@ -22,6 +22,8 @@ from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.threads import one_thread
 
 SMALLEST_VARIANCE = 1e-24  # of scaled data: rounding
+CLEAR = 3.0  # standard errors of a correlation that is none
+CORRELATED = 33  # lags up to half a block of samples: what goes on for longer is a drift
 _ADVANCE: Any = advance.advance  # compiled: no signature that a type checker knows
 
 
@@ -93,10 +95,22 @@ def begin(fit: HammersteinFit, window: Window, settings: Settings, before: int) 
     state[ml.SQUARES] = max(best.cost / max(problem.errors - n, 1), SMALLEST_VARIANCE) * weight
     state[[ml.LOW, ml.HIGH]] = float(np.nanmin(scaled.u)), float(np.nanmax(scaled.u))
     layout[[ml.COUNT, ml.LEFT_AT, ml.RIGHT_AT, ml.PERIOD_FROM]] = window.u.size
+    recursion.memory.parts["usual"][:] = colour_of(fit.residuals)
     drift.agree(state, layout)
     run_up(state, layout, scaled)
     information.newton_step(state, layout)
     return recursion
+
+
+def colour_of(residuals: FloatArray) -> float:
+    """How much more than with white errors a sum of many may vary: twice the clear positive correlations."""
+    size = residuals.size
+    spectrum = np.abs(np.fft.rfft(residuals - residuals.mean(), 2 * size)) ** 2
+    correlations = np.fft.irfft(spectrum)[: min(CORRELATED, size)]
+    if not correlations[0] > 0.0:
+        return 0.0
+    relative = correlations[1:] / correlations[0]
+    return 2.0 * float(relative[relative > CLEAR / math.sqrt(size)].sum())
 
 
 def scaled_fit(fit: HammersteinFit, scaled: Window, scales: tuple[float, float]) -> tuple[Problem, FloatArray]:

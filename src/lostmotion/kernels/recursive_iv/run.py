@@ -12,6 +12,8 @@ Between samples phi already holds the past y, x and residuals. State and layout:
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -32,8 +34,12 @@ def take_input(state: FloatArray, layout: IntArray, u: float) -> float:
     move = abs(u - state[ring + now - 1])
     if now >= size:
         now = 0
-    if layout[iv.COUNT] > 0 and move > ROUNDING * (state[iv.HIGH] - state[iv.LOW]):
-        state[iv.GAP] = move if state[iv.GAP] == 0.0 else min(state[iv.GAP], move)
+    least = ROUNDING * (state[iv.HIGH] - state[iv.LOW])
+    if layout[iv.COUNT] > 0 and move > least:
+        step = state[iv.GAP]
+        rest = move if step == 0.0 else abs(move - step * math.floor(move / step + 0.5))
+        if rest > least:
+            state[iv.GAP] = rest
     layout[iv.NOW_U] = now
     state[ring + now] = u
     state[iv.LOW] = min(state[iv.LOW], u)

@@ -26,7 +26,7 @@ SEEN, SEEN_SQUARED = 13, 14  # the same since the instruments are used
 SQUARES = 15  # squared misses of the output, sum with squared weights
 PRESENT, EQUATION = 16, 17  # means over a shorter memory: squared miss of the output, squared prediction error
 SINCE, DENSE = 18, 19  # weight that S and W have lost since a sample was added; weighted number that ends every one
-GAP = 20  # smallest move of u seen; 0: none yet
+GAP = 20  # step of which all moves of u are multiples; 0: none yet
 HEAD = 24
 
 # whole numbers

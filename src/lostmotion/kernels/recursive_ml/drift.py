@@ -22,8 +22,9 @@ SPEEDS = np.array([0.0, 0.003, 0.01, 0.03, 0.1, 0.3])  # standard deviations of 
 GROUP = 8  # blocks that are judged at once: a walk is far slower
 MOST_EVIDENCE = 8.0  # that one group may give: a jump is no walk
 LONGEST_EVIDENCE = 10.0  # by which a hypothesis may be behind: what was true for a year may end
+RATED = 16.0  # groups
 LONGER = 10.0  # memory of the hypotheses, where one forgets: what is forgotten explains a drift as well
-BETTER = 5.0  # log-likelihood by which another hypothesis must be better to be gone on from
+BETTER = 5.0  # log-likelihood by which a walk must be better than none, or none than a walk, to be gone on from
 
 
 @njit(cache=True, nogil=True)
@@ -109,10 +110,13 @@ def judge(state: FloatArray, layout: IntArray) -> None:
         merge(h, r, gone_h, gone_r, tail)
         if told:
             walk(h, r, eta, walked(SPEEDS[j], GROUP * layout[ml.BLOCK], variance))
+    if told:
+        note_rate(state, layout)
     best = int(np.argmax(evidence))
     evidence -= evidence[best]
     np.maximum(evidence, -LONGEST_EVIDENCE, evidence)
-    if evidence[layout[ml.DRIFT]] < -BETTER:
+    now = layout[ml.DRIFT]
+    if evidence[now] < (-BETTER if now == 0 or best == 0 else 0.0):
         layout[ml.DRIFT] = best
     if tail == 0.0:
         h, r = hypothesis(state, layout, layout[ml.DRIFT])
@@ -139,11 +143,25 @@ def agree(state: FloatArray, layout: IntArray) -> None:
     ml.matrix(state, layout, ml.GONE_H)[:] = 0.0
     ml.vector(state, layout, ml.GONE_R)[:] = 0.0
     layout[ml.GROUPED] = 0
+    at, eta = layout[ml.WATCH], layout[ml.THETA] + ml.eta_at(layout)
+    state[at + ml.WAS : at + ml.WAS + 2] = state[eta : eta + 2]
 
 
 @njit(cache=True, nogil=True)
-def unsettled(layout: IntArray) -> float:
-    """Variance that the walk adds within the ring, whose samples count alike: a third of the walk over it."""
-    samples = min(layout[ml.BLOCKS], layout[ml.RING]) * layout[ml.BLOCK]
-    speed = SPEEDS[layout[ml.DRIFT]]
-    return float(speed * speed * samples / (3.0 * WALK))
+def note_rate(state: FloatArray, layout: IntArray) -> None:
+    """Follow how far the break points move in a group, on average over RATED groups."""
+    at, eta = layout[ml.WATCH], layout[ml.THETA] + ml.eta_at(layout)
+    for side in range(2):
+        moved = state[eta + side] - state[at + ml.WAS + side]
+        state[at + ml.RATE + side] += (moved - state[at + ml.RATE + side]) / RATED
+        state[at + ml.WAS + side] = state[eta + side]
+
+
+@njit(cache=True, nogil=True)
+def unsettled(state: FloatArray, layout: IntArray, side: int) -> float:
+    """Variance that drift adds in the ring, whose samples count alike: a third of the walk, and the lag of a ramp."""
+    if layout[ml.DRIFT] == 0:
+        return 0.0
+    blocks = min(layout[ml.BLOCKS], layout[ml.RING])
+    lag = 0.5 * state[layout[ml.WATCH] + ml.RATE + side] * blocks / GROUP
+    return float(SPEEDS[layout[ml.DRIFT]] ** 2 * blocks * layout[ml.BLOCK] / (3.0 * WALK) + lag * lag)

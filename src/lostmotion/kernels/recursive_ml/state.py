@@ -25,7 +25,7 @@ GROUPED, DRIFT, FAR, JUDGED, LAYOUT_SIZE = range(57, 62)
 TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT, STATISTIC, HEAD = range(13)
 
 # part `watch`
-GAP, LAST_U, WATCHED, WATCHED_SQUARES, WATCH_SIZE = range(5)
+GAP, LAST_U, WATCHED, WATCHED_SQUARES, WAS, RATE, WATCH_SIZE = 0, 1, 2, 3, 4, 6, 8  # WAS, RATE: left and right
 
 DRIFTS = 6  # hypotheses about how fast the break points move, see `drift`
 LAGS = (1, 2, 3, 4, 6, 8, 12, 16)  # samples, at which the prediction errors are watched: any noise order shows in them

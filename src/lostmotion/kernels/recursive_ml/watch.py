@@ -31,11 +31,14 @@ def believable(u: float, state: FloatArray, layout: IntArray) -> bool:
 
 @njit(cache=True, nogil=True, forceinline=True)
 def watch_command(u: float, state: FloatArray, layout: IntArray) -> None:
-    """Keep the smallest move of u: where OP is rounded, that is the distance of its levels."""
+    """Keep the step of which all moves of u are multiples (Euclid): where OP is rounded, the distance of its levels."""
     at = layout[ml.WATCH]
     move = abs(u - state[at + ml.LAST_U])
-    if SMALLEST_MOVE < move < state[at + ml.GAP]:
-        state[at + ml.GAP] = move
+    if move > SMALLEST_MOVE:
+        step = state[at + ml.GAP]
+        rest = move if step == np.inf else abs(move - step * np.round(move / step))
+        if rest > SMALLEST_MOVE:
+            state[at + ml.GAP] = rest
     state[at + ml.LAST_U] = u
 
 
