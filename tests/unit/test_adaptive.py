@@ -127,7 +127,7 @@ def known_block(half):
 
 def test_starts_where_the_process_is_known_not_where_poles_stand_next_to_one():
     """The first 1,000 samples of this loop leave the static gain open; begun there, the estimate never came right."""
-    reference, drift, noise = operation(6_000, 3)
+    reference, drift, noise = operation(3_000, 3)
     plant = lm.Hammerstein(lm.DeadZone(-0.5, 0.5, 3, 3), TANK)
     rml = lm.RecursiveML(3, 2, 3, gain=TANK.gain, forgetting=0.9998, dt=0.1, offset="zero")
     adaptive = AdaptiveCompensator(known_block(1.5), rml, every=1000)
