@@ -190,6 +190,8 @@ def main() -> None:
     lines = []
     for kind in ("stays", "grows", "jumps", "vanishes"):
         part = np.array([row[3] == kind for row in found])
+        if not part.any():
+            continue
         falls = sum(row[2] for row in found if row[3] == kind)
         lines.append(
             f"| {kind} | {part.sum()} | {np.median(iae[part]):.2f} | {iae[part].max():.2f} | "
