@@ -113,8 +113,9 @@ def judge(state: FloatArray, layout: IntArray) -> None:
     if told:
         note_rate(state, layout)
     best = int(np.argmax(evidence))
-    evidence -= evidence[best]
-    np.maximum(evidence, -LONGEST_EVIDENCE, evidence)
+    most = evidence[best]
+    for j in range(ml.DRIFTS):
+        evidence[j] = max(evidence[j] - most, -LONGEST_EVIDENCE)
     now = layout[ml.DRIFT]
     if evidence[now] < (-BETTER if now == 0 or best == 0 else 0.0):
         layout[ml.DRIFT] = best
