@@ -145,14 +145,46 @@ def random_case(seed: int, n: int = 20_000) -> tuple[float, float, int, str]:
     return float(ours.mean() / theirs.mean()), float(ours.max() / theirs.max()), adaptive.falls, kind
 
 
+def grown(seed: int, start: float) -> tuple[float, float, float, int]:
+    """Half-width 0.5 growing to 1.5 in 150,000 samples: largest error at the end, of estimate and block; z; events."""
+    n = 150_000
+    reference, drift, noise = signals(n, seed)
+    rml = lm.RecursiveML(3, 2, 3, gain=TANK.gain, forgetting=0.9998, dt=0.1, offset="zero")
+    adaptive = AdaptiveCompensator(block_for(start), rml, every=EVERY)
+    plant = lm.Hammerstein(zone(0.5), TANK)
+    _, history = simulate_adaptive(plant, CONTROLLER, reference, adaptive, lambda k: zone(0.5 + k / n), drift, noise)
+    estimate, truth = rml.estimate, {"left": -1.5, "right": 1.5}
+    off = {name: abs(estimate.parameters[name] - true) for name, true in truth.items()}
+    z = max(off[name] / estimate.standard_errors[name] for name in truth)
+    block = max(abs(history.left[-1] + 1.5), abs(history.right[-1] - 1.5))
+    return max(off.values()), block, z, len(rml.events)
+
+
+def grown_rows(seeds: int) -> str:
+    """Lines of the table of growing dead zones."""
+    lines = []
+    for start in (0.5, 1.5):
+        found = np.array([grown(seed, start) for seed in range(seeds)])
+        off, block, z, events = found.T
+        cells = [
+            f"{start}", f"{np.median(off):.3f}", f"{off.max():.3f}", f"{(off <= 0.1).sum()}/{seeds}", f"{z.max():.1f}",
+            f"{block.max():.3f}", f"{events.sum():.0f}",
+        ]  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+        print(lines[-1], flush=True)
+    return "\n".join(lines)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=int, default=300_000)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--cases", type=int, default=200)
+    parser.add_argument("--grown", type=int, default=20, help="seeds of the growing dead zone")
     given = parser.parse_args()
     size = f"{given.samples} samples {given.seeds} seeds"
     rows = [kept("adaptive", f"{n} {size}", lambda n=n: month_row(n, given.samples, given.seeds)) for n in CASES]
+    growing = grown_rows(given.grown)
     found = []
     for seed in range(given.cases):
         found.append(kept("adaptive", f"random {seed}", lambda s=seed: random_case(s)))
@@ -162,6 +194,8 @@ def main() -> None:
     lines = []
     for kind in ("stays", "grows", "jumps", "vanishes"):
         part = np.array([row[3] == kind for row in found])
+        if not part.any():
+            continue
         falls = sum(row[2] for row in found if row[3] == kind)
         lines.append(
             f"| {kind} | {part.sum()} | {np.median(iae[part]):.2f} | {iae[part].max():.2f} | "
@@ -169,6 +203,7 @@ def main() -> None:
         )
     template = (Path(__file__).parent / "adaptive.md").read_text(encoding="utf-8")
     parts = {
+        "GROWN": growing, "GROWN_SEEDS": str(given.grown),
         "MONTH": "\n".join(row for row, _ in rows), "RANDOM": "\n".join(lines), "SAMPLES": f"{given.samples:,}",
         "SEEDS": str(given.seeds), "CASES": str(given.cases), "WORSE": str(int((iae > 1.1).sum())),
         "WORST": f"{iae.max():.2f}", "PEAK": f"{worst.max():.2f}", "GROWING": f"{100 * (rows[0][1] - 1):.1f} %",

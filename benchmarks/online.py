@@ -25,7 +25,7 @@ from pathlib import Path  # noqa: E402
 import numpy as np  # noqa: E402
 
 from pages import publish  # noqa: E402
-from suite import bars, environment, ours, page  # noqa: E402
+from suite import assumptions, bars, environment, ours, page  # noqa: E402
 from suite import speed as speeds  # noqa: E402
 from suite.experiment import VARIANCE, Answers, Array, bound, record, routine  # noqa: E402
 
@@ -164,7 +164,9 @@ def bar_section(share: float) -> str:
     short = bars.false_events(ours.recursive_ml, daily)
     long = bars.false_events(lambda: ours.recursive_ml(start_samples=2000), daily)
     print(f"false events: {short}; from 2,000 samples: {long}")
-    return page.BARS.format(rows="\n".join(lines), short=short, long=long)
+    seeds = max(round(ROUTINE_SEEDS * share), 2)
+    wrong = page.ASSUMPTIONS.format(rows=assumptions.rows(seeds), seeds=seeds)
+    return page.BARS.format(rows="\n".join(lines), short=short, long=long) + wrong
 
 
 def command_seconds() -> float:

@@ -86,7 +86,7 @@ def many(make: Callable[[], Any], run_many: Callable[..., Any], loops: int) -> d
     u, y = (np.array(column) for column in zip(*records, strict=True))
     run_many([make(), make()], u[:2], y[:2], LOOP_SAMPLES, 2)
     seconds = {1: np.inf, 2: np.inf}
-    for _ in range(REPEATS if loops == LOOPS else 2):
+    for _ in range(REPEATS):
         for workers in (1, 2):
             estimators = [make() for _ in range(loops)]
             begin = time.perf_counter()

@@ -115,6 +115,10 @@ class Status(Enum):
         "The likelihood has no interior maximum that the search could reach; the numbers are the best point seen. "
         "Try fewer orders, a longer record, or nonlinearity='none' to see whether a linear model fits at all."
     )
+    INTEGRATING = (
+        "The process integrates, as a level does, and is not followed sample by sample. "
+        "Give the differences of PV from sample to sample instead of PV, and na one less."
+    )
 
     @property
     def ok(self) -> bool:

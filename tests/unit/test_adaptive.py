@@ -87,6 +87,20 @@ def test_windows_without_a_number_are_skipped():
     assert looks(adaptive, np.nan, 1.0, np.nan, 1.0) == [False, False, False, True]
 
 
+@pytest.mark.parametrize("kind", [lm.RecursiveIV, lm.RecursiveML])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_missing_pv_and_command_are_survived(kind, value):
+    u = lm.signals.prs(1_500, -5, 5, hold=10, seed=0)
+    pv = lm.platforms.level_tank().simulate(u) + np.random.default_rng(0).normal(scale=0.05, size=u.size)
+    pv[700:720], u[900] = value, value
+    estimator = kind(3, 2, 3, TANK.gain, start_samples=300)
+    adaptive = AdaptiveCompensator(START, estimator, every=500)
+    for rows in np.split(np.arange(u.size), 3):
+        adaptive.look(u[rows], pv[rows], np.zeros(rows.size))
+    assert estimator.estimate.parameters["right"] == pytest.approx(1.0, abs=0.2)
+    assert estimator.samples == (1_500 if kind is lm.RecursiveML else 1_479)
+
+
 def test_refusals():
     gear = block_from_model(lm.Backlash(1.0), 0.1)
     assert "dead zone" in refusal(ParameterError, AdaptiveCompensator, gear, Told())
@@ -113,7 +127,7 @@ def known_block(half):
 
 def test_starts_where_the_process_is_known_not_where_poles_stand_next_to_one():
     """The first 1,000 samples of this loop leave the static gain open; begun there, the estimate never came right."""
-    reference, drift, noise = operation(6_000, 3)
+    reference, drift, noise = operation(3_000, 3)
     plant = lm.Hammerstein(lm.DeadZone(-0.5, 0.5, 3, 3), TANK)
     rml = lm.RecursiveML(3, 2, 3, gain=TANK.gain, forgetting=0.9998, dt=0.1, offset="zero")
     adaptive = AdaptiveCompensator(known_block(1.5), rml, every=1000)
@@ -124,14 +138,14 @@ def test_starts_where_the_process_is_known_not_where_poles_stand_next_to_one():
 
 
 @functools.cache
-def grown(start):
-    """Ratio of the error of 30 short days to that of the block that knows; the compensator; its history."""
+def grown(start, seed=1):
+    """Ratio of the error of 30 short days to that of the block that knows; compensator; estimator; its history."""
     n = 150_000
 
     def valve(k):
         return lm.DeadZone(-0.5 - k / n, 0.5 + k / n, 3, 3)
 
-    reference, drift, noise = operation(n, 1)
+    reference, drift, noise = operation(n, seed)
     plant = lm.Hammerstein(valve(0), TANK)
     rml = lm.RecursiveML(3, 2, 3, gain=TANK.gain, forgetting=0.9998, dt=0.1, offset="zero")
     adaptive = AdaptiveCompensator(known_block(start), rml, every=1000)
@@ -142,28 +156,29 @@ def grown(start):
         known.set_block(known_block(valve(known.done).right))
         known.advance(1000)
     days = [np.abs(reference - y).reshape(30, -1).mean(axis=1) for y in (loop.measured, known.signals[3])]
-    return days[0] / days[1], adaptive, history
+    return days[0] / days[1], adaptive, rml, history
 
 
 @pytest.mark.statistics
 @pytest.mark.parametrize("start", [0.5, 1.5])
 def test_a_dead_zone_that_grows_to_three_times_is_followed(start):
     """30 short days: after the first, no day more than 10 % above the block that knows the dead zone."""
-    ratio, adaptive, history = grown(start)
+    ratio, adaptive, _, history = grown(start)
     assert np.all(ratio[1:] < 1.10)
     assert adaptive.falls == 0
     assert history.compensating[2:].all()
 
 
-LATE = pytest.mark.xfail(  # not strict: rounding decides in which block the drift is noticed
-    reason="ends at 1.378: a slow drift is told late, and changes below 2 % of the width wait", strict=False
-)
-
-
 @pytest.mark.statistics
-@pytest.mark.parametrize("start", [0.5, pytest.param(1.5, marks=LATE)])
-def test_a_dead_zone_that_grows_to_three_times_is_known_at_the_end(start):
-    assert grown(start)[2].right[-1] == pytest.approx(1.5, abs=0.1)
+@pytest.mark.parametrize(("start", "seed"), [(0.5, 1), (1.5, 1), (0.5, 13), (1.5, 15)])
+def test_a_dead_zone_that_grows_to_three_times_is_known_at_the_end(start, seed):
+    """Seeds 13 and 15 ended at 1.358 and 1.225 when the break points were taken to be constant between alarms."""
+    _, _, rml, history = grown(start, seed)
+    estimate = rml.estimate
+    for name, true in (("left", -1.5), ("right", 1.5)):
+        assert estimate.parameters[name] == pytest.approx(true, abs=0.1)
+        assert abs(estimate.parameters[name] - true) < 4.0 * estimate.standard_errors[name]
+    assert history.right[-1] == pytest.approx(1.5, abs=0.1)  # the inner end of the interval, within the dead band
 
 
 @pytest.mark.statistics

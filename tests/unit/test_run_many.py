@@ -6,6 +6,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.identify.recursive import many
 from tests.refusals import refusal
 
 TANK = lm.platforms.level_tank()
@@ -39,6 +40,27 @@ def test_results_are_those_of_one_by_one(count, workers):
     assert len(trajectories) == count
     for trajectory, estimator, row, output in zip(trajectories, single, u, y, strict=True):
         same(trajectory, estimator.run(row, output, every=7))
+    assert [one.to_bytes() for one in together] == [one.to_bytes() for one in single]
+
+
+def test_starts_are_fitted_in_processes_with_the_same_results():
+    """Three that have to start (one is too short to), one that has started already."""
+    u, y = loops(4, n=500)
+
+    def made():
+        ones = [lm.RecursiveML(3, 2, 3, TANK.linear.gain, start_samples=300, noise="white") for _ in u]
+        ones[3].run(u[3, :300], y[3, :300])
+        return ones
+
+    lengths = [500, 450, 200, 150]
+    inputs, outputs = ([row[:size] for row, size in zip(rows, lengths, strict=True)] for rows in (u, y))
+    together, single = made(), made()
+    assert [many._fits_first((one, row, row, 1)) for one, row in zip(single, inputs, strict=True)] == [
+        True, True, False, False
+    ]  # fmt: skip
+    trajectories = lm.run_many(together, inputs, outputs, every=9, workers=2)
+    for trajectory, estimator, row, output in zip(trajectories, single, inputs, outputs, strict=True):
+        same(trajectory, estimator.run(row, output, every=9))
     assert [one.to_bytes() for one in together] == [one.to_bytes() for one in single]
 
 

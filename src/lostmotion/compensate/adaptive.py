@@ -130,14 +130,25 @@ class AdaptiveCompensator:
         Parameters
         ----------
         command, pv, sp : ndarray, shape (n,)
-            Command behind the block, measurement, set point.
+            Command behind the block, measurement, set point; NaN (or infinite) where missing.
         """
-        self.estimator.run(command, pv)
+        self._learn(command, pv)
         finite_rows = np.isfinite(pv) & np.isfinite(sp)
         index = float(np.mean(np.abs(sp - pv)[finite_rows])) if finite_rows.any() else np.nan
         self._adapt()
         self._supervise(index)
         return self.running
+
+    def _learn(self, command: FloatArray, pv: FloatArray) -> None:
+        """Give the samples to the estimator; one that knows no missing ones gets the others."""
+        known = np.isfinite(command) & np.isfinite(pv)
+        if known.all():
+            self.estimator.run(command, pv)
+        elif hasattr(self.estimator, "period"):  # a WatchingEstimator
+            finite_command, finite_pv = (np.where(np.isfinite(row), row, np.nan) for row in (command, pv))
+            self.estimator.run(finite_command, finite_pv)
+        else:
+            self.estimator.run(command[known], pv[known])
 
     def _adapt(self) -> None:
         """Move the break points towards the lower end of the estimate, if it is good enough."""

@@ -32,6 +32,9 @@ REACHED = {
 def report(estimate: RecursiveEstimate | None, sample: int, timeline: Timeline, failure: str = "") -> dict[str, Any]:
     """State of the estimate; None while the first window fills, or where there is none because of a `failure`."""
     head = {"kind": "report", "time": timeline.text(timeline.now), "sample": sample}
+    if estimate is not None and estimate.status is Status.INTEGRATING:
+        state = {"status": estimate.status.name, "message": estimate.status.value}
+        return {**head, **state, **dict.fromkeys((*SHOWN, "no_information"))}
     if estimate is None:
         words = f"No estimate yet after {sample} samples: the first window fills, or OP has told nothing in it."
         state = {"status": "STARTING", "message": words}

@@ -26,7 +26,7 @@ def online_line(message: dict[str, Any]) -> str:
 
 
 def _numbers(report: dict[str, Any]) -> str:
-    if report["status"] in ("STARTING", "CANNOT_TELL", "NOT_SEEN", "WRONG_GAIN", "NOT_CONVERGED"):
+    if report["status"] in ("STARTING", "CANNOT_TELL", "NOT_SEEN", "WRONG_GAIN", "NOT_CONVERGED", "INTEGRATING"):
         return str(report["message"])
     words = ", ".join(f"{name} {_with_error(report[name])}" for name in ("width", "left", "right"))
     trend = report["trend"]

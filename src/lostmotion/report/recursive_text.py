@@ -37,6 +37,8 @@ STALE = 1000  # samples without information that are worth a sentence
 
 
 def _words(estimate: RecursiveEstimate) -> str:
+    if estimate.status is Status.INTEGRATING:
+        return str(estimate.status.value)
     if not np.isfinite(estimate.parameters["width"]):
         return "the first window has told nothing yet; no number is given."
     if estimate.status is Status.NOT_SEEN:

@@ -26,6 +26,7 @@ from lostmotion.kernels.slips import pattern, through_process
 
 INSIDE = 0.01  # of the rectangle, from its sides
 TINY = 1e-300  # keeps divisions finite
+CANCELLED = 1e-8  # of a sum of squares: a smaller difference of two such is computed row by row
 SMALLEST_DIRECTION = 1e-12  # of the Gram matrix of the gradients, relative: what is less says nothing
 
 
@@ -144,8 +145,12 @@ class SlipLikelihood:
         lowest, highest = lowest + inside, highest - inside
         free = -cross / curvature
         behind = float(min(max(free, lowest), highest))
-        cost = max(squares + behind * (2.0 * cross + behind * curvature), 1e-300)
-        loss = 0.5 * left.size * float(np.log(cost / max(self.fitted.fit.cost, 1e-300)))
+        cost = squares + behind * (2.0 * cross + behind * curvature)
+        if cost < CANCELLED * float(left @ left):
+            rest = left + behind * turned
+            rest = rest - (directions @ rest) @ directions
+            cost = float(rest @ rest)
+        loss = 0.5 * left.size * float(np.log(max(cost, TINY) / max(self.fitted.fit.cost, 1e-300)))
         bands, jumps = (float(bounds[0]), float(bounds[1])), (float(bounds[2]), float(bounds[3]))
         firsts, rests = tuple(row for row, _ in begun), tuple(rest for _, rest in begun)
         spread = float(np.sqrt(self.fitted.variance / curvature))

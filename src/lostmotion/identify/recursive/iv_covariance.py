@@ -9,6 +9,8 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.recursive_iv import state as iv
 
 NEAR = 0.25  # see `_recent`
+ROUNDING = 1e-6  # relative negative eigenvalue of a covariance that is one still
+ALIKE = 0.75  # share of the newest sample, 1/2 where one forgets for ever, 1 where all count alike
 
 
 def covariance_of_theta(state: FloatArray, layout: IntArray, jacobian: FloatArray) -> FloatArray | None:
@@ -30,6 +32,10 @@ def covariance_of_theta(state: FloatArray, layout: IntArray, jacobian: FloatArra
     Stochastic Approximations*, part I, chapter 3). With W = 0 it is the sandwich R^-1 S R^-T of Soderstrom and
     Stoica, *System Identification*, chapter 8. R comes from P; S, W and the noise from
     :mod:`lostmotion.kernels.recursive_iv.spread`.
+
+    Where all samples count alike, what is wrong at the start goes no faster than 1/k, and is in none of that. It shows
+    in how far theta has come since k0 = 2^m, k / 4 < k0 <= k / 2: an error that goes like 1/k moves by k / k0 - 1 times
+    what is left of it, noise by the root of that times its standard error. The square over k / k0 - 1 is added.
 
     Where early samples are forgotten faster than 1/k, the present noise counts and not that of the start, when the
     model was poor. It is the geometric mean of two measures: the squared miss of the model's output is too large
@@ -54,9 +60,21 @@ def covariance_of_theta(state: FloatArray, layout: IntArray, jacobian: FloatArra
             return None
         sharper = np.eye(n) + (np.sqrt(level) - 1.0) * _recent(feedback, jacobian)
         covariance = scipy.linalg.solve_continuous_lyapunov(decay, sharper @ noise @ sharper.T)
+        spread = np.sqrt(np.diag(covariance).clip(min=0.0))
+        if not spread.all() or np.linalg.eigvalsh(covariance / np.outer(spread, spread))[0] < -ROUNDING:
+            return None  # the regressors depend on each other, as with two levels of u: no covariance but rounding
     except (np.linalg.LinAlgError, ValueError):
         return None
+    if share > ALIKE:
+        covariance = covariance + _left_of_the_start(parts["theta"], parts["earlier"][0], int(layout[iv.COUNT]))
     return np.asarray(0.5 * (covariance + covariance.T))
+
+
+def _left_of_the_start(theta: FloatArray, earlier: FloatArray, count: int) -> FloatArray:
+    """Square of what is left of a wrong start; `earlier`: theta after the power of 2 before the last."""
+    older = 2 ** (count.bit_length() - 2)
+    moved = theta - earlier
+    return np.asarray(np.outer(moved, moved) / (count / older - 1.0))
 
 
 def _recent(feedback: FloatArray, jacobian: FloatArray) -> FloatArray:

@@ -1,20 +1,27 @@
-"""Many recursive estimators side by side."""
+"""Many recursive estimators side by side: threads where compiled code does the work, processes where Python does.
+
+A first window is fitted by Python, which two threads cannot do at the same time; `RecursiveML` is started in processes.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import current_process
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import finite_signal, whole
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.recursive.estimator import RecursiveEstimator
 from lostmotion.identify.recursive.recursive_estimate import Trajectory
 
+Job: TypeAlias = tuple[RecursiveEstimator, FloatArray, FloatArray, int]
+Result = TypeVar("Result")
 CHUNKS = 4  # tasks of each worker: they end together although loops differ
 
 
@@ -36,7 +43,8 @@ def run_many(
     every : int
         Every how many samples an estimate is kept.
     workers : int or None
-        Threads; None: one for each core that this process may use. The compiled kernels run at the same time.
+        Threads, or processes for estimators that have a first window to fit; None: one for each core that this
+        process may use. What goes to another process and comes back is pickled: u, y, estimator and trajectory.
 
     Returns
     -------
@@ -70,12 +78,45 @@ def run_many(
         if row.size != other.size:
             raise DataError.expected(f"y[{loop}] with {row.size} samples", other.size, "cut both to the same length")
 
-    def run_some(loops: IntArray) -> list[Trajectory]:
-        return [estimators[loop].run(inputs[loop], outputs[loop], every) for loop in loops]
+    jobs = list(zip(estimators, inputs, outputs, [every] * len(estimators), strict=True))
+    apart = [number for number, job in enumerate(jobs) if workers > 1 and _fits_first(job)]
+    beside = sorted(set(range(len(jobs))) - set(apart))
+    found: dict[int, Trajectory] = {}
+    if apart:
+        with ProcessPoolExecutor(min(workers, len(apart))) as processes:
+            for number, (changed, trajectory) in _parts(processes, _elsewhere, jobs, apart, workers):
+                vars(estimators[number]).update(changed)
+                found[number] = trajectory
+    with ThreadPoolExecutor(workers) as threads:
+        found |= dict(_parts(threads, _run, jobs, beside, workers))
+    return [found[number] for number in range(len(jobs))]
 
-    parts = np.array_split(np.arange(len(estimators)), max(1, min(len(estimators), CHUNKS * workers)))
-    with ThreadPoolExecutor(workers) as pool:
-        return [trajectory for part in pool.map(run_some, parts) for trajectory in part]
+
+def _fits_first(job: Job) -> bool:
+    """Whether most of the work is Python: a first window is fitted in these samples. A daemon may have no children."""
+    estimator, u = job[:2]
+    window = getattr(estimator, "start_samples", None)
+    waits = window is not None and estimator.samples < window <= estimator.samples + u.size
+    return waits and not estimator.started and not current_process().daemon
+
+
+def _parts(
+    pool: Executor, work: Callable[[list[Job]], list[Result]], jobs: list[Job], numbers: list[int], workers: int
+) -> Iterator[tuple[int, Result]]:
+    """Numbers of jobs and what `work` makes of them, some a task."""
+    parts = [list(part) for part in np.array_split(numbers, max(1, min(len(numbers), CHUNKS * workers)))]
+    done = pool.map(work, [[jobs[number] for number in part] for part in parts])
+    for part, results in zip(parts, done, strict=True):
+        yield from zip(part, results, strict=True)
+
+
+def _run(jobs: list[Job]) -> list[Trajectory]:
+    return [estimator.run(u, y, every) for estimator, u, y, every in jobs]
+
+
+def _elsewhere(jobs: list[Job]) -> list[tuple[dict[str, Any], Trajectory]]:
+    """In another process: what has become of each estimator goes back, too."""
+    return [(vars(job[0]), trajectory) for job, trajectory in zip(jobs, _run(jobs), strict=True)]
 
 
 def _rows(name: str, signals: npt.ArrayLike | Sequence[npt.ArrayLike], loops: int) -> list[FloatArray]:

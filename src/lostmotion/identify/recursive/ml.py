@@ -56,8 +56,22 @@ class RecursiveML:
     is cut. Method: Ljung and Soderstrom, *Theory and Practice of Recursive Identification* (1983), sections 3.7 and
     5; test: Basseville and Nikiforov, *Detection of Abrupt Changes* (1993), chapter 8.
 
-    Integrating processes are not followed: give the differences of PV instead, one order less. A window whose batch
-    fit is integrating does not start the recursion.
+    Integrating processes are not followed: a window whose batch fit is integrating does not start the recursion, and
+    the status says so (INTEGRATING). The differences of PV, with `na` one less, are followed.
+
+    Break points may drift. Six hypotheses are kept of how far they walk in 10,000 informative samples, from not at all
+    to 0.3 standard deviations of u; the newest 1,000 samples (half the memory, where it is shorter) count alike, older
+    ones as much as the likeliest hypothesis leaves of them, and the standard errors hold the walk. Where the process,
+    too, changes slowly, forget.
+
+    Prediction errors are watched. Correlations above 0.15 at one of eight lags up to 16 samples give COLOURED: too low
+    an order of the noise, or another process. Tests for changes are divided by how much their statistics vary anyhow.
+
+    Where all moves of OP are multiples of a step, it is taken to be rounded: the standard errors of the break points
+    hold the step / sqrt(12), since between two levels a break point may be anywhere.
+
+    Commands further than ten times the range so far beyond it are taken for missing, for one block of samples (64 at
+    most), further than a thousand times for ever.
 
     A width is claimed (Status.OK) where BIC prefers it to none, not from 1.96 standard errors on: the estimate is
     looked at again and again.
@@ -126,6 +140,11 @@ class RecursiveML:
     def started(self) -> bool:
         """Whether the first window has been fitted."""
         return self._recursion is not None
+
+    @property
+    def start_samples(self) -> int:
+        """Samples of the first window."""
+        return self._settings.start_samples
 
     @property
     def dt(self) -> float:
@@ -206,7 +225,7 @@ class RecursiveML:
     def estimate(self) -> RecursiveEstimate:
         """Present estimate with standard errors; CANNOT_TELL while the first window fills."""
         if self._recursion is None:
-            return ml_report.nothing_yet(self._settings, self.samples)
+            return ml_report.nothing_yet(self._settings, self.samples, self._first.integrating)
         return ml_report.present(self._recursion)
 
     def period(self) -> tuple[dict[str, float], dict[str, float], int] | None:

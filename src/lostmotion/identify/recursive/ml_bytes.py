@@ -14,9 +14,11 @@ from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_start import FirstWindow
 from lostmotion.identify.recursive.recursive_estimate import ChangeEvent
+from lostmotion.kernels.recursive_ml import drift
 from lostmotion.kernels.recursive_ml import state as ml
 
-FORMAT = "lostmotion recursive ml 1"
+FORMAT = "lostmotion recursive ml 2"
+FIRST_FORMAT = "lostmotion recursive ml 1"  # without what tells drift, colour and steps of OP; they begin anew
 AT_MOST = {ml.FILLED: ml.BLOCK, ml.WINDOW: ml.RING, ml.BLOCKS: ml.COUNT}  # counters and their bounds
 
 
@@ -27,6 +29,7 @@ def packed(first: FirstWindow, recursion: Recursion | None) -> bytes:
         "settings": asdict(first.settings),
         "seen": first.seen if recursion is None else recursion.before,
         "next_try": first.next_try,
+        "integrating": first.integrating,
         "events": [] if recursion is None else [asdict(event) for event in recursion.events],
     }
     return pack(
@@ -42,7 +45,7 @@ def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
     """First window and recursion from bytes; DataError where they are something else."""
     with reading(data) as parts:
         header = json.loads(parts["header"].tobytes())
-        if header["format"] != FORMAT:
+        if header["format"] not in (FORMAT, FIRST_FORMAT):
             raise ValueError(header["format"])
         return _restored(header, parts)
 
@@ -52,12 +55,28 @@ def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindo
     seen, gathered = int(header["seen"]), parts["gathered"]
     events = [ChangeEvent(**event) for event in header["events"]]
     scales = (float(parts["scales"][0]), float(parts["scales"][1]))
-    first = FirstWindow(settings, gathered[0].tolist(), gathered[1].tolist(), seen, int(header["next_try"]))
+    first = FirstWindow(
+        settings, gathered[0].tolist(), gathered[1].tolist(), seen, int(header["next_try"]),
+        bool(header.get("integrating", False)),
+    )  # fmt: skip
     if not parts["state"].size:
         return first, None
     state, layout = np.ascontiguousarray(parts["state"]), np.ascontiguousarray(parts["layout"])
+    if header["format"] == FIRST_FORMAT:
+        state, layout = _grown(settings, state, layout)
     check(settings, state, layout)
+    if header["format"] == FIRST_FORMAT:
+        drift.agree(state, layout)
     return first, Recursion(settings, state, layout, scales, seen, events)
+
+
+def _grown(settings: Settings, state: FloatArray, layout: IntArray) -> tuple[FloatArray, IntArray]:
+    if layout.dtype != np.int64 or state.dtype != np.float64 or layout.shape != (ml.FIRST_SIZE,):
+        raise ValueError("layout")
+    p = int(layout[ml.P])
+    if not 0 <= p * p < state.size:
+        raise ValueError("layout")
+    return ml.grown(state, layout, settings.tuning.places(settings.orders, p))
 
 
 def check(settings: Settings, state: FloatArray, layout: IntArray) -> None:
@@ -76,3 +95,5 @@ def check(settings: Settings, state: FloatArray, layout: IntArray) -> None:
     for count, most in AT_MOST.items():
         if not 0 <= layout[count] <= layout[most] - (count == ml.FILLED):
             raise ValueError("counters")
+    if not (0 <= layout[ml.DRIFT] < ml.DRIFTS and 0 <= layout[ml.GROUPED] < drift.GROUP and layout[ml.FAR] >= 0):
+        raise ValueError("counters")

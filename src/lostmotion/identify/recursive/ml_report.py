@@ -15,21 +15,25 @@ from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.recursive_estimate import RecursiveEstimate, Trajectory
 from lostmotion.identify.recursive.remembered import NONE, Memory
-from lostmotion.kernels.recursive_ml import information
+from lostmotion.kernels.recursive_ml import drift, information, watch
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.models import DeadZone, Hammerstein, Identity, LinearModel, NoiseModel, Nonlinearity
 
 NAMES = ("left", "right", "left_slope", "right_slope")
 KNOWN = 0.25  # of the range of u: a break point with a larger standard error is not known
+COLOURED = 0.15  # correlation of the errors at a lag; with less the intervals are at most 16 % too narrow (AR(1))
+ROUNDING = 1e-12  # variance of the errors of scaled data below which their colour is that of rounding
+SURE = 5.0  # standard errors of a correlation: it is looked at at eight lags, again and again
 TOUCHED = 1e-6  # of the largest share in a direction without information: less is rounding
 
 
-def nothing_yet(settings: Settings, samples: int) -> RecursiveEstimate:
-    """Estimate while the first window fills."""
+def nothing_yet(settings: Settings, samples: int, integrating: bool = False) -> RecursiveEstimate:
+    """Estimate while the first window fills, or where its process is not one to follow."""
     linear = LinearModel((0.0,) * settings.na, (0.0,) * (settings.nb + 1), settings.delay, settings.dt)
     unknown = dict.fromkeys((*NAMES, "width", "slope_ratio", "gain", "offset"), math.nan)
     covariance = np.full((len(unknown),) * 2, np.inf)
-    return RecursiveEstimate(Status.CANNOT_TELL, Hammerstein(Identity(), linear), unknown, covariance, samples)
+    status = Status.INTEGRATING if integrating else Status.CANNOT_TELL
+    return RecursiveEstimate(status, Hammerstein(Identity(), linear), unknown, covariance, samples)
 
 
 def present(recursion: Recursion) -> RecursiveEstimate:
@@ -41,7 +45,11 @@ def present(recursion: Recursion) -> RecursiveEstimate:
         memory.parts["total_h"], without_column(memory.n, memory.eta - 1) if pinned else None
     )
     values, jacobian, wrong = _named(recursion, shown)
-    covariance = jacobian @ (memory.variance * inverse) @ jacobian.T
+    spread = memory.variance * inverse
+    for side in range(2):
+        place = memory.eta + side
+        spread[place, place] += drift.unsettled(recursion.state, recursion.layout, side) + _between_levels(memory)
+    covariance = jacobian @ spread @ jacobian.T
     for direction in empty.T:
         move = jacobian @ direction
         lost = np.abs(move) > TOUCHED * np.abs(move).max(initial=NONE)
@@ -54,6 +62,12 @@ def present(recursion: Recursion) -> RecursiveEstimate:
     }
     model = _model(settings, values)
     return RecursiveEstimate(status, model, values, covariance, recursion.samples, noise, informed)
+
+
+def _between_levels(memory: Memory) -> float:
+    """Variance of a break point that may be anywhere between two levels of a rounded OP."""
+    gap = float(memory.parts["watch"][ml.GAP])
+    return gap**2 / 12.0 if np.isfinite(gap) else 0.0
 
 
 def _named(recursion: Recursion, theta: FloatArray) -> tuple[dict[str, float], FloatArray, bool]:
@@ -82,7 +96,12 @@ def _status(recursion: Recursion, values: dict[str, float], covariance: FloatArr
         return Status.ONE_SIDED
     # BIC of the one parameter: an estimate is looked at a thousand times, and 1.96 would claim a width by chance
     remembered = min(float(recursion.samples), recursion.settings.remembered)
-    return Status.OK if values["width"] ** 2 > np.log(remembered) * errors["width"] ** 2 else Status.NOT_SEEN
+    if values["width"] ** 2 <= np.log(remembered) * errors["width"] ** 2:
+        return Status.NOT_SEEN
+    correlation, samples = watch.colour(recursion.state, recursion.layout)
+    if recursion.memory.variance < ROUNDING:
+        return Status.OK
+    return Status.OK if correlation < max(COLOURED, SURE / math.sqrt(max(samples, 1.0))) else Status.COLOURED
 
 
 def _model(settings: Settings, values: dict[str, float]) -> Hammerstein:

@@ -46,10 +46,15 @@ class Tuning:
         blocks = max(int(ring / block), 2)
         return block, blocks, float(1.0 - (1.0 - 1.0 / (memory - block * blocks)) ** block)
 
+    def places(self, orders: tuple[int, int, int], noise_order: int) -> ml.Places:
+        """All that the sizes of the state depend on."""
+        block, ring, _ = self.memory
+        return ml.Places(*orders, noise_order, block, ring)
+
     def allocate(self, orders: tuple[int, int, int], noise_order: int) -> tuple[FloatArray, IntArray]:
         """Empty state of the kernel and its layout."""
         block, ring, tail = self.memory
-        state, layout = ml.lay_out(ml.Places(*orders, noise_order, block, ring))
+        state, layout = ml.lay_out(self.places(orders, noise_order))
         state[[ml.TAIL, ml.KEEP, ml.CLIP, ml.THRESHOLD]] = tail, self.forgetting, self.clip, self.threshold
         state[ml.ZERO] = OFFSETS[self.offset]
         state[ml.RATIO_LIMIT] = np.log(LARGEST_SLOPE_RATIO)

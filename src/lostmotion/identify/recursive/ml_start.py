@@ -17,11 +17,13 @@ from lostmotion.identify.likelihood.refinement import LocalFit, refine
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_window import LARGEST_WINDOW, Window, fit_window, may_begin
-from lostmotion.kernels.recursive_ml import advance, information
+from lostmotion.kernels.recursive_ml import advance, drift, information
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.threads import one_thread
 
 SMALLEST_VARIANCE = 1e-24  # of scaled data: rounding
+CLEAR = 3.0  # standard errors of a correlation that is none
+CORRELATED = 33  # lags up to half a block of samples: what goes on for longer is a drift
 _ADVANCE: Any = advance.advance  # compiled: no signature that a type checker knows
 
 
@@ -37,6 +39,8 @@ class FirstWindow:
         Samples seen, those included that have left the window.
     next_try : int
         Number of samples seen at which the window is fitted; 0: `start_samples`.
+    integrating : bool
+        Whether the last fit of the window had a process that integrates, which is not followed.
     """
 
     settings: Settings
@@ -44,6 +48,7 @@ class FirstWindow:
     y: list[float] = field(default_factory=list)
     seen: int = 0
     next_try: int = 0
+    integrating: bool = False
 
     def __post_init__(self) -> None:
         self.next_try = self.next_try or self.settings.start_samples
@@ -57,12 +62,12 @@ class FirstWindow:
 
     @one_thread
     def _begun(self) -> Recursion | None:
-        window = Window(np.array(self.u), np.array(self.y))
         waited = self.seen / self.settings.start_samples
-        fit = fit_window(window, self.settings)
-        if fit is not None and may_begin(fit, waited):
+        found = fit_window(Window(np.array(self.u), np.array(self.y)).plausible, self.settings)
+        self.integrating = found is not None and found[0].chosen.integrating
+        if found is not None and may_begin(found[0], waited):
             self.u, self.y = [], []
-            return begin(fit, window, self.settings, self.seen - window.u.size)
+            return begin(*found, self.settings, self.seen - found[1].u.size)
         if waited >= LARGEST_WINDOW:  # keep the newer half and go on waiting
             half = len(self.u) // 2
             self.u, self.y = self.u[half:], self.y[half:]
@@ -90,9 +95,22 @@ def begin(fit: HammersteinFit, window: Window, settings: Settings, before: int) 
     state[ml.SQUARES] = max(best.cost / max(problem.errors - n, 1), SMALLEST_VARIANCE) * weight
     state[[ml.LOW, ml.HIGH]] = float(np.nanmin(scaled.u)), float(np.nanmax(scaled.u))
     layout[[ml.COUNT, ml.LEFT_AT, ml.RIGHT_AT, ml.PERIOD_FROM]] = window.u.size
+    recursion.memory.parts["usual"][:] = colour_of(fit.residuals)
+    drift.agree(state, layout)
     run_up(state, layout, scaled)
     information.newton_step(state, layout)
     return recursion
+
+
+def colour_of(residuals: FloatArray) -> float:
+    """How much more than with white errors a sum of many may vary: twice the clear positive correlations."""
+    size = residuals.size
+    spectrum = np.abs(np.fft.rfft(residuals - residuals.mean(), 2 * size)) ** 2
+    correlations = np.fft.irfft(spectrum)[: min(CORRELATED, size)]
+    if not correlations[0] > 0.0:
+        return 0.0
+    relative = correlations[1:] / correlations[0]
+    return 2.0 * float(relative[relative > CLEAR / math.sqrt(size)].sum())
 
 
 def scaled_fit(fit: HammersteinFit, scaled: Window, scales: tuple[float, float]) -> tuple[Problem, FloatArray]:

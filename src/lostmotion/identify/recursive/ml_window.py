@@ -13,6 +13,7 @@ from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.records import LoopRecord
 
+GROSS = 20.0  # times the range of 98 % of the samples: no signal of a plant, but a code for a failure
 OUTLIER = 6.0  # median deviations beyond which a residual of the first window is drawn in
 MEDIAN = 1.4826  # standard deviation of normal noise over its median absolute deviation
 GOOD = (Status.OK, Status.MISFIT, Status.COLOURED)
@@ -36,9 +37,23 @@ class Window:
         pairs = edges.reshape(-1, 2)
         return np.asarray(pairs[pairs[:, 1] - pairs[:, 0] >= shortest])
 
+    @property
+    def plausible(self) -> Window:
+        """The same with samples of u or y missing that are far out of the range of nearly all others."""
+        return Window(_without_gross(self.u), _without_gross(self.y))
 
-def fit_window(window: Window, settings: Settings) -> HammersteinFit | None:
-    """Batch fit of a start window with bounded influence of outliers; None where nothing can be fitted."""
+
+def _without_gross(values: FloatArray) -> FloatArray:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return values
+    low, high = np.quantile(known, [0.01, 0.99])
+    gross = (values < low - GROSS * (high - low)) | (values > high + GROSS * (high - low))
+    return np.where(gross & (high > low), np.nan, values)
+
+
+def fit_window(window: Window, settings: Settings) -> tuple[HammersteinFit, Window] | None:
+    """Batch fit of a start window, and the window with outliers drawn in; None where nothing can be fitted."""
     noise = settings.noise if isinstance(settings.noise, int) else 0
     segments = window.segments(3 * (sum(settings.orders) + noise) + 40)
     if not len(segments):
@@ -46,7 +61,9 @@ def fit_window(window: Window, settings: Settings) -> HammersteinFit | None:
     try:
         fit = _fit(window.u, window.y, segments, settings)
         drawn = _drawn_in(fit, window.y, segments)
-        return fit if drawn is None else _fit(window.u, drawn, segments, settings)
+        if drawn is None:
+            return fit, window
+        return _fit(window.u, drawn, segments, settings), Window(window.u, drawn)
     except (DataError, np.linalg.LinAlgError):  # constant, or nearly: no information yet
         return None
 

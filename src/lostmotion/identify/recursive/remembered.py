@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.recursive_ml import advance, change, information
+from lostmotion.kernels.recursive_ml import advance, change, drift, information, watch
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.equations import RIDGE
 
@@ -120,6 +120,7 @@ class Memory:
             parts["ring_filters"][slot] = refit.snapshots[i]
         parts["filters"][:] = refit.snapshots[blocks]
         self.theta[:] = refit.theta
+        watch.begin_watch(self.state, self.layout)
         self.state[ml.SQUARES] = variance * self.state[ml.WEIGHT]
         self.solve()
 
@@ -128,6 +129,7 @@ class Memory:
         self.parts["ref_h"][:] = prior.h
         self.parts["ref_r"][:] = prior.h @ prior.centre
         self.parts["ring_h"][:], self.parts["ring_r"][:] = 0.0, 0.0
+        drift.agree(self.state, self.layout)
 
     def solve(self) -> None:
         """Move theta to the solution of all that is remembered."""

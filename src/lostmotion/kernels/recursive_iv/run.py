@@ -12,6 +12,8 @@ Between samples phi already holds the past y, x and residuals. State and layout:
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -21,14 +23,23 @@ from lostmotion.kernels.recursive_iv import state as iv
 from lostmotion.kernels.recursive_iv.spread import gather
 from lostmotion.kernels.recursive_iv.update import correct, hold_if_stable, separate, separate_safely
 
+ROUNDING = 1e-9  # of the range of u: a smaller move is that of floats
+
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def take_input(state: FloatArray, layout: IntArray, u: float) -> float:
     """Put u(k) into its ring; return u(k-d)."""
     size, ring = layout[iv.PAST_U], layout[iv.U]
     now = layout[iv.NOW_U] + 1
+    move = abs(u - state[ring + now - 1])
     if now >= size:
         now = 0
+    least = ROUNDING * (state[iv.HIGH] - state[iv.LOW])
+    if layout[iv.COUNT] > 0 and move > least:
+        step = state[iv.GAP]
+        rest = move if step == 0.0 else abs(move - step * math.floor(move / step + 0.5))
+        if rest > least:
+            state[iv.GAP] = rest
     layout[iv.NOW_U] = now
     state[ring + now] = u
     state[iv.LOW] = min(state[iv.LOW], u)
@@ -111,6 +122,15 @@ def remember(state: FloatArray, layout: IntArray, u: float, y: float, output: fl
     shift(state, layout[iv.OUTPUTS], na, output)
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def keep_theta(state: FloatArray, layout: IntArray) -> None:
+    """Theta after a power of 2 of samples, and that after half as many."""
+    earlier, pad = layout[iv.EARLIER], layout[iv.PAD]
+    for i in range(pad):
+        state[earlier + i] = state[earlier + pad + i]
+        state[earlier + pad + i] = state[layout[iv.THETA] + i]
+
+
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def advance(state: FloatArray, layout: IntArray, u: float, y: float) -> float:
     """One sample on the addresses of state and layout; return the prediction error."""
@@ -137,6 +157,8 @@ def advance(state: FloatArray, layout: IntArray, u: float, y: float) -> float:
         share = state[iv.CONSTANT_FORGETTING]
         state[iv.FORGETTING] = share * lam + 1.0 - share
     layout[iv.COUNT] = count + 1
+    if (count + 1) & count == 0:
+        keep_theta(state, layout)
     return error
 
 

@@ -26,6 +26,7 @@ SEEN, SEEN_SQUARED = 13, 14  # the same since the instruments are used
 SQUARES = 15  # squared misses of the output, sum with squared weights
 PRESENT, EQUATION = 16, 17  # means over a shorter memory: squared miss of the output, squared prediction error
 SINCE, DENSE = 18, 19  # weight that S and W have lost since a sample was added; weighted number that ends every one
+GAP = 20  # step of which all moves of u are multiples; 0: none yet
 HEAD = 24
 
 # whole numbers
@@ -33,7 +34,9 @@ NA, NB, DELAY, NE, N, PAD, KIND, CONSTRAINED = range(8)
 COUNT, NOW_U, NOW_Z = range(8, 11)  # samples seen; newest places in the rings of u and z
 PAST_U = 11  # size of the ring of u
 THETA, HELD, PHI, OUTPUTS, STEP, ROW, WORK, SLOPES, Z, P, S, W, U = range(12, 25)  # offsets of what is not fixed
-ENTRIES = 25
+EARLIER = 25  # theta after the last two powers of 2 of samples, older first
+ENTRIES = 26
+FIRST_ENTRIES = 25  # before there was EARLIER
 MOVING = (COUNT, NOW_U, NOW_Z)
 
 
@@ -71,6 +74,7 @@ def lay_out(orders: Places) -> tuple[FloatArray, IntArray]:
         S: n * pad,
         W: n * WIDTH,
         U: past_u,
+        EARLIER: 2 * pad,
     }
     end = HEAD
     for name, size in sizes.items():
@@ -102,6 +106,7 @@ def named(state: FloatArray, layout: IntArray) -> dict[str, FloatArray]:
         "past_x": state[layout[PHI] + na + 4 : layout[PHI] + na + 4 + nb],
         "past_outputs": part(OUTPUTS, na),
         "spread": part(S, n * pad).reshape(n, pad)[:, :n],
+        "earlier": part(EARLIER, 2 * pad).reshape(2, pad)[:, :n],
         "rebuilt": part(W, n * WIDTH).reshape(n, WIDTH),
         "sums": state[TOTAL:DENSE],
     }

@@ -8,7 +8,9 @@ the normal equations of everything remembered are solved (`information`): a Gaus
 What is remembered: `reference`, a sum over old blocks, and a ring of the newest blocks, which carry full weight.
 A block that leaves the ring enters the reference, which forgets, direction by direction, as much as comes in and
 no more: without excitation nothing is lost (`equations.merge`). Linearised equations are kept about the origin of
-theta, so they add. The ring also holds the samples themselves, to look back at them after an alarm (`change`).
+theta, so they add. How fast the break points walk is found beside it (`drift`): the reference loses what a walk makes
+uncertain. Errors, commands and their steps are watched (`watch`). The ring also holds the samples themselves, to look
+back at them after an alarm (`change`).
 
 Order of theta: a (na), b (nb+1), offset, left, right, log_ratio, d (p). Right slope 1. Where all of it lies:
 :mod:`lostmotion.kernels.recursive_ml.state`.

@@ -11,6 +11,9 @@ from lostmotion.kernels.recursive_ml.advance import advance, forget_zone, noise_
 from lostmotion.kernels.recursive_ml.equations import gather, influence
 
 GAIN = 2  # direction that is tested after those of the break points, 0 and 1
+CALIBRATED = 20.0  # blocks that the mean square 1 counts for at the start, which white errors give a statistic
+LONGEST_MEAN = 500.0  # blocks that a mean square remembers
+UNUSUAL = 9.0  # mean squares that a statistic adds to the mean at most: a change is not usual
 NEWS = 1e-6  # share of a window's information that the total must leave: less is rounding
 
 
@@ -20,7 +23,9 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
 
     At the estimate from everything, the score s of a window is normal with covariance
     variance (H - H T^-1 H), H its information and T the total, if nothing has changed; a shift along c gives it
-    the mean of that matrix times c. z = c's / sqrt(c' cov c) is the likelihood ratio against that shift.
+    the mean of that matrix times c. z = c's / sqrt(c' cov c) is the likelihood ratio against that shift. Where errors
+    are not white, or the process is not of these orders, z varies more than it should without any change: it is
+    divided by the root of its mean square, or of that of a shorter window, where that is above 1.
     """
     n, ring = layout[ml.N], layout[ml.RING]
     inverse, right_hand = ml.matrix(state, layout, ml.INVERSE), ml.vector(state, layout, ml.TOTAL_R)
@@ -34,7 +39,8 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     r, c, along, score = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     deviation = np.sqrt(ml.variance(state))
     largest = 0.0
-    wanted = 1
+    wanted, window = 1, 0
+    usual = np.ones(ml.DIRECTIONS)
     for back in range(min(ring, layout[ml.BLOCKS])):
         slot = (layout[ml.BLOCKS] - 1 - back) % ring
         at = ml.information_at(layout, slot)
@@ -51,14 +57,28 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
             for j in range(n):
                 value -= h[i, j] * best[j]
             score[i] = value
-        for direction in range(3):
+        for direction in range(ml.DIRECTIONS):
             point(c, direction, best, layout)
             statistic = shift_statistic(h, inverse, score, c, along, deviation)
+            usual[direction] = max(usual[direction], mean_square(state, layout, window, direction, statistic))
+            statistic /= np.sqrt(usual[direction])
             if abs(statistic) > abs(largest):
                 largest = statistic
                 layout[ml.WINDOW] = back + 1
+        window += 1
+    layout[ml.JUDGED] += 1
     state[ml.STATISTIC] = largest
     return bool(abs(largest) > state[ml.THRESHOLD])
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def mean_square(state: FloatArray, layout: IntArray, window: int, direction: int, statistic: float) -> float:
+    """Mean square of a statistic before this one, which then enters it."""
+    at = layout[ml.USUAL] + window * ml.DIRECTIONS + direction
+    blocks = min(float(layout[ml.JUDGED]), LONGEST_MEAN) + CALIBRATED
+    before = 1.0 + state[at]
+    state[at] += (min(statistic * statistic, UNUSUAL * before) - before) / (blocks + 1.0)
+    return float(before)
 
 
 @njit(cache=True, nogil=True, forceinline=True)

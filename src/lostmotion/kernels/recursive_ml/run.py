@@ -10,8 +10,10 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.advance import advance, noise_at, settling
 from lostmotion.kernels.recursive_ml.change import find_change
+from lostmotion.kernels.recursive_ml.drift import leave
 from lostmotion.kernels.recursive_ml.equations import gather, influence, informed_sides, merge
 from lostmotion.kernels.recursive_ml.information import newton_step, total_information
+from lostmotion.kernels.recursive_ml.watch import believable, watch_command, watch_error
 
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
@@ -55,6 +57,7 @@ def store_block(state: FloatArray, layout: IntArray) -> None:
     if layout[ml.BLOCKS] >= ring:
         ref_h, ref_r = ml.matrix(state, layout, ml.REF_H), ml.vector(state, layout, ml.REF_R)
         merge(ref_h, ref_r, kept_h, kept_r, state[ml.TAIL])
+        leave(kept_h, kept_r, state, layout)
     h, g = ml.matrix(state, layout, ml.SUM_H), ml.vector(state, layout, ml.SUM_G)
     theta = ml.vector(state, layout, ml.THETA)
     for i in range(n):
@@ -124,10 +127,11 @@ def take(
 ) -> float:
     """One sample: bridge or mask what is missing, filter, add to the block. Return the error (NaN without y)."""
     na, nb1, delay, p = layout[ml.NA], layout[ml.NB1], layout[ml.DELAY], layout[ml.P]
-    if np.isnan(u):
+    if np.isnan(u) or (used and not believable(u, state, layout)):
         used = False
         u = bridge(state, layout)
     else:
+        watch_command(u, state, layout)
         if not used or layout[ml.LOST] > 0 or layout[ml.SETTLE] != 0:
             u = settle(u, used, state, layout, theta)
         state[ml.HELD] = u
@@ -147,8 +151,10 @@ def take(
     used = used and layout[ml.SETTLE] == 0
     if used:
         state[ml.LOW], state[ml.HIGH] = min(state[ml.LOW], u), max(state[ml.HIGH], u)
-        limit = state[ml.CLIP] * np.sqrt(ml.variance(state))
+        deviation = np.sqrt(ml.variance(state))
+        limit = state[ml.CLIP] * deviation
         weight = influence(error, limit)
+        watch_error(error, deviation, True, state, layout)
         gather(psi, error, weight, h, g)
         state[ml.SQUARES] = state[ml.KEEP] * state[ml.SQUARES] + min(error * error, limit * limit)
         state[ml.WEIGHT] = state[ml.KEEP] * state[ml.WEIGHT] + 1.0
@@ -156,6 +162,8 @@ def take(
             layout[ml.CLIPPED] += 1
             if p > 0:
                 filters[noise_at(na, nb1, delay)] -= (1.0 - weight) * error
+    else:
+        watch_error(0.0, 1.0, False, state, layout)
     at = slot * layout[ml.BLOCK] + layout[ml.FILLED]
     state[layout[ml.U] + at] = u
     state[layout[ml.Y] + at] = y

@@ -17,12 +17,22 @@ NA, NB1, DELAY, P, N, BLOCK, RING, FILTERS = range(8)
 THETA, SHOWN, FILTER, REF_H, REF_R, SUM_H, SUM_G, RING_H, RING_R, RING_F, U, Y, USED = range(8, 21)
 TOTAL_H, TOTAL_R, ROOT, PERIOD_H, PERIOD_R, WORK, SIZE = range(21, 28)
 COUNT, FILLED, BLOCKS, SETTLE, WAIT, LOST, SINCE, LEFT_AT, RIGHT_AT, CLIPPED, MISSING, MASKED = range(28, 40)
-PERIOD_FROM, WINDOW, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, INVERSE, LAYOUT_SIZE = range(40, 49)
+PERIOD_FROM, WINDOW, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, INVERSE, FIRST_SIZE = range(40, 49)
+WATCH, EVIDENCE, BANK_H, BANK_R, GONE_H, GONE_R, ERRORS, PRODUCTS, USUAL = range(48, 57)
+GROUPED, DRIFT, FAR, JUDGED, LAYOUT_SIZE = range(57, 62)
 
 # head of `state`
 TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT, STATISTIC, HEAD = range(13)
 
-NOT_MOVING = (*range(COUNT), RING_S, INVERSE)  # sizes and offsets: they follow from the settings
+# part `watch`
+GAP, LAST_U, WATCHED, WATCHED_SQUARES, WAS, RATE, WATCH_SIZE = 0, 1, 2, 3, 4, 6, 8  # WAS, RATE: left and right
+
+DRIFTS = 6  # hypotheses about how fast the break points move, see `drift`
+LAGS = (1, 2, 3, 4, 6, 8, 12, 16)  # samples, at which the prediction errors are watched: any noise order shows in them
+LONGEST_LAG = LAGS[-1]
+WINDOWS, DIRECTIONS = 5, 3  # that are tested for changes: 1, 2, 4, 8, 16 blocks; left, right, gain
+
+NOT_MOVING = (*range(COUNT), RING_S, INVERSE, *range(WATCH, GROUPED))  # sizes and offsets: those of the settings
 NEVER = int(np.iinfo(np.int64).max)  # of REFIT_AT
 
 
@@ -50,7 +60,21 @@ def lay_out(places: Places) -> tuple[FloatArray, IntArray]:
         at += int(np.prod(shape))
     layout[SIZE] = at
     layout[REFIT_AT] = NEVER
-    return np.zeros(at), layout
+    state = np.zeros(at)
+    state[layout[WATCH] + GAP], state[layout[WATCH] + LAST_U] = np.inf, np.nan
+    return state, layout
+
+
+def grown(state: FloatArray, layout: IntArray, places: Places) -> tuple[FloatArray, IntArray]:
+    """State and layout of the first format with room for what has come since; ValueError where they are none."""
+    new_state, new_layout = lay_out(places)
+    if layout.shape != (FIRST_SIZE,) or state.shape != (new_layout[WATCH],) or layout[SIZE] != state.size:
+        raise ValueError("layout")
+    new_state[: state.size] = state
+    size = new_layout[SIZE]
+    new_layout[:FIRST_SIZE] = layout
+    new_layout[SIZE] = size
+    return new_state, new_layout
 
 
 def parts(layout: IntArray) -> list[tuple[str, int, tuple[int, ...]]]:
@@ -78,6 +102,15 @@ def parts(layout: IntArray) -> list[tuple[str, int, tuple[int, ...]]]:
         ("period_h", PERIOD_H, (n, n)),
         ("period_r", PERIOD_R, (n,)),
         ("work", WORK, (n, n)),
+        ("watch", WATCH, (WATCH_SIZE,)),
+        ("evidence", EVIDENCE, (DRIFTS,)),  # log-likelihood of each hypothesis about drift
+        ("bank_h", BANK_H, (DRIFTS, n, n)),  # reference under each
+        ("bank_r", BANK_R, (DRIFTS, n)),
+        ("gone_h", GONE_H, (n, n)),  # blocks that have left the ring since the hypotheses were compared
+        ("gone_r", GONE_R, (n,)),
+        ("errors", ERRORS, (LONGEST_LAG,)),  # last prediction errors over their deviation, newest first
+        ("products", PRODUCTS, (len(LAGS),)),
+        ("usual", USUAL, (WINDOWS, DIRECTIONS)),  # mean squares of the statistics of changes
     ]
 
 

@@ -1,0 +1,249 @@
+"""RecursiveML where its assumptions do not hold: drift, colour, rounded OP, glitches, integrating processes."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import lostmotion as lm
+from lostmotion.errors import Status
+from lostmotion.identify.recursive import ml_bytes
+from lostmotion.kernels.recursive_ml import drift
+from lostmotion.kernels.recursive_ml import state as ml
+
+PROCESS = lm.LinearModel((-0.6,), (0.4, 0.2), 1)
+ZONE = lm.DeadZone(-1, 1, 1, 1)
+
+
+def record(seed, n, half=1.0, noise=None, u=None):
+    """Command, and measurement of a quick process behind a dead zone whose half-width may be one for each sample."""
+    u = lm.signals.prs(n, -5, 5, hold=5, seed=seed) if u is None else u
+    x = np.maximum(u - half, 0.0) + np.minimum(u + half, 0.0)
+    rng = np.random.default_rng(seed + 10_000)
+    return u, PROCESS.simulate(x) + (rng.normal(scale=0.1, size=n) if noise is None else noise)
+
+
+def after(u, y, **options):
+    rml = lm.RecursiveML(1, 1, 1, **{"start_samples": 300, "noise": "white", **options})
+    rml.run(u, y, every=u.size)
+    return rml
+
+
+def holds(estimate, errors=3.0, half=1.0):
+    """Whether both break points are within so many standard errors of the truth."""
+    values, spread = estimate.parameters, estimate.standard_errors
+    return all(abs(values[name] - side * half) < errors * spread[name] for name, side in (("left", -1), ("right", 1)))
+
+
+# --- drift
+
+
+def random_reference(seed, n=6):
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(n, n + 3))
+    return root @ root.T, rng.normal(size=n)
+
+
+@pytest.mark.parametrize("q", [0.0, 1e-6, 0.3, 1e6])
+def test_walk_adds_its_variance_to_the_break_points_alone(q):
+    h, r = random_reference(0)
+    spread = np.linalg.inv(h) + q * np.diag([0, 0, 0, 1.0, 1.0, 0])
+    theta = np.linalg.solve(h, r)
+    drift.walk(h, r, 3, q)
+    np.testing.assert_allclose(h, np.linalg.inv(spread), rtol=1e-7, atol=1e-8)
+    np.testing.assert_allclose(r, h @ theta, rtol=1e-7, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_foretold_is_the_likelihood_of_the_samples(seed):
+    """The difference between two references, with the samples written out."""
+    rng, variance = np.random.default_rng([seed, 1]), 0.3
+    rows, y = rng.normal(size=(9, 6)), rng.normal(size=9)
+    found, expected = [], []
+    for number in range(2):
+        h, r = random_reference(10 * seed + number)
+        mean, covariance = rows @ np.linalg.solve(h, r), variance * (np.eye(9) + rows @ np.linalg.solve(h, rows.T))
+        miss = y - mean
+        expected.append(-0.5 * (np.linalg.slogdet(covariance)[1] + miss @ np.linalg.solve(covariance, miss)))
+        found.append(drift.foretold(h, r, rows.T @ rows, rows.T @ y, rng.normal(size=6), variance))
+        rng = np.random.default_rng([seed, 2])  # theta about which the sums are taken is the same for both
+    again = [
+        drift.foretold(*random_reference(10 * seed + number), rows.T @ rows, rows.T @ y, np.zeros(6), variance)
+        for number in range(2)
+    ]
+    assert again[1] - again[0] == pytest.approx(expected[1] - expected[0], rel=1e-6)
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("forgetting", [1.0, 0.9998])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_dead_zone_that_grows_is_followed_and_the_interval_holds_it(seed, forgetting):
+    n = 60_000
+    half = 0.5 + np.arange(n) / n
+    u, y = record(seed, n, half)
+    rml = lm.RecursiveML(1, 1, 1, forgetting=forgetting, start_samples=300, noise="white")
+    held = []
+    for k in range(0, n, 2_000):
+        rml.run(u[k : k + 2_000], y[k : k + 2_000], every=2_000)
+        held.append(holds(rml.estimate, 1.96, half[k + 1_999]))
+    assert np.mean(held[3:]) >= 0.85
+    assert holds(rml.estimate, 4.0, 1.5)
+    assert rml.estimate.parameters["right"] == pytest.approx(1.5, abs=0.05)
+    assert rml._recursion.layout[ml.DRIFT] > 0
+    assert len(rml.events) <= 2
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("seed", range(4))
+def test_a_dead_zone_that_stays_is_taken_to_stay(seed):
+    rml = after(*record(seed, 30_000))
+    assert rml._recursion.layout[ml.DRIFT] == 0
+    assert rml.estimate.standard_errors["right"] < 0.002
+    assert holds(rml.estimate, 4.0)
+
+
+# --- colour
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("seed", range(3))
+def test_too_low_an_order_of_the_noise_is_said_and_is_no_change(seed):
+    n = 20_000
+    noise = lfilter([1.0], [1.0, -1.4, 0.45], np.random.default_rng(seed).normal(size=n))
+    u, y = record(seed, n, noise=0.2 * noise / noise.std())
+    told, untold = after(u, y, noise=2, start_samples=1000), after(u, y, start_samples=1000)
+    assert told.estimate.status is Status.OK
+    assert untold.estimate.status is Status.COLOURED
+    assert len(told.events) == 0
+    assert len(untold.events) <= 1
+    assert holds(untold.estimate, 4.0)
+
+
+def test_white_errors_are_not_called_coloured():
+    assert after(*record(3, 1_200)).estimate.status is Status.OK
+
+
+# --- rounded OP
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("step", [0.5, 1.0])
+def test_rounded_op_is_known_to_its_step(step, seed):
+    """The valve gets what the record has lost."""
+    u, y = record(seed, 3_000)
+    rounded = after(np.round(u / step) * step, y).estimate
+    whole = after(u, y).estimate
+    assert rounded.standard_errors["right"] >= step / 12**0.5
+    assert rounded.standard_errors["width"] >= step / 6**0.5
+    assert holds(rounded, 1.96)
+    assert whole.standard_errors["right"] < 0.02
+
+
+def test_two_levels_of_op_tell_nothing():
+    u = np.where(lm.signals.prs(1_500, -1, 1, hold=7, seed=0) > 0, 3.0, -3.0)
+    _, y = record(0, u.size, u=u)
+    riv = lm.RecursiveIV(1, 1, 1, start_samples=200)
+    riv.run(u, y)
+    for estimate in (riv.estimate, after(u, y).estimate):
+        assert estimate.status is Status.CANNOT_TELL
+        assert min(estimate.standard_errors[name] for name in ("left", "right")) > 1.0
+
+
+# --- glitches
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("at", [100, 297, 1_500])
+@pytest.mark.parametrize("which", ["op", "pv", "both"])
+@pytest.mark.parametrize("value", [1e6, -1e29])
+def test_a_glitch_is_survived(value, which, at):
+    u, y = record(4, 4_000)
+    clean = after(u, y).estimate
+    u, y = u.copy(), y.copy()
+    for signal in {"op": [u], "pv": [y], "both": [u, y]}[which]:
+        signal[at : at + 5] = value
+    rml = after(u, y)
+    estimate = rml.estimate
+    assert estimate.status is Status.OK
+    assert holds(estimate, 4.0)
+    assert estimate.standard_errors["right"] < 1.5 * clean.standard_errors["right"]
+    assert estimate.noise.variance == pytest.approx(0.01, rel=0.2)
+    assert rml._recursion.layout[ml.CLIPPED] < 60
+    assert rml.events == ()
+
+
+@pytest.mark.statistics
+def test_a_command_that_stays_far_out_is_believed():
+    """A loop at rest, and then in another place: missing for a block, and learned from again."""
+    u, y = record(5, 4_000)
+    rml = lm.RecursiveML(1, 1, 1, start_samples=300, noise="white")
+    rml.run(u, y)
+    rml.run(np.full(200, 200.0), np.full(200, 100.0))
+    assert rml._recursion.memory.span[1] * rml._recursion.scales[0] == pytest.approx(200.0)
+    rml.run(np.full(200, 1e9), np.full(200, 100.0))
+    assert rml._recursion.memory.span[1] * rml._recursion.scales[0] == pytest.approx(200.0)
+
+
+# --- integrating processes
+
+
+def level(seed, n):
+    """A tank in a PI loop: the process integrates."""
+    rng = np.random.default_rng(seed)
+    sp = np.repeat(rng.choice([-1.0, 0.0, 1.0], n // 100 + 1), 100)[:n]
+    e, y, u = rng.normal(scale=0.02, size=n), np.zeros(n), np.zeros(n)
+    now, integral = 0.0, 0.0
+    for k in range(n):
+        now += 0.05 * float(ZONE(u[k - 2])) if k >= 2 else 0.0
+        y[k] = now + e[k]
+        integral += 0.002 * (sp[k] - y[k])
+        u[k] = 2.0 * (sp[k] - y[k]) + integral
+    return u, y
+
+
+@pytest.mark.statistics
+def test_an_integrating_process_is_refused_and_its_differences_are_followed():
+    u, y = level(0, 3_000)
+    refused = lm.RecursiveML(1, 0, 2, start_samples=500)
+    refused.run(u, y)
+    assert not refused.started
+    assert refused.estimate.status is Status.INTEGRATING
+    assert "differences of PV" in " ".join(refused.estimate.summary().split())
+    assert lm.RecursiveML.from_bytes(refused.to_bytes()).estimate.status is Status.INTEGRATING
+    followed = after(u[1:], np.diff(y), noise="auto", start_samples=500)
+    assert followed.estimate.status is Status.OK
+    assert followed.estimate.parameters["right"] == pytest.approx(1.0, abs=0.1)
+
+
+# --- states of the first format
+
+
+def as_first_format(data):
+    with np.load(io.BytesIO(data)) as stored:
+        parts = {name: stored[name] for name in stored.files}
+    header = json.loads(parts["header"].tobytes())
+    header["format"] = ml_bytes.FIRST_FORMAT
+    del header["integrating"]
+    parts["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    if parts["state"].size:
+        parts["state"] = parts["state"][: parts["layout"][ml.WATCH]]
+        parts["layout"] = parts["layout"][: ml.FIRST_SIZE]
+        parts["layout"][ml.SIZE] = parts["state"].size
+    buffer = io.BytesIO()
+    np.savez(buffer, **parts)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("n", [100, 700])
+def test_states_of_the_first_format_are_read(n):
+    u, y = record(6, 1_000)
+    rml = after(u[:n], y[:n], false_alarms=None)
+    older = lm.RecursiveML.from_bytes(as_first_format(rml.to_bytes()))
+    for one in (rml, older):
+        one.run(u[n:], y[n:])
+    for name, value in rml.estimate.parameters.items():
+        assert older.estimate.parameters[name] == pytest.approx(value, rel=1e-9), name
+    assert lm.RecursiveML.from_bytes(older.to_bytes()).to_bytes() == older.to_bytes()
