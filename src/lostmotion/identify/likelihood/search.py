@@ -15,9 +15,9 @@ from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise
 from lostmotion.identify.likelihood.plausible import FREE, Held, plausible
-from lostmotion.identify.likelihood.poles import GridStart, grid_starts
+from lostmotion.identify.likelihood.poles import GridStart, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
@@ -37,8 +37,9 @@ LATEST_DELAY = 25
 MOST_STRUCTURES = 3  # refined of those that the grid scores: the best few by score (docs/method.md, "orders, delay")
 MOST_NULL_SPACE = 2  # kept beside the grid for nearly exact feedback only (docs/method.md, "start in strong feedback")
 START_LAGS = 30  # of the ARX of a start: LATEST_DELAY and five samples of response
-NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
+CLOSE = 30.0  # the same with the poles found
+MOST_CLOSE = 6  # of these
 NEAR = 3  # samples of delay about that of another fit
 REACH = 8  # the same about the best so far
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
@@ -169,23 +170,34 @@ class _Search:
         return [(eta, start, parts.d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
 
     def improve(self, best: Fitted) -> Fitted:
-        """Look at other structures from the actuator and noise found, while it helps."""
-        for _ in range(MOST_ROUNDS):
+        """Look at other structures from the actuator and noise found, while it helps.
+
+        First over the whole grid, then with the poles found or some of them: what is scored with these is nearly refined.
+        """
+        for turn in range(MOST_ROUNDS):
             s = best.problem.structure
             self.tried.add((s.na, s.nb, s.delay, s.integrating))
-            eta, d = best.actuator, best.parts.d
-            low, high = self.delays
-            starts = self._grid(self._internal(eta), d, (max(low, s.delay - REACH), min(high, s.delay + REACH)))
-            here = min((start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay)), default=np.inf)
-            new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
-            attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]
-            attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
+            attempts = [attempt for attempt in self._others(best, turn == 0) if attempt[1].key not in self.tried]
             self.tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
             if challenger is None or self.score(challenger) > self.score(best) - 1.0:
                 break
             best = challenger
         return best
+
+    def _others(self, best: Fitted, everywhere: bool) -> list[_Attempt]:
+        """Structures that score about as well as that of a fit, its own poles and all of the grid where asked."""
+        s, eta, d, (low, high) = best.problem.structure, best.actuator, best.parts.d, self.delays
+        x, near = self._internal(eta), (max(low, s.delay - NEAR), min(high, s.delay + NEAR))
+        own = self._grid(x, d, near, simpler(best.parts.a, s.integrating))
+        here = min((start.score for start in own if start.key == (s.na, s.nb, s.delay, s.integrating)), default=np.inf)
+        starts = [start for start in own if start.score < here + CLOSE][:MOST_CLOSE]
+        if everywhere:
+            known = {start.key for start in starts} | self.tried
+            about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
+            grid = [one for one in self._grid(x, d, about) if one.score < here + HOPELESS and one.key not in known]
+            starts += grid[:MOST_STRUCTURES]
+        return [(eta, start, d) for start in starts]
 
     def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
         """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
@@ -203,26 +215,6 @@ class _Search:
                 found.append((eta, score - best))
         return tuple(found)
 
-    def _next_to(self, best: Fitted) -> list[GridStart]:
-        """The process found, one sample of delay moved into B and back, and with an order less."""
-        s, a, b = best.problem.structure, best.parts.a, best.parts.b
-        moved = [(s.na, s.nb + 1, s.delay - 1, np.append(0.0, b)), (s.na, s.nb + 1, s.delay, np.append(b, 0.0))]
-        if s.nb > 0:
-            moved += [(s.na, s.nb - 1, s.delay + 1, b[1:]), (s.na, s.nb - 1, s.delay, b[:-1])]
-            moved += [(s.na, s.nb, s.delay + 1, np.append(b[1:], 0.0))]
-        moved += [(s.na, s.nb, s.delay - 1, np.append(0.0, b[:-1]) if s.nb > 0 else b)]
-        low, high = self.delays
-        decay = 1.0 if s.integrating else 0.0
-        found = [
-            GridStart(na, nb, delay, a, beta, 0.0, decay)
-            for na, nb, delay, beta in moved
-            if (na, nb) in self.ladder and low <= delay <= high
-        ]
-        slowest = float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0))
-        if self.asked.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
-            found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
-        return found
-
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         possible = plausible(fitted.parts.a) and fitted.problem.admissible(fitted.fit.theta)
@@ -234,8 +226,10 @@ class _Search:
         self.family.evaluate(eta, data.u, x, dx)
         return x
 
-    def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
-        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held)
+    def _grid(
+        self, x: FloatArray, d: FloatArray, delays: tuple[int, int], only: list[FloatArray] | None = None
+    ) -> list[GridStart]:
+        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held, only)
         return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
@@ -263,7 +257,7 @@ class _Search:
         family = self.family.with_load(integrating)
         problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
-        return Fitted(problem, refine(problem, theta, most_steps=FIRST_STEPS), problem.basis)
+        return Fitted(problem, refine(problem, settled(problem, theta), most_steps=FIRST_STEPS), problem.basis)
 
 
 def _further(fitted: Fitted) -> Fitted:
