@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -149,16 +149,19 @@ class _Identification:
         if name == NO_FAULT:
             return linear_result
         kind = kind_of(name)
-        found = self._fitted(self.scaled, kind, kind.sought(self.scaled, self.asked))
+        found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
         return replace(self._packed(found, linear), linear_alternative=linear_result)
 
-    def _fitted(self, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None) -> Fitted:
-        found = fit_kind(sought, scaled, self.asked, near)
+    def _fitted(
+        self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None
+    ) -> Fitted:
+        """Near another fit, or at processes of its own and beside the linear model."""
+        found = fit_kind(sought, scaled, self.asked, near, linear if near is None else None)
         return kind.settled(found, scaled.scaling, self.settings["offset"])
 
     def _likeliest(self, linear: Fitted) -> HammersteinFit:
         """The kind that predicts best, or the linear model where none is seen."""
-        linear, fits = EveryKind(self.scaled, self.asked, self._fitted).fits(linear)
+        linear, fits = EveryKind(self.scaled, self.asked, partial(self._fitted, linear)).fits(linear)
         linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})

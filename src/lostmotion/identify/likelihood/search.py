@@ -51,6 +51,7 @@ def best_fit(
     etas: list[FloatArray],
     asked: Asked,
     near: Fitted | None = None,
+    beside: Fitted | None = None,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -64,17 +65,21 @@ def best_fit(
         Orders and noise, where they are not to be chosen from the data.
     near : Fitted or None
         Fit of another kind of actuator to the same data: its process and noise are where the search begins.
+    beside : Fitted or None
+        The same, but the search begins at its own processes as well.
     """
     search = _Search.on(data, family, asked)
     tried: list[Fitted | None] = []
+    begun = [attempt for eta in etas for attempt in search.like(beside, eta)] if beside is not None else []
     if near is None:  # the other starts begin at the process that the first has found
         near = search.over(search.likely(etas[0]))
         assert near is not None  # noqa: S101  there is always a start
         tried, etas = [near], etas[1:]
-    tried.append(search.over([attempt for eta in etas for attempt in search.like(near, eta)]))
-    best = min((one for one in tried if one is not None), key=search.score)
+    tried.append(search.over(begun + [attempt for eta in etas for attempt in search.like(near, eta)]))
+    found = sorted((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
-        best = search.improve(best)
+        found = [search.improve(one) for one in found if one is found[0] or search.rivalling(one, found[0])]
+    best = min(found, key=search.score)
     d = best.parts.d
     if asked.noise is None:
         d = choose_noise(best.output_residual())
@@ -115,7 +120,6 @@ class _Search:
     delays: tuple[int, int]
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
-    tried: set[_Key] = field(default_factory=set)
 
     @classmethod
     def on(cls, data: ScaledData, family: Family, asked: Asked) -> _Search:
@@ -174,26 +178,32 @@ class _Search:
 
         First over the whole grid, then with the poles found or some of them: what is scored with these is nearly refined.
         """
+        tried: set[_Key] = set()
         for turn in range(MOST_ROUNDS):
             s = best.problem.structure
-            self.tried.add((s.na, s.nb, s.delay, s.integrating))
-            attempts = [attempt for attempt in self._others(best, turn == 0) if attempt[1].key not in self.tried]
-            self.tried.update(start.key for _, start, _ in attempts)
+            tried.add((s.na, s.nb, s.delay, s.integrating))
+            attempts = self._others(best, tried, everywhere=turn == 0)
+            tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
             if challenger is None or self.score(challenger) > self.score(best) - 1.0:
                 break
             best = challenger
         return best
 
-    def _others(self, best: Fitted, everywhere: bool) -> list[_Attempt]:
-        """Structures that score about as well as that of a fit, its own poles and all of the grid where asked."""
+    def rivalling(self, other: Fitted, best: Fitted) -> bool:
+        """Whether another actuator is so near behind that its structure may only be the worse one."""
+        apart = float(np.abs(other.actuator - best.actuator).max(initial=0.0)) > APART
+        return apart and self.score(other) < self.score(best) + BEHIND
+
+    def _others(self, best: Fitted, tried: set[_Key], everywhere: bool) -> list[_Attempt]:
+        """Untried structures that score about as well as that of a fit: with its own poles, on the grid where asked."""
         s, eta, d, (low, high) = best.problem.structure, best.actuator, best.parts.d, self.delays
         x, near = self._internal(eta), (max(low, s.delay - NEAR), min(high, s.delay + NEAR))
         own = self._grid(x, d, near, simpler(best.parts.a, s.integrating))
         here = min((start.score for start in own if start.key == (s.na, s.nb, s.delay, s.integrating)), default=np.inf)
-        starts = [start for start in own if start.score < here + CLOSE][:MOST_CLOSE]
+        starts = [start for start in own if start.score < here + CLOSE and start.key not in tried][:MOST_CLOSE]
         if everywhere:
-            known = {start.key for start in starts} | self.tried
+            known = {start.key for start in starts} | tried
             about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
             grid = [one for one in self._grid(x, d, about) if one.score < here + HOPELESS and one.key not in known]
             starts += grid[:MOST_STRUCTURES]
