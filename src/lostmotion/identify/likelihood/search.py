@@ -78,7 +78,7 @@ def best_fit(
     tried.append(search.over(begun + [attempt for eta in etas for attempt in search.like(near, eta)]))
     found = sorted((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
-        found = [search.improve(one) for one in found if one is found[0] or search.rivalling(one, found[0])]
+        found = [search.improve(one) for one in found if one is found[0]]
     best = min(found, key=search.score)
     d = best.parts.d
     if asked.noise is None:
@@ -154,7 +154,8 @@ class _Search:
         starts = self._grid(x, d, self.delays) if d.size else []
         white = np.zeros(self.asked.noise or 0)
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
-        attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        others = [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        attempts += [self._coloured(*other) for other in others] if starts else others
         arx = fit_arx(self.data, x, self.delays[0], START_LAGS)
         if self.asked.orders is not None:
             a, b, misfit = linear_start(arx, *self.asked.orders)
@@ -165,10 +166,16 @@ class _Search:
         starts = null_space_starts(arx)[:MOST_NULL_SPACE]
         return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
 
+    def _coloured(self, eta: FloatArray, start: GridStart, d: FloatArray) -> _Attempt:
+        """Where a fit without a model of the noise ends, with the noise that it leaves: so it can be compared."""
+        fitted = _further(self._rough(eta, start, d))
+        if self.asked.noise is None:
+            d = choose_noise(fitted.output_residual(), self._noise_lags)
+        return fitted.actuator, _own_start(fitted), d
+
     def like(self, near: Fitted, eta: FloatArray) -> list[_Attempt]:
         """The process and noise of another fit, and the best on the grid with that noise and about that delay."""
-        s, parts = near.problem.structure, near.parts
-        own = GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0)
+        s, parts, own = near.problem.structure, near.parts, _own_start(near)
         delays = (max(s.delay - NEAR, self.delays[0]), min(s.delay + NEAR, self.delays[1]))
         starts = self._grid(self._internal(eta), parts.d, delays)
         return [(eta, start, parts.d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
@@ -182,7 +189,7 @@ class _Search:
         for turn in range(MOST_ROUNDS):
             s = best.problem.structure
             tried.add((s.na, s.nb, s.delay, s.integrating))
-            attempts = self._others(best, tried, everywhere=turn == 0)
+            attempts = self._others(best, tried, everywhere=True)
             tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
             if challenger is None or self.score(challenger) > self.score(best) - 1.0:
@@ -268,6 +275,12 @@ class _Search:
         problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         return Fitted(problem, refine(problem, settled(problem, theta), most_steps=FIRST_STEPS), problem.basis)
+
+
+def _own_start(fitted: Fitted) -> GridStart:
+    """The process of a fit."""
+    s, parts = fitted.problem.structure, fitted.parts
+    return GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0)
 
 
 def _further(fitted: Fitted) -> Fitted:
