@@ -40,6 +40,7 @@ START_LAGS = 30  # of the ARX of a start: LATEST_DELAY and five samples of respo
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
 CLOSE = 30.0  # the same with the poles found
 MOST_CLOSE = 6  # of these
+WORTH_A_GRID = 10.0  # gain of a turn, from which on the actuator has moved and the whole grid is looked at again
 NEAR = 3  # samples of delay about that of another fit
 REACH = 8  # the same about the best so far
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
@@ -70,16 +71,16 @@ def best_fit(
     """
     search = _Search.on(data, family, asked)
     tried: list[Fitted | None] = []
-    begun = [attempt for eta in etas for attempt in search.like(beside, eta)] if beside is not None else []
+    others = [] if beside is None else [beside]
+    begun: list[_Attempt] = []
     if near is None:  # the other starts begin at the process that the first has found
         near = search.over(search.likely(etas[0]))
         assert near is not None  # noqa: S101  there is always a start
-        tried, etas = [near], etas[1:]
-    tried.append(search.over(begun + [attempt for eta in etas for attempt in search.like(near, eta)]))
-    found = sorted((one for one in tried if one is not None), key=search.score)
+        tried, begun, etas = [near], search.like(others, etas[0]) if others else [], etas[1:]
+    tried.append(search.over(begun + [attempt for eta in etas for attempt in search.like([near, *others], eta)]))
+    best = min((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
-        found = [search.improve(one) for one in found if one is found[0]]
-    best = min(found, key=search.score)
+        best = search.improve(best)
     d = best.parts.d
     if asked.noise is None:
         d = choose_noise(best.output_residual())
@@ -156,6 +157,8 @@ class _Search:
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
         others = [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
         attempts += [self._coloured(*other) for other in others] if starts else others
+        if self.asked.orders is None and not self.held.closed:
+            return attempts
         arx = fit_arx(self.data, x, self.delays[0], START_LAGS)
         if self.asked.orders is not None:
             a, b, misfit = linear_start(arx, *self.asked.orders)
@@ -171,36 +174,34 @@ class _Search:
         fitted = _further(self._rough(eta, start, d))
         if self.asked.noise is None:
             d = choose_noise(fitted.output_residual(), self._noise_lags)
-        return fitted.actuator, _own_start(fitted), d
+        return (*_from(fitted, fitted.actuator)[:2], d)
 
-    def like(self, near: Fitted, eta: FloatArray) -> list[_Attempt]:
-        """The process and noise of another fit, and the best on the grid with that noise and about that delay."""
-        s, parts, own = near.problem.structure, near.parts, _own_start(near)
-        delays = (max(s.delay - NEAR, self.delays[0]), min(s.delay + NEAR, self.delays[1]))
-        starts = self._grid(self._internal(eta), parts.d, delays)
-        return [(eta, start, parts.d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
+    def like(self, near: list[Fitted], eta: FloatArray) -> list[_Attempt]:
+        """The process and noise of other fits, and the best on the grid with that noise and about these delays."""
+        d, delays = near[0].parts.d, [one.problem.structure.delay for one in near]
+        about = (max(min(delays) - NEAR, self.delays[0]), min(max(delays) + NEAR, self.delays[1]))
+        starts = self._grid(self._internal(eta), d, about)
+        return [_from(one, eta) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps.
 
-        First over the whole grid, then with the poles found or some of them: what is scored with these is nearly refined.
+        With the poles found or some of them, where a score is nearly that of the refined model, and over the whole grid
+        at first and after a turn that gained much.
         """
         tried: set[_Key] = set()
-        for turn in range(MOST_ROUNDS):
+        gained = np.inf
+        for _ in range(MOST_ROUNDS):
             s = best.problem.structure
             tried.add((s.na, s.nb, s.delay, s.integrating))
-            attempts = self._others(best, tried, everywhere=True)
+            attempts = self._others(best, tried, everywhere=gained > WORTH_A_GRID)
             tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
-            if challenger is None or self.score(challenger) > self.score(best) - 1.0:
+            gained = 0.0 if challenger is None else self.score(best) - self.score(challenger)
+            if challenger is None or gained < 1.0:
                 break
             best = challenger
         return best
-
-    def rivalling(self, other: Fitted, best: Fitted) -> bool:
-        """Whether another actuator is so near behind that its structure may only be the worse one."""
-        apart = float(np.abs(other.actuator - best.actuator).max(initial=0.0)) > APART
-        return apart and self.score(other) < self.score(best) + BEHIND
 
     def _others(self, best: Fitted, tried: set[_Key], everywhere: bool) -> list[_Attempt]:
         """Untried structures that score about as well as that of a fit: with its own poles, on the grid where asked."""
@@ -277,10 +278,10 @@ class _Search:
         return Fitted(problem, refine(problem, settled(problem, theta), most_steps=FIRST_STEPS), problem.basis)
 
 
-def _own_start(fitted: Fitted) -> GridStart:
-    """The process of a fit."""
+def _from(fitted: Fitted, eta: FloatArray) -> _Attempt:
+    """An actuator at the process and noise of a fit."""
     s, parts = fitted.problem.structure, fitted.parts
-    return GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0)
+    return eta, GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0), parts.d
 
 
 def _further(fitted: Fitted) -> Fitted:
