@@ -140,7 +140,7 @@ def grid_starts(
     starts = []
     for na in sorted({na for na, _ in ladder}):
         polynomials, decays = patterns(na) if only is None else _given(only, na)
-        if not polynomials.size:
+        if not len(decays):
             continue
         orders = max(nb for n, nb in ladder if n == na) + 1
         shape = (len(polynomials), orders, high - low + 1)

@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.criterion import criterion
+from lostmotion.identify.likelihood.criterion import criterion, per_row
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -142,7 +142,7 @@ class _Search:
         """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
         fits = [self._rough(*attempt) for attempt in attempts]
         limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
-        fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
+        fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
             self.seen.append((fitted.actuator, self.score(fitted)))
         return min(fits, key=self.score) if fits else None
@@ -236,7 +236,11 @@ class _Search:
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         possible = plausible(fitted.parts.a) and fitted.problem.admissible(fitted.fit.theta)
-        return criterion(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
+        return self._misfit(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
+
+    def _misfit(self, fitted: Fitted) -> float:
+        """Information criterion for all rows: in short records a long model of the noise leaves fewer to be fitted."""
+        return per_row(fitted) * self.data.u.size
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
@@ -248,7 +252,8 @@ class _Search:
         self, x: FloatArray, d: FloatArray, delays: tuple[int, int], only: list[FloatArray] | None = None
     ) -> list[GridStart]:
         starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held, only)
-        return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
+        na, nb = self.ladder[0]
+        return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
         """AR model of what a start leaves over; of the order asked for."""
