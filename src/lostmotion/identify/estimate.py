@@ -14,15 +14,17 @@ from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.actuators.choice import choose_kind
-from lostmotion.identify.actuators.every_kind import EveryKind
+from lostmotion.identify.actuators.every_kind import FOUND, SEEN, EveryKind
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
+from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.polish import profile_intervals
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
+from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
@@ -45,6 +47,7 @@ def identify(
     gain: float | None = None,
     offset: str = "auto",
     raw: bool = False,
+    integrating: bool | None = None,
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
@@ -78,6 +81,9 @@ def identify(
         for records from which a mean was subtracted.
     raw : bool
         Take records as they are; missing samples and gaps are then refused. Arrays always are taken so.
+    integrating : bool, optional
+        Whether the process integrates (a level), where that is known. None: chosen from the data; with a known gain it
+        does not.
 
     Returns
     -------
@@ -108,7 +114,7 @@ def identify(
     ('OK', [-1.0, 1.0, 3.0])
     """
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
-    asked = Asked(_orders(orders), _noise(noise), levels=gain is None)
+    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain))
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
@@ -122,6 +128,7 @@ def identify(
         "noise": noise,
         "gain": gain,
         "offset": offset,
+        "integrating": integrating,
     }
     return _Identification(data, asked, settings).run()
 
@@ -145,12 +152,24 @@ class _Identification:
         name, linear = self.settings["nonlinearity"], fit_linear(self.scaled, self.asked)
         if name == "auto":
             return self._likeliest(linear)
-        linear_result = self._packed(linear, linear)
         if name == NO_FAULT:
-            return linear_result
+            return self._packed(linear, linear)
         kind = kind_of(name)
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
-        return replace(self._packed(found, linear), linear_alternative=linear_result)
+        found = self._beside_nested(kind, found, linear)
+        linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
+        return replace(self._packed(found, linear), linear_alternative=self._packed(linear, linear))
+
+    def _beside_nested(self, kind: Kind, found: Fitted, linear: Fitted) -> Fitted:
+        """The kind also begun at the one that it nests, where that is seen as well: as beside all other kinds."""
+        if not kind.nests:
+            return found
+        inner = kind_of(kind.nests)
+        nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
+        gain = gain_over_linear(nested, linear)
+        if gain < SEEN or gain_over_linear(found, linear) > gain + FOUND:
+            return found
+        return max(found, kind.enriched(nested), key=lambda one: gain_over_linear(one, linear))
 
     def _fitted(
         self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None
@@ -241,7 +260,7 @@ def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> f
     return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
 
 
-def _check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:
+def _check_choice(name: str, value: object, allowed: tuple[str | bool | None, ...]) -> None:
     if value not in allowed:
         raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "see the docstring")
 
@@ -256,6 +275,15 @@ def _orders(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
     except (TypeError, ValueError) as error:
         raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
     return na, nb, delay
+
+
+def _integrating(integrating: bool | None, orders: str | tuple[int, int, int], gain: float | None) -> bool | None:
+    _check_choice("integrating", integrating, (None, True, False))
+    if integrating and gain is not None:
+        raise ParameterError.expected("no gain of an integrating process", gain, "leave gain out, or integrating")
+    if integrating and orders[0] == 0:
+        raise ParameterError.expected("an order na >= 1 of an integrating process", orders, "give the order of its A")
+    return integrating if gain is None else False
 
 
 def _noise(noise: str | int) -> int | None:

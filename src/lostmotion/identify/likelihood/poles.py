@@ -112,7 +112,7 @@ def grid_starts(
     d: FloatArray,
     ladder: tuple[tuple[int, int], ...],
     delays: tuple[int, int],
-    levels: bool = True,
+    integrating: bool | None = None,
     held: Held = FREE,
     only: list[FloatArray] | None = None,
 ) -> list[GridStart]:
@@ -128,8 +128,8 @@ def grid_starts(
     ladder : tuple of (na, nb)
     delays : (int, int)
         First and last delay.
-    levels : bool
-        Whether the process may integrate; such starts are structures of their own.
+    integrating : bool or None
+        Whether the process integrates; None: such starts are structures of their own, beside the others.
     held : Held
         What else is known of the process.
     only : list of ndarray, optional
@@ -151,7 +151,7 @@ def grid_starts(
         for nb in {nb for order, nb in ladder if order == na}:
             for kind in (decays < 1.0, decays == 1.0):
                 chosen = np.flatnonzero(kind)
-                if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
+                if not chosen.size or integrating not in (None, bool(decays[chosen[0]] == 1.0)):
                     continue
                 best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
                 misfits = n * np.log(np.maximum(rss[best, nb, np.arange(best.size)], 1e-300) / n)

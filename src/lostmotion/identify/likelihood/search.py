@@ -157,7 +157,7 @@ class _Search:
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
         others = [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
         attempts += [self._coloured(*other) for other in others] if starts else others
-        if self.asked.orders is None and not self.held.closed:
+        if self.asked.integrating or (self.asked.orders is None and not self.held.closed):
             return attempts
         arx = fit_arx(self.data, x, self.delays[0], START_LAGS)
         if self.asked.orders is not None:
@@ -251,7 +251,7 @@ class _Search:
     def _grid(
         self, x: FloatArray, d: FloatArray, delays: tuple[int, int], only: list[FloatArray] | None = None
     ) -> list[GridStart]:
-        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held, only)
+        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.integrating, self.held, only)
         na, nb = self.ladder[0]
         return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
 
