@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.actuators.break_points import break_point_intervals
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import FOUND, SEEN, EveryKind
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -222,7 +223,9 @@ class _Identification:
 
 
 def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
-    """Profile intervals in units of OP, where the likelihood has jumps."""
+    """Profile intervals in units of OP, where the likelihood has jumps or bends."""
+    if kind_of(fitted.problem.family.kind).dead_between:
+        return break_point_intervals(fitted, scaling)
     if not fitted.problem.family.kinks:
         return {}
     size = scaling.u_scale
