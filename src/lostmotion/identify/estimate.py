@@ -202,7 +202,7 @@ class _Identification:
         simulated, errors = fitted.problem.predict(fitted.fit.theta)
         evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
         tests = residual_tests(fitted, errors)
-        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
+        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
         return HammersteinFit(
             status=status,
             model=_model(named.values, fitted, data),
