@@ -38,7 +38,8 @@ def break_point_intervals(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[f
     moves = _moves(fitted)
     variances = [fitted.variance * float(move @ inverse @ move / (move @ move) ** 2) for move, _ in moves.values()]
     reaches = normal_quantile(0.5 + LEVEL / 2) * np.sqrt(variances)
-    if empty.size or not np.all(reaches > 0.0) or _told_by_curvature(fitted, left, right, float(reaches[:2].max())):
+    unseen = bool(empty[fitted.problem.eta_at : fitted.problem.eta_at + 2].any())
+    if unseen or not np.all(reaches > 0.0) or _told_by_curvature(fitted, left, right, float(reaches[:2].max())):
         return {}
     values = {"left": left, "right": right, "width": right - left}
     centres = {"left": scaling.u_centre, "right": scaling.u_centre, "width": 0.0}
