@@ -21,6 +21,7 @@ from pages import publish
 NAMES = ("left", "right", "slope_ratio")
 OUTPUT = Path(__file__).parent.parent / "docs" / "accuracy.md"
 TANK = lm.platforms.level_tank()
+FAILED = ("REFUSED", "NOT_CONVERGED", "CANNOT_TELL")
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Experiment:
     seeds: int
     options: dict
     bound: bool = True
+    wrong: bool = False  # a model too poor for the record: a refusal is a miss of the row, not the end of the page
 
 
 def open_loop(n: int, model: lm.Hammerstein = TANK, low: float = -5.0, high: float = 5.0):
@@ -77,20 +79,26 @@ EXPERIMENTS = {
     ),
     "routine-strong-white": Experiment(
         "routine closed loop, strong drift, fitted as the paper's Output Error model",
-        routine(6000, "strong"), TANK, 50, {**PAPER, "noise": "white"}, False,
+        routine(6000, "strong"), TANK, 50, {**PAPER, "noise": "white"}, False, True,
     ),
     "routine-mild-white": Experiment(
         "routine closed loop, mild drift, fitted as the paper's Output Error model",
-        routine(6000, "mild"), TANK, 50, {**PAPER, "noise": "white"}, False,
+        routine(6000, "mild"), TANK, 50, {**PAPER, "noise": "white"}, False, True,
     ),
 }  # fmt: skip
 
 
 def one(name: str, seed: int) -> dict[str, np.ndarray | str]:
-    """Estimates, standard errors and bounds of one seed."""
+    """Estimates, standard errors and bounds of one seed; NaN and "REFUSED" where no model comes of it."""
     experiment = EXPERIMENTS[name]
     u, y = experiment.record(seed)
-    fit = lm.identify(u, y, 0.1, **experiment.options)
+    try:
+        fit = lm.identify(u, y, 0.1, **experiment.options)
+    except lm.InputError:
+        if not experiment.wrong:
+            raise
+        nothing = np.full(len(NAMES), np.nan)
+        return {"status": "REFUSED", "estimate": nothing, "error": nothing, "bound": nothing}
     bounds = {}
     if experiment.bound:
         known = "zero" if fit.settings["offset_fixed"] else "free"
@@ -109,20 +117,21 @@ def true_values(model: lm.Hammerstein) -> np.ndarray:
 
 
 def row(name: str, results: list[dict]) -> str:
-    """One line of the table."""
+    """One line of the table; a refusal is a miss of every interval and the largest of all errors."""
     experiment = EXPERIMENTS[name]
     truth = true_values(experiment.truth)
     estimate, error, bound = (np.array([result[key] for result in results]) for key in ("estimate", "error", "bound"))
     miss = estimate - truth
-    rmse = np.sqrt(np.mean(miss**2, axis=0))
+    rmse = np.sqrt(np.nanmean(miss**2, axis=0))
     ratio = rmse / np.sqrt(np.mean(bound**2, axis=0))
     cover = np.mean(np.abs(miss) <= 1.96 * error, axis=0)
     half = 0.5 * (truth[1] - truth[0])
-    median = np.median(np.abs(miss[:, :2])) / half
-    limit = 0.6745 * np.sqrt(np.median(error[:, :2] ** 2)) / half
-    converged = sum(result["status"] not in ("NOT_CONVERGED", "CANNOT_TELL") for result in results)
+    median = np.median(np.nan_to_num(np.abs(miss[:, :2]), nan=np.inf)) / half
+    limit = 0.6745 * np.sqrt(np.nanmedian(error[:, :2] ** 2)) / half
+    converged = sum(result["status"] not in FAILED for result in results)
+    refused = sum(result["status"] == "REFUSED" for result in results)
     cells = [
-        experiment.title,
+        experiment.title + (f" ({refused} of {len(results)} refused: a gain of the other sign)" if refused else ""),
         f"{converged}/{len(results)}",
         " / ".join(f"{value:.4f}" for value in rmse),
         " / ".join(f"{value:.2f}" for value in ratio) if experiment.bound else "-",
@@ -190,7 +199,9 @@ The bound counts the initial state and, where the fit kept it free, the output o
 loop with drift it depends on the record and is not shown; the bracketed figure takes its place.
 
 The drift of the routine loop is first-order with pole 0.99; its deviation is 0.3 (mild), 1 (strong) or 3 (very
-strong) times a set-point move. The last rows show what the same data give without a noise model.
+strong) times a set-point move. The last rows show what the same data give without a noise model; where such a fit
+ends at a process of the other sign than the gain given, `identify` refuses it: a miss of all three intervals, and the
+RMSE is of the others.
 
 No dead zone in the data; how often `identify` says so (linear model preferred, the interval of the width holds 0):
 

@@ -94,6 +94,10 @@ class Status(Enum):
         "Only one side of the dead zone is visited by OP, so the other break point is unknown. "
         "Record a stretch, or make a test, in which OP moves through the whole dead zone."
     )
+    WIDE = (
+        "Lost motion is seen, but not how much: the interval of a break point is wider than half of the width. "
+        "Record more moves of OP that cross it, or make a test, before anything is built on these numbers."
+    )
     MISFIT = (
         "Converged, but the residuals still depend on OP: the real actuator is not quite of this shape. "
         "Read the numbers as the nearest dead zone and compare other kinds "

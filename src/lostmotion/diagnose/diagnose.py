@@ -37,7 +37,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     record : LoopRecord
         OP and PV, with SP where known. It is prepared first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
-        Whether the process integrates (a level). None: as identified.
+        Whether the process integrates (a level); `identify` then looks at no other. None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
         What PV measures: the classes of performance depend on it.
 
@@ -64,11 +64,12 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     kinds = sorted(LEAST_INDEX)
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
+    known = integrating
     if integrating is None and loop_type is not None and loop_type in INTEGRATES:
         integrating = INTEGRATES[loop_type]
     prepared = prepare(record)
     stretches = prepared.require()
-    fit = identify(prepared, nonlinearity="auto")
+    fit = identify(prepared, nonlinearity="auto", integrating=known)
     sp = _set_point(stretches, fit.data.u.size)
     measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None

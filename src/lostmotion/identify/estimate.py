@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -13,15 +13,18 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.actuators.break_points import break_point_intervals
 from lostmotion.identify.actuators.choice import choose_kind
-from lostmotion.identify.actuators.every_kind import EveryKind
+from lostmotion.identify.actuators.every_kind import FOUND, SEEN, EveryKind
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
+from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
+from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
@@ -44,6 +47,7 @@ def identify(
     gain: float | None = None,
     offset: str = "auto",
     raw: bool = False,
+    integrating: bool | None = None,
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
@@ -77,6 +81,9 @@ def identify(
         for records from which a mean was subtracted.
     raw : bool
         Take records as they are; missing samples and gaps are then refused. Arrays always are taken so.
+    integrating : bool, optional
+        Whether the process integrates (a level), where that is known. None: chosen from the data; with a known gain it
+        does not.
 
     Returns
     -------
@@ -107,7 +114,7 @@ def identify(
     ('OK', [-1.0, 1.0, 3.0])
     """
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
-    asked = Asked(_orders(orders), _noise(noise), levels=gain is None)
+    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain))
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
@@ -121,6 +128,7 @@ def identify(
         "noise": noise,
         "gain": gain,
         "offset": offset,
+        "integrating": integrating,
     }
     return _Identification(data, asked, settings).run()
 
@@ -144,20 +152,35 @@ class _Identification:
         name, linear = self.settings["nonlinearity"], fit_linear(self.scaled, self.asked)
         if name == "auto":
             return self._likeliest(linear)
-        linear_result = self._packed(linear, linear)
         if name == NO_FAULT:
-            return linear_result
+            return self._packed(linear, linear)
         kind = kind_of(name)
-        found = self._fitted(self.scaled, kind, kind.sought(self.scaled, self.asked))
-        return replace(self._packed(found, linear), linear_alternative=linear_result)
+        found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
+        found = self._beside_nested(kind, found, linear)
+        linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
+        return replace(self._packed(found, linear), linear_alternative=self._packed(linear, linear))
 
-    def _fitted(self, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None) -> Fitted:
-        found = fit_kind(sought, scaled, self.asked, near)
+    def _beside_nested(self, kind: Kind, found: Fitted, linear: Fitted) -> Fitted:
+        """The kind also begun at the one that it nests, where that is seen as well: as beside all other kinds."""
+        if not kind.nests:
+            return found
+        inner = kind_of(kind.nests)
+        nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
+        gain = gain_over_linear(nested, linear)
+        if gain < SEEN or gain_over_linear(found, linear) > gain + FOUND:
+            return found
+        return max(found, kind.enriched(nested), key=lambda one: gain_over_linear(one, linear))
+
+    def _fitted(
+        self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None
+    ) -> Fitted:
+        """Near another fit, or at processes of its own and beside the linear model."""
+        found = fit_kind(sought, scaled, self.asked, near, linear if near is None else None)
         return kind.settled(found, scaled.scaling, self.settings["offset"])
 
     def _likeliest(self, linear: Fitted) -> HammersteinFit:
         """The kind that predicts best, or the linear model where none is seen."""
-        linear, fits = EveryKind(self.scaled, self.asked, self._fitted).fits(linear)
+        linear, fits = EveryKind(self.scaled, self.asked, partial(self._fitted, linear)).fits(linear)
         linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
@@ -178,7 +201,7 @@ class _Identification:
         simulated, errors = fitted.problem.predict(fitted.fit.theta)
         evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
         tests = residual_tests(fitted, errors)
-        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance)
+        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
         return HammersteinFit(
             status=status,
             model=_model(named.values, fitted, data),
@@ -199,9 +222,12 @@ class _Identification:
 
 
 def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
-    """Profile intervals in units of OP, where the likelihood has jumps."""
-    size, found = scaling.u_scale, kind_of(fitted.problem.family.kind).intervals(fitted)
-    return {name: (size * low, size * high) for name, (low, high) in found.items()}
+    """Profile intervals in units of OP, where the likelihood has jumps or bends."""
+    kind = kind_of(fitted.problem.family.kind)
+    if kind.dead_between:
+        return break_point_intervals(fitted, scaling)
+    size = scaling.u_scale
+    return {name: (size * low, size * high) for name, (low, high) in kind.intervals(fitted).items()}
 
 
 def _chosen(fitted: Fitted) -> Chosen:
@@ -235,7 +261,7 @@ def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> f
     return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
 
 
-def _check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:
+def _check_choice(name: str, value: object, allowed: tuple[str | bool | None, ...]) -> None:
     if value not in allowed:
         raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "see the docstring")
 
@@ -250,6 +276,15 @@ def _orders(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
     except (TypeError, ValueError) as error:
         raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
     return na, nb, delay
+
+
+def _integrating(integrating: bool | None, orders: str | tuple[int, int, int], gain: float | None) -> bool | None:
+    _check_choice("integrating", integrating, (None, True, False))
+    if integrating and gain is not None:
+        raise ParameterError.expected("no gain of an integrating process", gain, "leave gain out, or integrating")
+    if integrating and orders[0] == 0:
+        raise ParameterError.expected("an order na >= 1 of an integrating process", orders, "give the order of its A")
+    return integrating if gain is None else False
 
 
 def _noise(noise: str | int) -> int | None:

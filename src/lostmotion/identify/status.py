@@ -6,7 +6,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
-from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
+from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import FLOOR, gain_over_linear, per_row
@@ -14,6 +14,8 @@ from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.scaled import ScaledData, Scaling
+
+VAGUE = 0.5  # of the width: an inverse with a break point that is so little known may push more than it takes away
 
 
 def weigh(
@@ -51,6 +53,15 @@ def _rivals(fitted: Fitted, scaling: Scaling) -> tuple[tuple[float, float, float
     return tuple((float(at[0]), float(at[1]), behind) for at, behind in places)
 
 
+def _widest_interval(
+    kind: Kind, values: dict[str, float], covariance: FloatArray, profiled: dict[str, tuple[float, float]]
+) -> float:
+    """Of the break points, 95 %."""
+    names, spread = list(values), 2.0 * 1.96 * np.sqrt(np.diag(covariance))
+    curved = {name: float(spread[names.index(name)]) for name in kind.break_points}
+    return max(profiled[name][1] - profiled[name][0] if name in profiled else curved[name] for name in curved)
+
+
 def decide(
     fitted: Fitted,
     evidence: Evidence,
@@ -58,6 +69,7 @@ def decide(
     misfit: bool,
     values: dict[str, float],
     covariance: FloatArray,
+    profiled: dict[str, tuple[float, float]],
 ) -> Status:
     """First thing that the reader must know."""
     if evidence.gain_over_no_input + max(evidence.gain_over_linear, 0.0) <= 0:
@@ -77,6 +89,8 @@ def decide(
         return Status.NOT_CONVERGED
     if kind.one_sided(evidence, values, covariance):
         return Status.ONE_SIDED
+    if kind.dead_between and _widest_interval(kind, values, covariance, profiled) > VAGUE * values["width"]:
+        return Status.WIDE
     if misfit:
         return Status.MISFIT
     return Status.COLOURED if coloured else Status.OK

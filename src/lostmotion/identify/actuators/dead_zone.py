@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.identify.actuators.break_points import about_levels
 from lostmotion.identify.actuators.kind import NEEDED, Kind, Words, register
 from lostmotion.identify.actuators.operator_profile import lags_of
 from lostmotion.identify.actuators.slopes import with_equal_slopes
@@ -156,8 +157,8 @@ class DeadZoneKind(Kind):
         return DeadZone(left, values["right"], values["left_slope"], values["right_slope"])
 
     def settled(self, fitted: Fitted, scaling: Scaling, offset: str) -> Fitted:
-        """With offset 0 where asked, or likelier."""
-        return settle_offset(fitted, scaling, offset)
+        """About the levels of OP that it holds; with offset 0 where asked, or likelier."""
+        return settle_offset(about_levels(fitted), scaling, offset)
 
     def simplest(self, fitted: Fitted) -> Fitted:
         """With equal slopes, where they explain as much."""

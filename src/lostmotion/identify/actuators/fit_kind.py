@@ -11,7 +11,9 @@ from lostmotion.identify.likelihood.search import best_fit
 from lostmotion.identify.scaled import ScaledData
 
 
-def fit_kind(sought: Sought, data: ScaledData, asked: Asked, near: Fitted | None = None) -> Fitted:
+def fit_kind(
+    sought: Sought, data: ScaledData, asked: Asked, near: Fitted | None = None, beside: Fitted | None = None
+) -> Fitted:
     """Global maximum of the likelihood of one kind.
 
     Parameters
@@ -21,10 +23,10 @@ def fit_kind(sought: Sought, data: ScaledData, asked: Asked, near: Fitted | None
     data : ScaledData
     asked : Asked
         Orders and noise, where they are not to be chosen from the data.
-    near : Fitted or None
+    near, beside : Fitted or None
         As in ``best_fit``.
     """
-    best = best_fit(data, sought.family, sought.etas, asked, near)
+    best = best_fit(data, sought.family, sought.etas, asked, near, beside)
     return kind_of(sought.family.kind).finished(best)
 
 

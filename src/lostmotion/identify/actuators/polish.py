@@ -36,7 +36,7 @@ def polished(fitted: Fitted) -> Fitted:
     names = _own(fitted)
     if not names:
         return fitted
-    fitted = _rested(fitted)
+    fitted = rested(fitted)
     best = fitted.fit
     step = FIRST_STEP * max(float(np.abs(_eta(fitted, best)[: len(names)]).max()), 1e-3)
     directions = [np.eye(len(names))[i] * sign for i in range(len(names)) for sign in (1.0, -1.0)]
@@ -50,10 +50,10 @@ def polished(fitted: Fitted) -> Fitted:
                 break
             best = winner
         step *= 0.5
-    return _rested(replace(fitted, fit=replace(best, converged=True)), FINE_RESTS)
+    return rested(replace(fitted, fit=replace(best, converged=True)), FINE_RESTS)
 
 
-def _rested(fitted: Fitted, reaches: tuple[float, ...] = COARSE_RESTS) -> Fitted:
+def rested(fitted: Fitted, reaches: tuple[float, ...] = COARSE_RESTS) -> Fitted:
     """The rest of the valve at the beginning of each segment, by the likelihood; the actuator itself is held."""
     family = fitted.problem.family
     if not 0 < family.resting <= MOST_SEGMENTS:

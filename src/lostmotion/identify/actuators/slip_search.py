@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lostmotion.identify.actuators.polish import profile_intervals
+from lostmotion.identify.actuators.polish import FINE_RESTS, profile_intervals, rested
 from lostmotion.identify.actuators.slip_draws import even_draws
 from lostmotion.identify.actuators.slip_likelihood import Pattern, SlipLikelihood, shortened
 from lostmotion.identify.actuators.stiction_family import LARGEST_JUMP, own
@@ -26,6 +26,7 @@ NEIGHBOURHOOD = ((0.02, 64), (0.006, 48), (0.002, 48))  # the same where an inte
 JUMP_REACH, REST_REACH = 2.0, 6.0  # of a box: its other sides, in units of the first
 SCAN = 31  # places of one parameter, the others held
 SCAN_BANDS, SCAN_SHARES, SCAN_RESTS = 0.08, 1.2, 0.2  # how far: relative, jump over band, halves of the band
+TURNS, SMALL = 4, 1e-4  # the last where the cost falls by less than this share
 ROUNDING = 1e-9  # relative, of sums of squares that should be equal
 OTHER = 12.0  # of log-likelihood behind after a close look: the other model is not searched further
 STEPS = 6  # of everything else at a new place, before the valve moves as well
@@ -48,7 +49,18 @@ def slipped(fitted: Fitted) -> Fitted:
         fitted = better
         if gained < WORTH:
             break
-    return _centred(fitted)
+    return _centred(_settled(fitted))
+
+
+def _settled(fitted: Fitted) -> Fitted:
+    """First positions and half difference of band and jump by turns: within a pattern both are smooth."""
+    for _ in range(TURNS):
+        before = fitted.fit.cost
+        fitted = rested(_centred(fitted), FINE_RESTS)
+        fitted = replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis))
+        if fitted.fit.cost > (1.0 - SMALL) * before:
+            break
+    return fitted
 
 
 def _centred(fitted: Fitted) -> Fitted:

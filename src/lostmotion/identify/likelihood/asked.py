@@ -17,13 +17,13 @@ class Asked:
         None: chosen from the data.
     noise : int or None
         Order of the AR noise; None: chosen from the data.
-    levels : bool
-        Whether the process may integrate.
+    integrating : bool or None
+        Whether the process integrates; None: chosen from the data.
     """
 
     orders: tuple[int, int, int] | None = None
     noise: int | None = None
-    levels: bool = True
+    integrating: bool | None = None
 
     @property
     def needed(self) -> int:

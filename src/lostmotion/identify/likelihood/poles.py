@@ -26,6 +26,8 @@ COARSE = (1.0, 3.0, 8.0, 20.0, 50.0, 150.0)
 # of pairs, about a factor of 2 apart; from 0.1, below which `plausible` refuses, to where a pair is two lags
 DAMPING = (0.15, 0.35, 0.65)
 OTHER_POLE = 0.2  # of orders above three
+NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
+ROUNDING = 1e-9  # from 1: what is nearer is an integrator
 FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
 _SCAN: Any = kernel.scan
@@ -69,6 +71,33 @@ def patterns(na: int) -> tuple[FloatArray, FloatArray]:
     return polynomials, np.array([max((abs(pole) for pole in poles), default=0.0) for poles in sets])
 
 
+def _given(polynomials: list[FloatArray], na: int) -> tuple[FloatArray, FloatArray]:
+    """Those of this order as a pattern; poles next to 1 are integrators."""
+    chosen = [a for a in polynomials if a.size == na]
+    slowest = np.array([float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0)) for a in chosen])
+    return np.array(chosen), np.where(slowest > 1.0 - ROUNDING, 1.0, slowest)
+
+
+def simpler(a: FloatArray, integrating: bool) -> list[FloatArray]:
+    """Polynomials A with some of the poles of this one, itself first; an integrator and pairs stay whole.
+
+    Where the slowest pole is nearly an integrator, with that in its place as well.
+    """
+    rest = 1.0 + np.cumsum(a)[:-1] if integrating else a
+    poles = np.roots(np.append(1.0, rest))
+    groups = [(pole, np.conj(pole)) if pole.imag > 0.0 else (pole,) for pole in poles if pole.imag >= 0.0]
+    sets = [sum(some, ()) for count in range(len(groups), -1, -1) for some in itertools.combinations(groups, count)]
+    if integrating:
+        return [a, *(_polynomial((*some, 1.0)) for some in sets[1:])]
+    slow = [pole for pole in poles if pole.imag == 0.0 and pole.real > NEARLY_INTEGRATING]
+    level = [tuple(1.0 if pole in slow[:1] else pole for pole in some) for some in sets if slow and slow[0] in some]
+    return [a, *(_polynomial(some) for some in [*sets[1:], *level] if some)]
+
+
+def _polynomial(poles: tuple[complex, ...]) -> FloatArray:
+    return np.asarray(np.real(np.poly(poles))[1:])
+
+
 def _oscillations() -> list[complex]:
     """Poles of underdamped pairs."""
     pairs = [
@@ -83,8 +112,9 @@ def grid_starts(
     d: FloatArray,
     ladder: tuple[tuple[int, int], ...],
     delays: tuple[int, int],
-    levels: bool = True,
+    integrating: bool | None = None,
     held: Held = FREE,
+    only: list[FloatArray] | None = None,
 ) -> list[GridStart]:
     """Best start of every structure of the ladder, over delays low .. high, best first.
 
@@ -98,16 +128,20 @@ def grid_starts(
     ladder : tuple of (na, nb)
     delays : (int, int)
         First and last delay.
-    levels : bool
-        Whether the process may integrate; such starts are structures of their own.
+    integrating : bool or None
+        Whether the process integrates; None: such starts are structures of their own, beside the others.
     held : Held
         What else is known of the process.
+    only : list of ndarray, optional
+        Polynomials A instead of the patterns of the grid.
     """
     low, high = delays
     rows = _shortened(data.segments)
     starts = []
     for na in sorted({na for na, _ in ladder}):
-        polynomials, decays = patterns(na)
+        polynomials, decays = patterns(na) if only is None else _given(only, na)
+        if not len(decays):
+            continue
         orders = max(nb for n, nb in ladder if n == na) + 1
         shape = (len(polynomials), orders, high - low + 1)
         rss, b = np.empty(shape), np.zeros((*shape, orders))
@@ -117,7 +151,7 @@ def grid_starts(
         for nb in {nb for order, nb in ladder if order == na}:
             for kind in (decays < 1.0, decays == 1.0):
                 chosen = np.flatnonzero(kind)
-                if not chosen.size or (decays[chosen[0]] == 1.0 and not levels):
+                if not chosen.size or integrating not in (None, bool(decays[chosen[0]] == 1.0)):
                     continue
                 best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
                 misfits = n * np.log(np.maximum(rss[best, nb, np.arange(best.size)], 1e-300) / n)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import products as kernel
@@ -11,6 +13,7 @@ from lostmotion.kernels import products as kernel
 # a bound against wandering: a start from the grid is done in far fewer, and what is not counts as not converged
 MOST_STEPS = 100
 FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
+LINEAR_DAMPING = 1e-10  # of parameters in which the errors are linear: a ridge
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
 STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the likelihood has kinks to zigzag on
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
@@ -74,6 +77,22 @@ def refine(
         stalled = steps > STALL and history[-1 - STALL] - cost <= STALL_GAIN * variance
         converged = converged or stalled
     return LocalFit(theta, cost, hessian, steps, converged)
+
+
+def settled(problem: Problem, theta: FloatArray) -> FloatArray:
+    """The vector with the best B, offset or load, and initial states: the errors are linear in these.
+
+    Without them an integrating process starts so far off that its first steps go anywhere.
+    """
+    free = np.eye(theta.size) if problem.basis is None else problem.basis
+    at = problem.eta_at + len(problem.family.own)
+    linear = [*range(problem.structure.na, problem.eta_at), *range(at, problem.noise_at)]
+    linear += range(problem.initial_at, theta.size)
+    columns = free[:, free[linear].any(axis=0)]
+    theta = problem.project(theta)
+    _, gradient, hessian = problem.evaluate(theta)
+    moved = theta + _damped_step(hessian, gradient, columns, LINEAR_DAMPING)[0]
+    return moved if problem.admissible(moved) else theta
 
 
 def _damped_step(

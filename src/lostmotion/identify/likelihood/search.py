@@ -9,15 +9,15 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.criterion import criterion
+from lostmotion.identify.likelihood.criterion import criterion, per_row
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise
 from lostmotion.identify.likelihood.plausible import FREE, Held, plausible
-from lostmotion.identify.likelihood.poles import GridStart, grid_starts
+from lostmotion.identify.likelihood.poles import GridStart, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
@@ -37,8 +37,10 @@ LATEST_DELAY = 25
 MOST_STRUCTURES = 3  # refined of those that the grid scores: the best few by score (docs/method.md, "orders, delay")
 MOST_NULL_SPACE = 2  # kept beside the grid for nearly exact feedback only (docs/method.md, "start in strong feedback")
 START_LAGS = 30  # of the ARX of a start: LATEST_DELAY and five samples of response
-NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 HOPELESS = 60.0  # a structure that is so much behind on the grid is not refined
+CLOSE = 30.0  # the same with the poles found
+MOST_CLOSE = 6  # of these
+WORTH_A_GRID = 10.0  # gain of a turn, from which on the actuator has moved and the whole grid is looked at again
 NEAR = 3  # samples of delay about that of another fit
 REACH = 8  # the same about the best so far
 AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
@@ -50,6 +52,7 @@ def best_fit(
     etas: list[FloatArray],
     asked: Asked,
     near: Fitted | None = None,
+    beside: Fitted | None = None,
 ) -> Fitted:
     """Refine from every start of the actuator and every likely structure; then settle the noise order.
 
@@ -63,14 +66,18 @@ def best_fit(
         Orders and noise, where they are not to be chosen from the data.
     near : Fitted or None
         Fit of another kind of actuator to the same data: its process and noise are where the search begins.
+    beside : Fitted or None
+        The same, but the search begins at its own processes as well.
     """
     search = _Search.on(data, family, asked)
     tried: list[Fitted | None] = []
+    others = [] if beside is None else [beside]
+    begun: list[_Attempt] = []
     if near is None:  # the other starts begin at the process that the first has found
         near = search.over(search.likely(etas[0]))
         assert near is not None  # noqa: S101  there is always a start
-        tried, etas = [near], etas[1:]
-    tried.append(search.over([attempt for eta in etas for attempt in search.like(near, eta)]))
+        tried, begun, etas = [near], search.like(others, etas[0]) if others else [], etas[1:]
+    tried.append(search.over(begun + [attempt for eta in etas for attempt in search.like([near, *others], eta)]))
     best = min((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
         best = search.improve(best)
@@ -114,7 +121,6 @@ class _Search:
     delays: tuple[int, int]
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
-    tried: set[_Key] = field(default_factory=set)
 
     @classmethod
     def on(cls, data: ScaledData, family: Family, asked: Asked) -> _Search:
@@ -136,7 +142,7 @@ class _Search:
         """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
         fits = [self._rough(*attempt) for attempt in attempts]
         limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
-        fits = [_further(fitted) if criterion(fitted) < limit else fitted for fitted in fits]
+        fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
             self.seen.append((fitted.actuator, self.score(fitted)))
         return min(fits, key=self.score) if fits else None
@@ -149,7 +155,10 @@ class _Search:
         starts = self._grid(x, d, self.delays) if d.size else []
         white = np.zeros(self.asked.noise or 0)
         attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
-        attempts += [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        others = [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        attempts += [self._coloured(*other) for other in others] if starts else others
+        if self.asked.integrating or (self.asked.orders is None and not self.held.closed):
+            return attempts
         arx = fit_arx(self.data, x, self.delays[0], START_LAGS)
         if self.asked.orders is not None:
             a, b, misfit = linear_start(arx, *self.asked.orders)
@@ -160,32 +169,53 @@ class _Search:
         starts = null_space_starts(arx)[:MOST_NULL_SPACE]
         return attempts + [(eta, start, longer) for start in starts if start.delay <= self.delays[1]]
 
-    def like(self, near: Fitted, eta: FloatArray) -> list[_Attempt]:
-        """The process and noise of another fit, and the best on the grid with that noise and about that delay."""
-        s, parts = near.problem.structure, near.parts
-        own = GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0)
-        delays = (max(s.delay - NEAR, self.delays[0]), min(s.delay + NEAR, self.delays[1]))
-        starts = self._grid(self._internal(eta), parts.d, delays)
-        return [(eta, start, parts.d) for start in [own, *distinct(starts, MOST_STRUCTURES)]]
+    def _coloured(self, eta: FloatArray, start: GridStart, d: FloatArray) -> _Attempt:
+        """Where a fit without a model of the noise ends, with the noise that it leaves: so it can be compared."""
+        fitted = _further(self._rough(eta, start, d))
+        if self.asked.noise is None:
+            d = choose_noise(fitted.output_residual(), self._noise_lags)
+        return (*_from(fitted, fitted.actuator)[:2], d)
+
+    def like(self, near: list[Fitted], eta: FloatArray) -> list[_Attempt]:
+        """The process and noise of other fits, and the best on the grid with that noise and about these delays."""
+        d, delays = near[0].parts.d, [one.problem.structure.delay for one in near]
+        about = (max(min(delays) - NEAR, self.delays[0]), min(max(delays) + NEAR, self.delays[1]))
+        starts = self._grid(self._internal(eta), d, about)
+        return [_from(one, eta) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
 
     def improve(self, best: Fitted) -> Fitted:
-        """Look at other structures from the actuator and noise found, while it helps."""
+        """Look at other structures from the actuator and noise found, while it helps.
+
+        With the poles found or some of them, where a score is nearly that of the refined model, and over the whole grid
+        at first and after a turn that gained much.
+        """
+        tried: set[_Key] = set()
+        gained = np.inf
         for _ in range(MOST_ROUNDS):
             s = best.problem.structure
-            self.tried.add((s.na, s.nb, s.delay, s.integrating))
-            eta, d = best.actuator, best.parts.d
-            low, high = self.delays
-            starts = self._grid(self._internal(eta), d, (max(low, s.delay - REACH), min(high, s.delay + REACH)))
-            here = min((start.score for start in starts if start.key[:3] == (s.na, s.nb, s.delay)), default=np.inf)
-            new = [start for start in starts if start.key not in self.tried and start.score < here + HOPELESS]
-            attempts = [(eta, start, d) for start in new[:MOST_STRUCTURES]]
-            attempts += [(eta, start, d) for start in self._next_to(best) if start.key not in self.tried]
-            self.tried.update(start.key for _, start, _ in attempts)
+            tried.add((s.na, s.nb, s.delay, s.integrating))
+            attempts = self._others(best, tried, everywhere=gained > WORTH_A_GRID)
+            tried.update(start.key for _, start, _ in attempts)
             challenger = self.over(attempts)
-            if challenger is None or self.score(challenger) > self.score(best) - 1.0:
+            gained = 0.0 if challenger is None else self.score(best) - self.score(challenger)
+            if challenger is None or gained < 1.0:
                 break
             best = challenger
         return best
+
+    def _others(self, best: Fitted, tried: set[_Key], everywhere: bool) -> list[_Attempt]:
+        """Untried structures that score about as well as that of a fit: with its own poles, on the grid where asked."""
+        s, eta, d, (low, high) = best.problem.structure, best.actuator, best.parts.d, self.delays
+        x, near = self._internal(eta), (max(low, s.delay - NEAR), min(high, s.delay + NEAR))
+        own = self._grid(x, d, near, simpler(best.parts.a, s.integrating))
+        here = min((start.score for start in own if start.key == (s.na, s.nb, s.delay, s.integrating)), default=np.inf)
+        starts = [start for start in own if start.score < here + CLOSE and start.key not in tried][:MOST_CLOSE]
+        if everywhere:
+            known = {start.key for start in starts} | tried
+            about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
+            grid = [one for one in self._grid(x, d, about) if one.score < here + HOPELESS and one.key not in known]
+            starts += grid[:MOST_STRUCTURES]
+        return [(eta, start, d) for start in starts]
 
     def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
         """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
@@ -203,30 +233,14 @@ class _Search:
                 found.append((eta, score - best))
         return tuple(found)
 
-    def _next_to(self, best: Fitted) -> list[GridStart]:
-        """The process found, one sample of delay moved into B and back, and with an order less."""
-        s, a, b = best.problem.structure, best.parts.a, best.parts.b
-        moved = [(s.na, s.nb + 1, s.delay - 1, np.append(0.0, b)), (s.na, s.nb + 1, s.delay, np.append(b, 0.0))]
-        if s.nb > 0:
-            moved += [(s.na, s.nb - 1, s.delay + 1, b[1:]), (s.na, s.nb - 1, s.delay, b[:-1])]
-            moved += [(s.na, s.nb, s.delay + 1, np.append(b[1:], 0.0))]
-        moved += [(s.na, s.nb, s.delay - 1, np.append(0.0, b[:-1]) if s.nb > 0 else b)]
-        low, high = self.delays
-        decay = 1.0 if s.integrating else 0.0
-        found = [
-            GridStart(na, nb, delay, a, beta, 0.0, decay)
-            for na, nb, delay, beta in moved
-            if (na, nb) in self.ladder and low <= delay <= high
-        ]
-        slowest = float(np.abs(np.roots(np.append(1.0, a))).max(initial=0.0))
-        if self.asked.levels and not s.integrating and slowest > NEARLY_INTEGRATING:
-            found.append(GridStart(s.na, s.nb, s.delay, np.append(a[:-1], -1.0 - a[:-1].sum()), b, 0.0, 1.0))
-        return found
-
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
         possible = plausible(fitted.parts.a) and fitted.problem.admissible(fitted.fit.theta)
-        return criterion(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
+        return self._misfit(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
+
+    def _misfit(self, fitted: Fitted) -> float:
+        """Information criterion for all rows: in short records a long model of the noise leaves fewer to be fitted."""
+        return per_row(fitted) * self.data.u.size
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
@@ -234,9 +248,12 @@ class _Search:
         self.family.evaluate(eta, data.u, x, dx)
         return x
 
-    def _grid(self, x: FloatArray, d: FloatArray, delays: tuple[int, int]) -> list[GridStart]:
-        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.levels, self.held)
-        return starts or [GridStart(*self.ladder[0], delays[0], np.zeros(self.ladder[0][0]), np.zeros(1), 0.0, 0.0)]
+    def _grid(
+        self, x: FloatArray, d: FloatArray, delays: tuple[int, int], only: list[FloatArray] | None = None
+    ) -> list[GridStart]:
+        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.integrating, self.held, only)
+        na, nb = self.ladder[0]
+        return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
         """AR model of what a start leaves over; of the order asked for."""
@@ -263,8 +280,15 @@ class _Search:
         family = self.family.with_load(integrating)
         problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
-        first = refine(problem, theta, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
+        begun = settled(problem, theta)
+        first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
         return Fitted(problem, first, problem.basis)
+
+
+def _from(fitted: Fitted, eta: FloatArray) -> _Attempt:
+    """An actuator at the process and noise of a fit."""
+    s, parts = fitted.problem.structure, fitted.parts
+    return eta, GridStart(s.na, s.nb, s.delay, parts.a, parts.b, 0.0, 1.0 if s.integrating else 0.0), parts.d
 
 
 def _further(fitted: Fitted) -> Fitted:

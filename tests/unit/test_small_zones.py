@@ -1,0 +1,65 @@
+"""Dead zones that hold few levels of a quantised OP, and such as are seen but not known."""
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.errors import Status
+from lostmotion.evaluate import random_loop
+
+STEP = 0.5
+TANK = lm.platforms.level_tank()
+
+
+def record(seed, levels=1, noise=0.03**0.5, samples=2000):
+    """As in benchmarks/small_zones.py."""
+    random = np.random.default_rng(seed)
+    u = np.round(lm.signals.prs(samples, -5, 5, hold=10, seed=seed) / STEP) * STEP
+    first = STEP * random.integers(-4, 3)
+    left = first - STEP * random.uniform(0.02, 0.98)
+    right = first + STEP * (levels - 1 + random.uniform(0.02, 0.98))
+    y = lm.Hammerstein(lm.DeadZone(left, right, 3.0, 3.0), TANK.linear).simulate(u)
+    return u, y + random.normal(scale=noise, size=samples), (left, right)
+
+
+@pytest.mark.parametrize("seed", [0, 6, 26, 37])
+def test_a_zone_about_one_level_is_not_left_between_two(seed):
+    """Found between two levels before: a zone that holds none slides there unseen."""
+    u, y, (left, right) = record(seed)
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+    assert abs(fit.parameters["left"] - left) < 0.05
+    assert abs(fit.parameters["right"] - right) < 0.05
+    assert {"left", "right", "width"} <= set(fit.profiled)
+    low, high = fit.interval("width")
+    assert low <= right - left <= high
+
+
+def test_many_levels_inside_leave_the_interval_to_curvature():
+    u = lm.signals.prs(2000, -5, 5, hold=10, seed=1)
+    y = TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=2000)
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+    assert not fit.profiled
+    low, high = fit.interval("right")
+    assert high - low == pytest.approx(2 * 1.96 * fit.standard_errors["right"], rel=1e-3)
+
+
+@pytest.mark.statistics
+def test_intervals_hold_with_one_level_inside():
+    """Nominal 95 %: 50 of 60 or fewer have a probability of 1e-4."""
+    held = 0
+    for seed in range(60):
+        u, y, (left, right) = record(seed)
+        fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+        low, high = fit.interval("width")
+        held += low <= right - left <= high
+    assert held > 50
+
+
+@pytest.mark.parametrize("index", [86, 172])
+def test_a_break_point_known_to_no_better_than_half_the_width_is_no_number_to_build_on(index):
+    loop = random_loop(index, 0)
+    assert not loop.identifiable
+    fit = lm.identify(loop.u, loop.y, loop.dt)
+    assert fit.status is Status.WIDE
+    assert not fit.status.ok
+    assert fit.preferred == "cannot tell"
