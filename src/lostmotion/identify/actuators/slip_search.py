@@ -24,6 +24,7 @@ WIDE = ((0.06, 128), (0.03, 64))
 CLOSE = ((0.012, 48), (0.004, 32), (0.0012, 24))
 NEIGHBOURHOOD = ((0.02, 64), (0.006, 48), (0.002, 48))  # the same where an interval begins
 JUMP_REACH, REST_REACH = 2.0, 6.0  # of a box: its other sides, in units of the first
+HOPS = 20  # from a pattern to the best next to it
 SCAN = 31  # places of one parameter, the others held
 SCAN_BANDS, SCAN_SHARES, SCAN_RESTS = 0.08, 1.2, 0.2  # how far: relative, jump over band, halves of the band
 TURNS, SMALL = 4, 1e-4  # the last where the cost falls by less than this share
@@ -107,7 +108,7 @@ def threshold_drop(level: float) -> float:
 
 def _hull(parts: list[tuple[float, float]]) -> tuple[float, float]:
     lows, highs = zip(*(part for part in parts if part[0] <= part[1]), strict=True)
-    return max(min(lows), 0.0), max(highs)
+    return max(float(min(lows)), 0.0), float(max(highs))
 
 
 def _better(fitted: Fitted, wide: bool) -> Iterator[Fitted]:
@@ -159,7 +160,13 @@ def _searched(likelihood: SlipLikelihood, best: Pattern, boxes: tuple[tuple[floa
     best = _least(best, _scans(likelihood, best, min(boxes[0][0] / WIDE[0][0], 1.0)))
     for reach, number in boxes:
         best = _least(best, _box(likelihood, best, reach, number))
-    return _least(best, _scans(likelihood, best, 0.1))
+    best = _least(best, _scans(likelihood, best, 0.1))
+    for _ in range(HOPS):
+        after = _least(best, _next_to(likelihood, best))
+        if after is best:
+            break
+        best = after
+    return best
 
 
 def _least(best: Pattern, others: Iterable[Pattern]) -> Pattern:
