@@ -38,6 +38,7 @@ DRAWS = 24  # places in a box
 JUMP_REACH, REST_REACH = 2.0, 10.0  # of a box: its other sides, in units of the first
 RESTS_AGAIN = 8  # of every place, once, when the boxes have begun to shrink
 LARGEST_SHARE = 1.5  # jump over band in boxes
+SCANT = 6.0  # of log-likelihood over the linear model: with less after the first boxes there is nothing to sharpen
 SKIPPED, SKIPPED_SHARE = 400, 0.1  # rows left out at the beginning of a segment, at most
 FINAL_RESTS = 81  # over the whole band, for the places found
 FINAL_BOXES = (0.006, 0.003, 0.0015)
@@ -145,8 +146,7 @@ class SlipProfile:
             return Place(model, band, jump, rests, np.inf, np.inf)
         floor = RIDGE * regression.samples
         squares = regression.alone - left_over(table, regression.basis, regression.explained, floor, RIDGE)
-        cost = 0.5 * regression.samples * float(np.log(max(squares, 1e-300)))
-        return Place(model, band, jump, rests, cost, squares)
+        return Place(model, band, jump, rests, _minus_log_likelihood(regression, squares), squares)
 
     def again(self, other: Place) -> Place:
         """A place of another profile."""
@@ -189,7 +189,10 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
     """
     draws = even_draws(DRAWS * sum(most for _, most in BOXES))
     live, at = _coarse(late, span), 0
+    linear = _minus_log_likelihood(late.regression, late.regression.squares(late.u))
     for step, (reach, most) in enumerate(BOXES):
+        if step and min(live, key=_cost).cost > linear - SCANT:
+            return [_settled(whole, min(live, key=_cost))]
         live = _apart(live, max(reach, FUNNEL), most)
         if step == 1:
             live = [late.rested(place, np.linspace(-1.0, 1.0, RESTS_AGAIN).tolist()) for place in live]
@@ -200,11 +203,17 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
 
 
 def _coarse(profile: SlipProfile, span: float) -> list[Place]:
-    """Places of a grid with He's valve, and the best of them with Kano's."""
+    """Places of a grid with He's valve, and the best of them with Kano's.
+
+    A valve of a smaller band than OP moves in a sample would slip all the time.
+    """
     segments = min(len(profile.segments), MOST_SEGMENTS)
+    moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
+    smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
+    number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
     found = [
         profile.place(HE, float(band), share * float(band), (rest,) * segments)
-        for band in span * np.geomspace(SMALLEST, LARGEST, BANDS)
+        for band in np.geomspace(smallest, LARGEST * span, number)
         for share in SHARES
         for rest in RESTS
     ]
@@ -239,6 +248,11 @@ def _apart(places: list[Place], reach: float, most: int) -> list[Place]:
         if len(kept) == most:
             break
     return kept
+
+
+def _minus_log_likelihood(regression: LaggedRegression, squares: float) -> float:
+    """Minus that of the profile, up to a constant."""
+    return 0.5 * regression.samples * float(np.log(max(squares, 1e-300)))
 
 
 def _cost(place: Place) -> float:
