@@ -31,6 +31,8 @@ IMPLAUSIBLE = 1e12  # added to BIC: behind anything plausible, and still in orde
 RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
 APART = 0.3  # deviations of OP between the break points of two rivals
 FIRST_STEPS, ROUGH_STEPS = 6, 20
+PATIENCE, UNDECIDED = 3, 12.0  # as many steps again for fits that have not converged, so near to the best (BIC)
+MOST_FINISHED = 3  # structures that are refined to the end and only then compared
 BEHIND = 25.0  # BIC of fits after the first steps: what is further behind the best is given up
 # samples: a longer one is better resampled (fit_remarks.LATE), and a twentieth of the shortest piece if that is less
 LATEST_DELAY = 25
@@ -81,13 +83,20 @@ def best_fit(
     best = min((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
         best = search.improve(best)
+    finals = [_finished(data, one, asked) for one in search.close_to(best)]
+    best = min(finals, key=search.score)
+    return replace(_without_load(best), rivals=search.rivals())
+
+
+def _finished(data: ScaledData, best: Fitted, asked: Asked) -> Fitted:
+    """Converged, with the noise order that its residual asks for."""
     d = best.parts.d
     if asked.noise is None:
         d = choose_noise(best.output_residual())
     s = best.problem.structure
-    if not (best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order):
-        best = refined(data, best, d)
-    return replace(_without_load(best), rivals=search.rivals())
+    if best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order:
+        return best
+    return refined(data, best, d)
 
 
 def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
@@ -121,6 +130,7 @@ class _Search:
     delays: tuple[int, int]
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
+    fits: list[Fitted] = field(default_factory=list)
 
     @classmethod
     def on(cls, data: ScaledData, family: Family, asked: Asked) -> _Search:
@@ -143,8 +153,12 @@ class _Search:
         fits = [self._rough(*attempt) for attempt in attempts]
         limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
         fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
+        for _ in range(PATIENCE):
+            limit = min((self.score(fitted) for fitted in fits), default=0.0) + UNDECIDED
+            fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
             self.seen.append((fitted.actuator, self.score(fitted)))
+        self.fits.extend(fits)
         return min(fits, key=self.score) if fits else None
 
     def likely(self, eta: FloatArray) -> list[_Attempt]:
@@ -217,6 +231,15 @@ class _Search:
             starts += grid[:MOST_STRUCTURES]
         return [(eta, start, d) for start in starts]
 
+    def close_to(self, best: Fitted) -> list[Fitted]:
+        """The best, and other structures that are as likely as far as rough fits can tell."""
+        if self.asked.orders is not None:
+            return [best]
+        limit, kept = self.score(best) + UNDECIDED, {_key(best): best}
+        for fitted in sorted((one for one in self.fits if self.score(one) < limit), key=self.score):
+            kept.setdefault(_key(fitted), fitted)
+        return list(kept.values())[:MOST_FINISHED]
+
     def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
         """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
         if not self.seen or not self.seen[0][0].size:
@@ -283,6 +306,12 @@ class _Search:
         begun = settled(problem, theta)
         first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
         return Fitted(problem, first, problem.basis)
+
+
+def _key(fitted: Fitted) -> _Key:
+    """What tells structures apart."""
+    s = fitted.problem.structure
+    return s.na, s.nb, s.delay, s.integrating
 
 
 def _from(fitted: Fitted, eta: FloatArray) -> _Attempt:
