@@ -61,7 +61,7 @@ PAGES = (
     Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED, shares=True),
     Page("records", "benchmarks/records.py", 30, (REMARKS,), shares=True),
     Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED),
-    Page("speed", "benchmarks/speed.py", 1),
+    Page("speed", "benchmarks/speed.py", 6),
     Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),
     Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),

@@ -25,7 +25,7 @@ def driven(valve, n=1200, seed=0, deviation=0.05):
 
 
 def fitted(kind, u, y):
-    data, asked = ScaledData(u, y, np.array([[0, u.size]])), Asked((1, 0, 1), 0, levels=False)
+    data, asked = ScaledData(u, y, np.array([[0, u.size]])), Asked((1, 0, 1), 0, integrating=False)
     return fit_kind(kind_of(kind).sought(data, asked), data, asked)
 
 

@@ -291,6 +291,5 @@ def test_intervals_in_random_closed_loops(random_fits):
 
 
 @pytest.mark.statistics
-@pytest.mark.xfail(reason="17 of 20 are told; see docs/method.md", strict=True)
 def test_kinds_in_random_closed_loops(random_fits):
     assert np.mean([fit.nonlinearity.kind == cause for cause, _, fit in random_fits]) >= 0.9

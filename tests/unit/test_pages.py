@@ -160,7 +160,8 @@ class TestPublish:
         begun(root)
         publish_toy(root)
         age = ages.age(TOY, root)
-        assert (age.stale, age.behind, age.state, age.minutes) == (False, False, "fresh", 1)
+        assert (age.stale, age.behind, age.state) == (False, False, "fresh")
+        assert age.minutes >= 1
 
     def test_old_page_stays_where_writing_fails(self, root):
         write(root, "docs/toy.md", "old")

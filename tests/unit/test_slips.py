@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -177,6 +179,11 @@ def test_gradients_are_those_of_the_likelihood(fitted):
 def test_loss_of_a_pattern_is_that_of_a_refinement(fitted):
     likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
     band, jump = fitted.actuator.tolist()
+    begun = likelihood.at(band, jump, fitted.problem.family.rests)  # from the middle of the first positions
+    family = fitted.problem.family.with_rests(begun.rests)
+    fitted = replace(fitted, problem=replace(fitted.problem, family=family))
+    fitted = replace(fitted, fit=refine(fitted.problem, fitted.fit.theta))
+    likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
     at = fitted.problem.eta_at
     held = np.delete(np.eye(fitted.problem.size), [at, at + 1], axis=1)
     for moved in (0.999, 1.002, 1.004):

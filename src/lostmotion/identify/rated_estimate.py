@@ -19,6 +19,7 @@ from lostmotion.identify.named_estimate import NamedEstimate
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL)  # no number is given for the fault, only a bound
+SEEN = (Status.COLOURED, Status.WIDE)  # not as it should be, but the kind is what the record shows
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 
@@ -49,12 +50,12 @@ class RatedEstimate(NamedEstimate, ABC):
         """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
         if self.status is Status.NOT_SEEN:
             return "none"
-        return self.nonlinearity.kind if self.status.ok or self.status is Status.COLOURED else "cannot tell"
+        return self.nonlinearity.kind if self.status.ok or self.status in SEEN else "cannot tell"
 
     @property
     def shown_size(self) -> str | None:
-        """Parameter that is the size of the lost motion which the record shows; None where it shows none."""
-        return self.kind.size if self.preferred == self.kind.name else None
+        """Parameter that is the size of the lost motion which the record shows; None where it shows no size."""
+        return self.kind.size if self.preferred == self.kind.name and self.status is not Status.WIDE else None
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter.

@@ -62,6 +62,35 @@ def trace(
 
 
 @njit(cache=True, nogil=True)
+def _complete(
+    x: FloatArray,
+    totals: FloatArray,
+    first: int,
+    last: int,
+    start: int,
+    stop: int,
+    past: FloatArray,
+    gram: FloatArray,
+) -> None:
+    """The rest of both tables from their first rows and columns: a lag more on either side drops and adds a product."""
+    inputs = gram.shape[0]
+    for i in range(1, past.shape[0]):
+        for j in range(1, inputs):
+            past[i, j] = (
+                past[i - 1, j - 1]
+                + (totals[start - i + 1] - totals[start - i]) * x[first - j]
+                - (totals[stop - i + 1] - totals[stop - i]) * x[last - j]
+            )
+    for j in range(inputs):
+        gram[j, 0] = gram[0, j]
+    for i in range(1, inputs):
+        before, after = x[first - i], x[last - i]
+        for j in range(i, inputs):
+            gram[i, j] = gram[i - 1, j - 1] + before * x[first - j] - after * x[last - j]
+            gram[j, i] = gram[i, j]
+
+
+@njit(cache=True, nogil=True)
 def add_slip_table(
     x: FloatArray,
     sums: FloatArray,
@@ -118,20 +147,7 @@ def add_slip_table(
         gram[0, j] += with_itself[inputs - 1 - j]
         if j > 0:
             past[0, j] += with_totals[outputs + j]
-    for i in range(1, outputs + 1):
-        for j in range(1, inputs):
-            past[i, j] = (
-                past[i - 1, j - 1]
-                + (totals[start - i + 1] - totals[start - i]) * x[first - j]
-                - (totals[stop - i + 1] - totals[stop - i]) * x[last - j]
-            )
-    for j in range(inputs):
-        gram[j, 0] = gram[0, j]
-    for i in range(1, inputs):
-        before, after = x[first - i], x[last - i]
-        for j in range(i, inputs):
-            gram[i, j] = gram[i - 1, j - 1] + before * x[first - j] - after * x[last - j]
-            gram[j, i] = gram[i, j]
+    _complete(x, totals, first, last, start, stop, past, gram)
     table[0] += ones
     table[-1] += past[0]
     table[1 : outputs + 1] += past[1:]

@@ -10,7 +10,7 @@ import numpy as np
 
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.evaluate.study.faults import REMEDY, WANTED, NoFault, fault_of
 from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.identify import FitFacts, RatedEstimate, facts_of
@@ -76,7 +76,8 @@ def known(model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseMo
 def _from_fit(facts: FitFacts) -> Known:
     if facts.shown_size is None:
         got = f"{facts.preferred} (status {facts.status.name})"
-        remedy = REMEDY if facts.preferred == facts.kind.name else facts.status.value
+        sized = facts.preferred == facts.kind.name and facts.status is not Status.WIDE
+        remedy = REMEDY if sized else facts.status.value
         raise DataError.expected("a fit that shows a lost motion", got, remedy)
     return Known(
         StudyPlant(facts.model, _load(facts)),
