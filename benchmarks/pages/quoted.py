@@ -109,6 +109,13 @@ def diagnosed(page: PageText) -> list[float]:
     return [named, right, *told, false, sound, *page.said("# of # right."), *page.said("# of # physical loops right")]
 
 
+def sticking(page: PageText) -> list[float]:
+    """Kinds named rightly; sizes within a percent; intervals that hold; their width."""
+    named, within = page.numbers("stiction", "kind"), page.number("stiction", "within 1 %")
+    play, held = page.numbers("backlash", "kind"), page.numbers("stiction", "held")
+    return [*named, *play, within, *held, page.number("stiction", "width")]
+
+
 def designed(page: PageText, target: str) -> tuple[float, float]:
     """Least and largest ratio of the intervals of a PRS and of the designed test."""
     rows = page.rows("PRS / designed: interval", target=target)
@@ -227,6 +234,13 @@ QUOTES = (
             p.number(PAP4, "over linear"),
             p.number(PAP4, "fit, %"),
         ],
+    ),
+    Quote(
+        "the right kind in {:.0f} of {:.0f} loops with stiction and {:.0f} of {:.0f} with backlash; the band of the "
+        "sticking ones right to a percent in {:.0f} % of them and inside its interval in {:.0f} of {:.0f}, which is "
+        "{:.1f} % of it wide",
+        "stiction",
+        sticking,
     ),
     Quote("What all {:.0f} gave", "shared-data", lambda p: p.said("All # records")),
     Quote(
