@@ -62,4 +62,7 @@ def test_a_break_point_known_to_no_better_than_half_the_width_is_no_number_to_bu
     fit = lm.identify(loop.u, loop.y, loop.dt)
     assert fit.status is Status.WIDE
     assert not fit.status.ok
-    assert fit.preferred == "cannot tell"
+    assert fit.preferred == "dead zone"  # seen it is
+    assert fit.shown_size is None
+    with pytest.raises(lm.ParameterError, match="interval of a break point"):
+        fit.block()

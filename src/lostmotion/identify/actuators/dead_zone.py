@@ -28,6 +28,7 @@ from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models import DeadZone, Nonlinearity
 
 LARGEST_SLOPE_RATIO = 50.0  # beyond this one side carries no signal: it is a one-sided actuator
+FARTHEST = 100.0  # of its logarithm: numbers stay finite
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
@@ -51,7 +52,8 @@ class DeadZoneFamily(Family):
 
     def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Dead zone with right slope 1 and its derivatives."""
-        kernel.sensitivities(u, eta[0], eta[1], eta[2], x, dx)
+        log_ratio = min(max(eta[2], -FARTHEST), FARTHEST)  # a trial step may go anywhere
+        kernel.sensitivities(u, eta[0], eta[1], log_ratio, x, dx)
 
     def valid(self, eta: FloatArray) -> FloatArray:
         """Order the break points (a negative width becomes zero at its middle) and keep them inside the data."""
