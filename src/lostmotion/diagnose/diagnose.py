@@ -37,7 +37,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     record : LoopRecord
         OP and PV, with SP where known. It is prepared first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
-        Whether the process integrates (a level); `identify` then looks at no other. None: as identified.
+        Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
         What PV measures: the classes of performance depend on it.
 
@@ -64,7 +64,8 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     kinds = sorted(LEAST_INDEX)
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
-    known = integrating
+    # "does not" is not handed on: without integrating starts the search met poorer structures of real loops (PAP4)
+    known = True if integrating else None
     if integrating is None and loop_type is not None and loop_type in INTEGRATES:
         integrating = INTEGRATES[loop_type]
     prepared = prepare(record)
