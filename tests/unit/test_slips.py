@@ -21,11 +21,9 @@ from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.kernels.products import explained
 from lostmotion.kernels.slips import (
     add_slip_table,
     first_positions,
-    left_over,
     pattern,
     through_process,
     trace,
@@ -76,14 +74,6 @@ def test_table_from_slips_is_that_of_all_rows(valve, delay, outputs, inputs):
     totals = np.concatenate([[0.0], np.cumsum(y)])
     add_slip_table(x, sums, rows, count, totals, outputs, delay, inputs, start, stop, table)
     assert np.allclose(table, slow.table(y, outputs, x, delay, inputs, start, stop), atol=1e-8)
-
-
-def test_explained_squares_without_lapack():
-    random = np.random.default_rng(0)
-    rows = random.normal(size=(60, 9))
-    table = rows.T @ rows[:, 3:8]
-    basis, known = random.normal(size=(3, 2)) * 0.05, random.normal(size=2)
-    assert left_over(table, basis, known, 1e-9, 1e-9) == pytest.approx(explained(table, basis, known, 1e-9, 1e-9))
 
 
 @given(valves)

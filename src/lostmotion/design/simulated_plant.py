@@ -159,11 +159,8 @@ class Plant:
         In open loop without the noise model, which is independent of the rest.
         """
         problem = self.problem(np.zeros(1), None)
-        basis = np.eye(self.theta.size) if problem.basis is None else problem.basis
-        if self.controller is None:
-            noise = np.arange(problem.noise_at, problem.initial_at)
-            basis = basis[:, ~np.any(basis[noise] != 0.0, axis=0)]
-        return np.ascontiguousarray(basis)
+        held = range(problem.noise_at, problem.initial_at) if self.controller is None else ()
+        return np.ascontiguousarray(problem.free_but(held))
 
     @cached_property
     def unsure(self) -> Plant:

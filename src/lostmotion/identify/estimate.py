@@ -13,9 +13,8 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.identify.actuators.break_points import break_point_intervals
 from lostmotion.identify.actuators.choice import choose_kind
-from lostmotion.identify.actuators.every_kind import FOUND, SEEN, EveryKind
+from lostmotion.identify.actuators.every_kind import EveryKind, is_open
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
@@ -166,10 +165,10 @@ class _Identification:
             return found
         inner = kind_of(kind.nests)
         nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
-        gain = gain_over_linear(nested, linear)
-        if gain < SEEN or gain_over_linear(found, linear) > gain + FOUND:
+        if not is_open(kind, {kind.name: found, inner.name: nested}, linear):
             return found
-        return max(found, kind.enriched(nested), key=lambda one: gain_over_linear(one, linear))
+        richer = [one for one in (kind.enriched(nested),) if kind.met(one)]
+        return max([found, *richer], key=lambda one: gain_over_linear(one, linear))
 
     def _fitted(
         self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None
@@ -196,7 +195,7 @@ class _Identification:
         data, scaled, family = self.data, self.scaled, fitted.problem.family
         scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
         named = name_parameters(fitted, scaling, self.settings["gain"] if kind.has_slopes else None)
-        profiled = _profiled(fitted, scaling)
+        profiled = kind.intervals(fitted, scaling)
         covariance = with_profiled(named, profiled)
         simulated, errors = fitted.problem.predict(fitted.fit.theta)
         evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
@@ -219,15 +218,6 @@ class _Identification:
             chosen=_chosen(fitted),
             data=data,
         )
-
-
-def _profiled(fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
-    """Profile intervals in units of OP, where the likelihood has jumps or bends."""
-    kind = kind_of(fitted.problem.family.kind)
-    if kind.dead_between:
-        return break_point_intervals(fitted, scaling)
-    size = scaling.u_scale
-    return {name: (size * low, size * high) for name, (low, high) in kind.intervals(fitted).items()}
 
 
 def _chosen(fitted: Fitted) -> Chosen:

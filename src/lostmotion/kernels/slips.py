@@ -155,34 +155,6 @@ def add_slip_table(
 
 
 @njit(cache=True, nogil=True)
-def left_over(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
-    """:func:`lostmotion.kernels.products.explained` without LAPACK: some thirty columns are solved faster in place."""
-    k, m = basis.shape[0], table.shape[1]
-    past = np.dot(basis.T, table[:k])
-    gram = table[k : k + m] - np.dot(past.T, past)
-    cross = table[k + m] - np.dot(known, past)
-    total = 0.0
-    for i in range(m):
-        gram[i, i] += ridge * gram[i, i] + floor
-    for i in range(m):
-        row = gram[i]
-        for j in range(i):
-            other = gram[j]
-            value = row[j]
-            for h in range(j):
-                value -= row[h] * other[h]
-            row[j] = value / other[j]
-        value, seen = row[i], cross[i]
-        for h in range(i):
-            value -= row[h] * row[h]
-            seen -= row[h] * cross[h]
-        row[i] = np.sqrt(value) if value > 0.0 else 1e150
-        cross[i] = seen / row[i]
-        total += cross[i] * cross[i]
-    return total
-
-
-@njit(cache=True, nogil=True)
 def pattern(
     model: int,
     u: FloatArray,

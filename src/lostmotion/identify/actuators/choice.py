@@ -175,13 +175,11 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[F
     shared = fitted.fit.theta[: problem.initial_at]
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
     theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
-    basis = np.eye(problem.size) if problem.basis is None else problem.basis
     # what is known, an offset of zero or a ratio of slopes of one,
     held = [] if fitted.basis is None else np.flatnonzero(~fitted.basis[: problem.initial_at].any(axis=1)).tolist()
     # and what would be caught between jumps in a few steps, or acts in one fold only: held, and paid for in `_left_out`
     held += range(problem.eta_at + len(problem.family.own) * (not problem.family.kinks), problem.noise_at)
-    basis = basis[:, ~np.any(basis[held] != 0.0, axis=0)]
-    fit = refine(problem, theta, basis, most_steps=STEPS, tied=True)
+    fit = refine(problem, theta, problem.free_but(held), most_steps=STEPS, tied=True)
     return fit.theta[: problem.initial_at], fit.cost / problem.errors
 
 

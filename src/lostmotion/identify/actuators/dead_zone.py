@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.identify.actuators.break_points import about_levels
+from lostmotion.identify.actuators.break_points import about_levels, break_point_intervals
 from lostmotion.identify.actuators.kind import NEEDED, Kind, Words, register
 from lostmotion.identify.actuators.operator_profile import lags_of
 from lostmotion.identify.actuators.slopes import with_equal_slopes
@@ -175,6 +175,10 @@ class DeadZoneKind(Kind):
         (left, right), u = fitted.actuator[:2], fitted.problem.u
         limit = bool(min(np.mean(u < left), np.mean(u > right)) < LEAST_BEYOND)
         return min(mine, scores["saturation"] - NEEDED) if limit else mine
+
+    def intervals(self, fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
+        """Where few levels of OP lie inside, or the interval is wide beside it."""
+        return break_point_intervals(fitted, scaling)
 
     def widest(self, fitted: Fitted, profiled: Mapping[str, tuple[float, float]], scaling: Scaling) -> float:
         """By the profile likelihood of the width, location and all else free."""

@@ -67,7 +67,7 @@ class EveryKind:
                 _keep(found, kind.nests, with_own_loads(kind.simplified(found[kind.name])))
         linear = _best_linear(linear, found)
         for kind in nested:
-            if _is_open(kind, found, linear):
+            if is_open(kind, found, linear):
                 richer = with_own_loads(kind.enriched(found[kind.nests]))
                 if kind.met(richer) and _keep(found, kind.name, richer):
                     linear = _best_linear(linear, found)
@@ -143,7 +143,7 @@ def _keep(found: Fits, kind: str, other: Fitted) -> bool:
     return better
 
 
-def _is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:
+def is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:
     """Whether the nested kind is seen, and this one not so much more that its last parameter was surely found."""
     if kind.nests not in found:
         return False

@@ -140,9 +140,10 @@ class Kind(ABC):
         """The maximum of the likelihood from a fit near it: last steps, where it has jumps."""
         return polished(fitted) if self.family.kinks else fitted
 
-    def intervals(self, fitted: Fitted) -> dict[str, tuple[float, float]]:
-        """95 % intervals of the actuator's parameters (scaled) by their profile, where the likelihood has jumps."""
-        return profile_intervals(fitted) if self.family.kinks else {}
+    def intervals(self, fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
+        """95 % intervals of parameters in units of OP by their profile, where curvature does not tell."""
+        found = profile_intervals(fitted) if self.family.kinks else {}
+        return {name: (scaling.u_scale * low, scaling.u_scale * high) for name, (low, high) in found.items()}
 
     def met(self, fitted: Fitted) -> bool:  # noqa: ARG002
         """Whether the record meets the actuator often enough for a fit of it to mean anything."""

@@ -151,10 +151,7 @@ def _moved(fitted: Fitted, start: LocalFit, move: FloatArray) -> LocalFit:
 
 def _without(fitted: Fitted, held: list[int]) -> FloatArray:
     """Free directions but for some actuator parameters."""
-    free = fitted.basis if fitted.basis is not None else fitted.problem.basis
-    free = np.eye(fitted.fit.theta.size) if free is None else free
-    rows = [fitted.problem.eta_at + index for index in held]
-    return free[:, ~np.any(free[rows] != 0.0, axis=0)]
+    return fitted.problem.free_but([fitted.problem.eta_at + index for index in held], fitted.basis)
 
 
 def _valid(fitted: Fitted, theta: FloatArray) -> bool:

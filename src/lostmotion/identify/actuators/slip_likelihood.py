@@ -196,10 +196,7 @@ class SlipLikelihood:
         """Orthonormal rows: what the parameters beside the valve's can explain."""
         problem = self.fitted.problem
         gradients = error_gradients(problem, self.fitted.fit.theta)
-        free = self.fitted.basis if self.fitted.basis is not None else problem.basis
-        free = np.eye(problem.size) if free is None else free
-        own = range(problem.eta_at, problem.eta_at + len(problem.family.own))
-        rows = free[:, ~np.any(free[list(own)] != 0.0, axis=0)].T @ gradients
+        rows = problem.free_but(problem.own, self.fitted.basis).T @ gradients
         size = np.sqrt(np.einsum("ij,ij->i", rows, rows))
         rows = rows[size > 0.0] / size[size > 0.0, None]
         values, vectors = np.linalg.eigh(rows @ rows.T)

@@ -17,16 +17,16 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST
-from lostmotion.identify.actuators.operator_profile import TAIL, LaggedRegression
+from lostmotion.identify.actuators.operator_profile import RIDGE, TAIL, LaggedRegression
 from lostmotion.identify.actuators.polish import MOST_SEGMENTS
 from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, even_draws, spaced_rests
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
-from lostmotion.kernels.slips import add_slip_table, left_over, trace
+from lostmotion.kernels.products import explained
+from lostmotion.kernels.slips import add_slip_table, trace
 from lostmotion.kernels.stiction import HE, KANO
 
 MOST_ROWS = 20_000  # of the profile: its cost hardly depends on them
-RIDGE = 1e-9  # relative; keeps noise-free Gram matrices invertible
 BANDS = 60  # over the range of OP, 8 % apart: the funnel is wider
 SHARES = (0.04, 0.12, 0.22, 0.33, 0.45, 0.57, 0.7, 0.85, 1.0)  # jump over band
 RESTS = (-0.6, 0.0, 0.6)  # of the grid
@@ -145,7 +145,7 @@ class SlipProfile:
         if turned < FEWEST_TURNS:
             return Place(model, band, jump, rests, np.inf, np.inf)
         floor = RIDGE * regression.samples
-        squares = regression.alone - left_over(table, regression.basis, regression.explained, floor, RIDGE)
+        squares = regression.alone - explained(table, regression.basis, regression.explained, floor, RIDGE)
         return Place(model, band, jump, rests, _minus_log_likelihood(regression, squares), squares)
 
     def again(self, other: Place) -> Place:

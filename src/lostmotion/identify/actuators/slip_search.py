@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lostmotion.identify.actuators.polish import FINE_RESTS, profile_intervals, rested
+from lostmotion.identify.actuators.polish import FINE_RESTS, rested
 from lostmotion.identify.actuators.slip_draws import even_draws
 from lostmotion.identify.actuators.slip_likelihood import Pattern, SlipLikelihood, shortened
 from lostmotion.identify.actuators.stiction_family import LARGEST_JUMP, own
@@ -27,7 +27,7 @@ JUMP_REACH, REST_REACH = 2.0, 6.0  # of a box: its other sides, in units of the 
 HOPS = 20  # from a pattern to the best next to it
 SCAN = 31  # places of one parameter, the others held
 SCAN_BANDS, SCAN_SHARES, SCAN_RESTS = 0.08, 1.2, 0.2  # how far: relative, jump over band, halves of the band
-TURNS, SMALL = 4, 1e-4  # the last where the cost falls by less than this share
+REPEATS, SMALL = 4, 1e-4  # of settling; the last where the cost falls by less than this share
 ROUNDING = 1e-9  # relative, of sums of squares that should be equal
 OTHER = 12.0  # of log-likelihood behind after a close look: the other model is not searched further
 STEPS = 6  # of everything else at a new place, before the valve moves as well
@@ -55,7 +55,7 @@ def slipped(fitted: Fitted) -> Fitted:
 
 def _settled(fitted: Fitted) -> Fitted:
     """First positions and half difference of band and jump by turns: within a pattern both are smooth."""
-    for _ in range(TURNS):
+    for _ in range(REPEATS):
         before = fitted.fit.cost
         fitted = rested(_centred(fitted), FINE_RESTS)
         fitted = replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis))
@@ -77,10 +77,11 @@ def _centred(fitted: Fitted) -> Fitted:
 
 
 def slip_intervals(fitted: Fitted) -> Intervals:
-    """95 % intervals of band and jump (scaled): all patterns about the best that the record does not reject."""
+    """95 % intervals of band and jump (scaled): all patterns about the best that the record does not reject.
+
+    Of a valve that turns often enough (``turns_seen``).
+    """
     likelihood = _likelihood(fitted)
-    if not turns_seen(fitted):
-        return profile_intervals(fitted)
     accepted = list(_accepted(likelihood, _here(likelihood)))
     best = min(one.loss for one in accepted)
     drop = best + threshold_drop(LEVEL)
@@ -133,10 +134,7 @@ def _refined(fitted: Fitted, family: Family, place: Pattern) -> Fitted:
     theta = fitted.fit.theta.copy()
     at = problem.eta_at
     theta[at : at + 2] = place.eta
-    free = fitted.basis if fitted.basis is not None else problem.basis
-    free = np.eye(theta.size) if free is None else free
-    held = free[:, ~np.any(free[at : at + 2] != 0.0, axis=0)]
-    first = refine(problem, theta, held, most_steps=STEPS, tied=True)
+    first = refine(problem, theta, problem.free_but(problem.own, fitted.basis), most_steps=STEPS, tied=True)
     return replace(fitted, problem=problem, fit=refine(problem, first.theta, fitted.basis))
 
 
@@ -252,9 +250,7 @@ def _next_to(likelihood: SlipLikelihood, one: Pattern) -> Iterator[Pattern]:
                 yield likelihood.at(bands, other, one.rests)
     for index, rest in enumerate(one.rests):
         others = likelihood.first_rests(band, jump, index, MOST_PATTERNS)
-        below, above = (
-            [other for other in others if other < rest - NUDGE],
-            [other for other in others if other > rest + NUDGE],
-        )
-        for moved in [*below[-1:], *above[:1]]:
+        below = max((other for other in others if other < rest - NUDGE), default=rest)
+        above = min((other for other in others if other > rest + NUDGE), default=rest)
+        for moved in {below, above} - {rest}:
             yield likelihood.at(band, jump, (*one.rests[:index], moved, *one.rests[index + 1 :]))

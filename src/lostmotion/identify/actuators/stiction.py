@@ -19,7 +19,7 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.identify.scaled import ScaledData
+from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity, Stiction
 
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
@@ -74,9 +74,11 @@ class StictionKind(Kind):
         """The valve turns twice at least."""
         return turns_seen(fitted)
 
-    def intervals(self, fitted: Fitted) -> dict[str, tuple[float, float]]:
+    def intervals(self, fitted: Fitted, scaling: Scaling) -> dict[str, tuple[float, float]]:
         """All patterns of slips that the record does not reject."""
-        return slip_intervals(fitted)
+        if not turns_seen(fitted):
+            return super().intervals(fitted, scaling)
+        return {name: (scaling.u_scale * a, scaling.u_scale * b) for name, (a, b) in slip_intervals(fitted).items()}
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:
         """With the model of the family."""

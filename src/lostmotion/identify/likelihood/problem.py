@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -101,6 +102,11 @@ class Problem:
         return self.offset_at + 1
 
     @cached_property
+    def own(self) -> range:
+        """Indices of the actuator's own parameters."""
+        return range(self.eta_at, self.eta_at + len(self.family.own))
+
+    @cached_property
     def noise_at(self) -> int:
         """Index of d1."""
         return self.eta_at + len(self.family.names)
@@ -173,6 +179,20 @@ class Problem:
         inside = np.eye(na, na - 1) - np.eye(na, na - 1, k=-1)
         rest = np.delete(np.eye(self.size - na), self.offset_at - na, axis=1)
         return np.block([[inside, np.zeros((na, rest.shape[1]))], [np.zeros((len(rest), na - 1)), rest]])
+
+    def free_but(self, rows: Sequence[int], basis: FloatArray | None = None) -> FloatArray:
+        """Free directions (size, free) that leave some parameters where they are.
+
+        Parameters
+        ----------
+        rows : sequence of int
+            Indices of these parameters.
+        basis : ndarray, optional
+            Directions that are free; None: the problem's own.
+        """
+        free = self.basis if basis is None else basis
+        free = np.eye(self.size) if free is None else free
+        return np.asarray(free[:, ~np.any(free[list(rows)] != 0.0, axis=0)])
 
     def admissible(self, theta: FloatArray) -> bool:
         """Whether A is stable, but for the integrator, and the process an allowed one."""

@@ -332,11 +332,7 @@ def _further(fitted: Fitted) -> Fitted:
 
 def _held(problem: Problem) -> FloatArray | None:
     """Free directions of a start: the actuator stays in its needle until the process around it is known."""
-    if not problem.family.needles:
-        return None
-    free = np.eye(problem.size) if problem.basis is None else problem.basis
-    own = free[problem.eta_at : problem.eta_at + len(problem.family.own)]
-    return np.asarray(free[:, ~np.any(own != 0.0, axis=0)])
+    return problem.free_but(problem.own) if problem.family.needles else None
 
 
 def _without_mode(v: FloatArray, decay: float) -> FloatArray:
