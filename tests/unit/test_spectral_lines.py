@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.fft import next_fast_len
 
 from lostmotion.identify.actuators import spectral_lines
 from lostmotion.identify.actuators.spectral_lines import (
@@ -49,9 +50,9 @@ def test_what_a_loop_mostly_does():
 def test_strongest_line_of_a_padded_transform(n, at_once, monkeypatch):
     monkeypatch.setattr(spectral_lines, "AT_ONCE", at_once)
     x = np.random.default_rng(n).normal(size=n) + np.sin(2.0 * np.pi * np.arange(n) / 11.3)
-    size = PADDING * n
+    size = PADDING * next_fast_len(n, real=True)
     power = np.abs(np.fft.rfft(x, size)) ** 2 * 2.0 / n
-    low, high = int(FEWEST_PERIODS * PADDING), int(size / SHORTEST_PERIOD)
+    low, high = int(np.ceil(FEWEST_PERIODS * size / n)), int(size / SHORTEST_PERIOD)
     for banned in (0.0, 0.05):  # relative distance from the period of the sine
         periods = size / np.arange(low, high)
         allowed = np.where(np.abs(periods / 11.3 - 1.0) < banned, 0.0, power[low:high])

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -223,9 +224,9 @@ class _Errors:
         options: list[_Option] = []
         gram, target = np.zeros((0, 0)), np.zeros(0)
         response = self._effect(np.ones(rows), 0, rows)
+        trials = {each: list(self._options(left, response, *each)) for each in self.segments}
         while len(options) < self.room:
-            trials = [option for each in self.segments for option in self._options(left, response, *each)]
-            best = max(trials, key=lambda option: option.gain, default=None)
+            best = max(chain(*trials.values()), key=lambda option: option.gain, default=None)
             if best is None or not best.gain > self.limit:
                 break
             options.append(best)
@@ -238,6 +239,9 @@ class _Errors:
             left = self.errors.copy()
             for size, column in zip(sizes, columns, strict=True):
                 left -= size * column
+            for each in self.segments:
+                if each[0] == best.start:  # what is left elsewhere has not changed
+                    trials[each] = list(self._options(left, response, *each))
         columns.clear()
         if not options:
             return None

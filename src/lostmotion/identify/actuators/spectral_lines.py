@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import numpy.typing as npt
+from scipy.fft import next_fast_len
 from scipy.ndimage import median_filter
 
 from lostmotion.arrays import FloatArray
@@ -56,10 +57,11 @@ def strongest(x: FloatArray, made_inside: Callable[[FloatArray], npt.NDArray[np.
     On the grid of a transform of PADDING times the length. Of a long signal that is one transform for every fraction
     of a line by which it is moved, so that nothing of that length is ever in memory.
     """
-    size = PADDING * x.size
-    low, high = int(np.ceil(FEWEST_PERIODS * PADDING)), int(size / SHORTEST_PERIOD)
+    length = next_fast_len(x.size, real=True)  # lengths with a large prime take thirty times as long
+    size = PADDING * length
+    low, high = int(np.ceil(FEWEST_PERIODS * size / x.size)), int(size / SHORTEST_PERIOD)
     best = (0.0, low)
-    for first, step, values in _spectra(x):
+    for first, step, values in _spectra(x, length):
         index = np.arange(first, high, step)
         inner = index >= low
         found, power = index[inner], np.abs(values[: index.size][inner]) ** 2 * 2.0 / x.size
@@ -69,13 +71,13 @@ def strongest(x: FloatArray, made_inside: Callable[[FloatArray], npt.NDArray[np.
     return size / best[1], best[0]
 
 
-def _spectra(x: FloatArray) -> Iterator[tuple[int, int, npt.NDArray[np.complex128]]]:
-    """Lines first, first + step, .. of the grid, up to signs and phases."""
+def _spectra(x: FloatArray, length: int) -> Iterator[tuple[int, int, npt.NDArray[np.complex128]]]:
+    """Lines first, first + step, .. of the grid of PADDING * length, up to signs and phases."""
     if x.size <= AT_ONCE:
-        yield 0, 1, np.fft.rfft(x, PADDING * x.size)
+        yield 0, 1, np.fft.rfft(x, PADDING * length)
         return
     for part in range(PADDING // 2 + 1):
-        moved = np.fft.fft(x * np.exp(-2j * np.pi * part / (PADDING * x.size) * np.arange(x.size)))
+        moved = np.fft.fft(x * np.exp(-2j * np.pi * part / (PADDING * length) * np.arange(x.size)), length)
         yield part, PADDING, moved
         if 0 < part < PADDING // 2:  # the same lines seen from the other side
             yield PADDING - part, PADDING, moved[::-1]
