@@ -43,6 +43,7 @@ MOST_ROUNDS = 4  # of finding, fitting, finding in what is left; it ends by itse
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
 SAME = 0.03  # relative difference of two periods that are one
 LEAST_SHARE = 0.1  # of the variance of PV
+FEW_STEPS = 8  # of a trial: enough to see whether its loads pay; the best is refined to the end
 
 
 def with_own_loads(fitted: Fitted) -> Fitted:
@@ -57,11 +58,18 @@ def with_own_loads(fitted: Fitted) -> Fitted:
         if criterion(trial) >= criterion(best) - 1.0:
             break
         best = trial
-    return best
+    return _to_the_end(best)
+
+
+def _to_the_end(fitted: Fitted) -> Fitted:
+    """Converged."""
+    if fitted.fit.converged:
+        return fitted
+    return replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis))
 
 
 def loaded(fitted: Fitted, y: FloatArray, loads: Loads, sizes: FloatArray) -> Fitted:
-    """The model with further loads, everything refined on PV `y`."""
+    """The model with further loads, everything refined on PV `y` by a few steps."""
     problem, at = fitted.problem, fitted.problem.noise_at
     family = problem.family.with_loads(loads if problem.family.loads is None else problem.family.loads.joined(loads))
     start = np.insert(fitted.fit.theta, at, sizes)
@@ -70,7 +78,7 @@ def loaded(fitted: Fitted, y: FloatArray, loads: Loads, sizes: FloatArray) -> Fi
         rows = np.insert(fitted.basis, [at] * sizes.size, 0.0, axis=0)
         basis = np.hstack([rows, np.eye(start.size)[:, at : at + sizes.size]])
     problem = replace(problem, y=y, family=family)
-    return Fitted(problem, refine(problem, start, basis), basis, fitted.rivals)
+    return Fitted(problem, refine(problem, start, basis, FEW_STEPS), basis, fitted.rivals)
 
 
 def pruned(fitted: Fitted) -> Fitted:
@@ -93,7 +101,7 @@ def without_loads(fitted: Fitted, y: FloatArray | None = None) -> Fitted:
     """Without any of its loads, refined; on another PV where given."""
     if y is not None:
         fitted = replace(fitted, problem=replace(fitted.problem, y=y))
-    return fitted if fitted.problem.family.loads is None else _with_only(fitted, [])
+    return fitted if fitted.problem.family.loads is None else _to_the_end(_with_only(fitted, []))
 
 
 def without_actuator(fitted: Fitted) -> Fitted:
@@ -169,7 +177,7 @@ def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
         inside = ~np.any(fitted.basis[dropped] != 0.0, axis=0)
         basis = np.delete(fitted.basis[:, inside], dropped, axis=0)
     problem = replace(problem, family=problem.family.with_loads(loads.kept(kept)))
-    return Fitted(problem, refine(problem, start, basis), basis, fitted.rivals)
+    return Fitted(problem, refine(problem, start, basis, FEW_STEPS), basis, fitted.rivals)
 
 
 @dataclass(frozen=True)

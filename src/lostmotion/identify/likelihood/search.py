@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import criterion, per_row
+from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -94,7 +96,8 @@ def _finished(data: ScaledData, best: Fitted, asked: Asked) -> Fitted:
     if asked.noise is None:
         d = choose_noise(best.output_residual())
     s = best.problem.structure
-    if best.fit.converged and d.size == s.noise_order and s.start == s.delay + s.noise_order:
+    whole = best.problem.segments is data.segments and s.start == s.delay + s.noise_order
+    if best.fit.converged and whole and d.size == s.noise_order:
         return best
     return refined(data, best, d)
 
@@ -127,6 +130,7 @@ class _Search:
     data: ScaledData
     family: Family
     asked: Asked
+    segments: IntArray
     delays: tuple[int, int]
     held: Held = FREE
     seen: list[tuple[FloatArray, float]] = field(default_factory=list)
@@ -135,13 +139,19 @@ class _Search:
     @classmethod
     def on(cls, data: ScaledData, family: Family, asked: Asked) -> _Search:
         """Search over the orders given, or over the ladder and all delays that the record can show."""
+        rows = data.segments if family.needles else excerpt(data)  # the place in a needle is for all rows
         if asked.orders is not None:
-            return cls(data, family, asked, (asked.orders[2], asked.orders[2]))
+            return cls(data, family, asked, rows, (asked.orders[2], asked.orders[2]))
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
         # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
         loop = feedback(data)
         first = 1 if loop.closed else 0
-        return cls(data, family, asked, (first, latest), Held(loop.closed, loop.direction))
+        return cls(data, family, asked, rows, (first, latest), Held(loop.closed, loop.direction))
+
+    @cached_property
+    def rows(self) -> int:
+        """Rows of the rough fits."""
+        return int((self.segments[:, 1] - self.segments[:, 0]).sum())
 
     @property
     def ladder(self) -> tuple[tuple[int, int], ...]:
@@ -157,7 +167,7 @@ class _Search:
             limit = min((self.score(fitted) for fitted in fits), default=0.0) + UNDECIDED
             fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for fitted in fits:
-            self.seen.append((fitted.actuator, self.score(fitted)))
+            self.seen.append((fitted.actuator, self.score(fitted) * self.data.u.size / self.rows))
         self.fits.extend(fits)
         return min(fits, key=self.score) if fits else None
 
@@ -263,7 +273,7 @@ class _Search:
 
     def _misfit(self, fitted: Fitted) -> float:
         """Information criterion for all rows: in short records a long model of the noise leaves fewer to be fitted."""
-        return per_row(fitted) * self.data.u.size
+        return per_row(fitted) * self.rows
 
     def _internal(self, eta: FloatArray) -> FloatArray:
         data = self.data
@@ -297,11 +307,11 @@ class _Search:
 
     def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray) -> Fitted:
         rows = self.delays[1] + (START_NOISE_LAGS if self.asked.noise is None else self.asked.noise)
-        rows = max(min(rows, self.data.shortest // 5), start.delay + d.size)
+        rows = max(min(rows, int(np.diff(self.segments).min()) // 5), start.delay + d.size)
         integrating = start.decay == 1.0
         structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
         family = self.family.with_load(integrating)
-        problem = Problem(self.data.u, self.data.y, self.data.segments, family, structure, self.held)
+        problem = Problem(self.data.u, self.data.y, self.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         begun = settled(problem, theta)
         first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)

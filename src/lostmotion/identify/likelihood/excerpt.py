@@ -1,0 +1,44 @@
+"""The liveliest pieces of a long record: enough to choose among structures, which are then refined on all of it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from lostmotion.arrays import IntArray
+from lostmotion.identify.scaled import ScaledData
+
+MOST_ROWS = 6_000  # of rough fits: what they cannot tell apart is refined on all rows and only then compared
+PIECES = 3  # of that length together; each has initial conditions of its own
+
+
+def excerpt(data: ScaledData, most: int = MOST_ROWS) -> IntArray:
+    """Segments (s, 2) of at most about `most` rows in which OP moves most; all where there are no more.
+
+    Pieces next to each other stay one segment.
+    """
+    if data.u.size <= most:
+        return data.segments
+    pieces = [piece for segment in data.segments.tolist() for piece in _cut(segment[0], segment[1], most // PIECES)]
+    order = sorted(range(len(pieces)), key=lambda index: -float(np.std(data.u[slice(*pieces[index])])))
+    kept: list[tuple[int, int]] = []
+    for index in sorted(_until_full(order, pieces, most)):
+        start, stop = pieces[index]
+        if kept and kept[-1][1] == start and not np.any(data.segments[:, 0] == start):
+            start = kept.pop()[0]
+        kept.append((start, stop))
+    return np.array(kept)
+
+
+def _cut(start: int, stop: int, length: int) -> list[tuple[int, int]]:
+    """A segment in equal pieces of about this length."""
+    count = max((stop - start) // length, 1)
+    bounds = np.linspace(start, stop, count + 1).astype(int).tolist()
+    return list(pairwise(bounds))
+
+
+def _until_full(order: list[int], pieces: list[tuple[int, int]], most: int) -> list[int]:
+    """The first of them, as long as the rows are not enough."""
+    lengths = np.array([pieces[index][1] - pieces[index][0] for index in order])
+    return order[: int(np.searchsorted(np.cumsum(lengths), most - lengths[0] // 2)) + 1]
