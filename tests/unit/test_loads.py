@@ -17,8 +17,9 @@ from lostmotion.identify.actuators.loads import (
     without_their_effect,
 )
 from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.courses import Loads, Step, Swing
 from lostmotion.identify.likelihood.criterion import criterion
-from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.likelihood.family import LinearFamily
 from lostmotion.identify.scaled import ScaledData
 
 pytestmark = pytest.mark.statistics  # whole fits: minutes without the JIT
@@ -75,11 +76,9 @@ def test_steps_are_found_at_their_rows():
 
 def test_a_load_that_does_not_pay_is_dropped():
     data = record(np.zeros(N))
-    course = np.zeros((1, N))
-    course[0, 400:] = 1.0
     plain = linear(data)
-    forced = loaded(plain, data.y, Loads(course, (Step(400),)), np.zeros(1))
-    assert events(forced) == (Step(400),)
+    forced = loaded(plain, data.y, Loads((Step(400, 0, N),), N), np.zeros(1))
+    assert events(forced) == (Step(400, 0, N),)
     kept = pruned(forced)
     assert events(kept) == ()
     assert kept.fit.theta == pytest.approx(plain.fit.theta, abs=1e-5)

@@ -8,7 +8,8 @@ from lostmotion import _verbs
 from lostmotion.identify.actuators.backlash import BacklashFamily
 from lostmotion.identify.actuators.saturation import SaturationFamily
 from lostmotion.identify.actuators.stiction import StictionFamily
-from lostmotion.identify.likelihood.family import LinearFamily, Loads, Step, Swing
+from lostmotion.identify.likelihood.courses import Loads, Step, Swing
+from lostmotion.identify.likelihood.family import LinearFamily
 from lostmotion.models.stiction import CODES
 from tests.naive import backlash as slow_backlash
 from tests.naive import stiction as slow_stiction
@@ -136,7 +137,7 @@ def test_only_a_dead_zone_and_a_backlash_have_an_inverse():
 def test_families_with_loads():
     time = np.arange(200)
     shapes = np.vstack([np.sin(time), np.cos(time), time > 10.0]).astype(float)
-    both = Loads(shapes, (Swing(6.28), Step(11)))
+    both = Loads((Swing(2.0 * np.pi, 0, 200), Step(11, 0, 200)), 200)
     family = LinearFamily().with_loads(both).with_load(True)
     assert family.names == ("load", "sine", "cosine", "step")
     assert family.sought == 2
@@ -144,8 +145,22 @@ def test_families_with_loads():
     x, dx = np.empty(200), np.empty((4, 200))
     family.evaluate(eta, u, x, dx)
     np.testing.assert_allclose(x, u + 0.5 + np.sin(time) - 2 * np.cos(time) + 3.0 * (time > 10))
-    np.testing.assert_allclose(dx[1:], shapes)
-    assert both.kept([1]).events == (Step(11),)
+    np.testing.assert_allclose(dx[1:], shapes, atol=1e-12)
+    assert both.kept([1]).events == (Step(11, 0, 200),)
     assert both.kept([1]).shapes.shape == (1, 200)
     assert both.kept([]) is None
     assert both.joined(both).shapes.shape == (6, 200)
+
+
+def test_a_load_acts_in_its_own_segment():
+    later = Loads((Swing(8.0, 50, 90), Step(60, 50, 90)), 200).shapes
+    assert not later[:, :50].any()
+    assert not later[:, 90:].any()
+    np.testing.assert_allclose(later[0, 50:90], np.sin(np.arange(40) * np.pi / 4), atol=1e-12)
+    assert later[2].sum() == 30
+
+
+def test_courses_of_several_fits_by_turns():
+    one, other = Loads((Step(11, 0, 200),), 200), Loads((Step(12, 0, 200),), 200)
+    for loads, rows in ((one, 189), (other, 188), (one, 189), (one, 189)):
+        assert loads.shapes.sum() == rows

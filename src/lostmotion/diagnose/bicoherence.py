@@ -15,6 +15,7 @@ from lostmotion.errors import DataError
 
 SEGMENT = 64  # samples, as published; overlapping by half, Hann window
 PERIODS = 4  # in a segment at least: of a slower oscillation a segment sees a ramp, whose phases are all coupled
+AT_ONCE = 65_536  # bifrequencies
 LEAST_SEGMENTS = 4  # in noise the squared bicoherence is about 1 / segments: of fewer, noise looks coupled
 CONFIDENCE = 1.6449  # one-sided 95 % quantile of the normal distribution
 WINDOW_COUPLING = 2.22  # how far the Hann window ties neighbouring bifrequencies together
@@ -107,23 +108,29 @@ def _spectra(x: FloatArray, size: int, count: int) -> npt.NDArray[np.complex128]
     return np.asarray(scipy.fft.rfft((segments - segments.mean(axis=1, keepdims=True)) * window, axis=1))
 
 
-def _principal_domain(size: int) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Bifrequencies 1 < f2 <= f1 with f1 + f2 below the Nyquist frequency, as bin numbers."""
-    first, second = np.meshgrid(np.arange(2, size // 2), np.arange(2, size // 2), indexing="ij")
-    inside = (second <= first) & (first + second < size // 2)
-    return first[inside], second[inside]
+def _principal_domain(size: int) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Bifrequencies 1 < f2 <= f1 with f1 + f2 below the Nyquist frequency, as bin numbers, f1 by f1."""
+    rows = np.arange(2, size // 2 - 2, dtype=np.int32)
+    counts = np.maximum(np.minimum(rows, size // 2 - 1 - rows) - 1, 0)
+    first = np.repeat(rows, counts)
+    begins = np.repeat(np.cumsum(counts) - counts, counts)
+    return first, (np.arange(first.size) - begins + 2).astype(np.int32)
 
 
 def _squared_bicoherence(
-    spectra: npt.NDArray[np.complex128], first: npt.NDArray[np.intp], second: npt.NDArray[np.intp]
+    spectra: npt.NDArray[np.complex128], first: npt.NDArray[np.int32], second: npt.NDArray[np.int32]
 ) -> FloatArray:
     """|mean X1 X2 conj(X12)|^2 / (mean |X1 X2|^2 mean |X12|^2) over the segments, for each bifrequency."""
-    triple = np.zeros(first.size, dtype=np.complex128)
-    pairs, power = np.zeros(first.size), np.zeros(spectra.shape[1])
-    for one in spectra:  # one segment after the other: the products of all of them would be large
-        product = one[first] * one[second]
-        triple += product * one[first + second].conj()
-        pairs += product.real**2 + product.imag**2
-        power += one.real**2 + one.imag**2
-    below = pairs * power[first + second]
-    return np.asarray(np.abs(triple) ** 2 / (below + CONDITION * below.mean() + 1e-300))
+    above, below = np.empty(first.size), np.empty(first.size)
+    power = (spectra.real**2 + spectra.imag**2).sum(axis=0)
+    for begin in range(0, first.size, AT_ONCE):  # the products of all bifrequencies would be large
+        part = slice(begin, begin + AT_ONCE)
+        f1, f2 = first[part], second[part]
+        both = f1 + f2
+        triple, pairs = np.zeros(f1.size, dtype=np.complex128), np.zeros(f1.size)
+        for one in spectra:
+            product = one[f1] * one[f2]
+            triple += product * one[both].conj()
+            pairs += product.real**2 + product.imag**2
+        above[part], below[part] = triple.real**2 + triple.imag**2, pairs * power[both]
+    return np.asarray(above / (below + CONDITION * below.mean() + 1e-300))

@@ -39,10 +39,10 @@ def reversals(command: npt.ArrayLike, band: float = 0.0) -> int:
     """
     if not finite("band", band) >= 0:
         raise ParameterError.expected("band >= 0", band, "give the noise band in units of the command")
-    values = _filled(command).tolist()
-    low = high = extreme = values[0]
+    values = _filled(command)
+    low = high = extreme = float(values[0])
     direction, count = 0, 0
-    for value in values:
+    for value in map(float, values):  # a list of them would be large
         if direction == 0:  # not yet known: watch both extremes
             low, high = min(low, value), max(high, value)
             if high > low and high - low >= band:

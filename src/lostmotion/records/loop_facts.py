@@ -104,7 +104,7 @@ def reversals(values: FloatArray, size: float) -> int:
     """
     count, direction = 0, 0
     extreme = low = high = float("nan")
-    for value in values[~np.isnan(values)].tolist():
+    for value in map(float, values[~np.isnan(values)]):  # a list of them would be large
         if direction == 0:
             low = value if low != low else min(low, value)  # noqa: PLR0124  (NaN before the first)
             high = value if high != high else max(high, value)  # noqa: PLR0124

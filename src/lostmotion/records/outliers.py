@@ -9,6 +9,7 @@ from lostmotion.records import limits
 from lostmotion.records.sampling import Bools, runs
 
 MAD = 1.4826  # deviation of a normal variable per median absolute deviation
+AT_ONCE = 8192  # rows
 
 
 def wild(values: FloatArray) -> Bools:
@@ -42,11 +43,14 @@ def wild(values: FloatArray) -> Bools:
     rows = np.zeros(n, dtype=np.bool_)
     if n <= 2 * reach or np.isnan(values).all():
         return rows
+    middle, local = np.empty(n), np.empty(n)
     window = np.lib.stride_tricks.sliding_window_view(np.pad(values, reach, mode="reflect"), 2 * reach + 1)
-    around = np.delete(window, reach, axis=1)
-    with np.errstate(all="ignore"):
-        middle = _median(around)
-        local = MAD * _median(np.abs(around - middle[:, None]))
+    for begin in range(0, n, AT_ONCE):  # the neighbours of all rows would be the largest table of a whole diagnosis
+        part = slice(begin, begin + AT_ONCE)
+        around = np.delete(window[part], reach, axis=1)
+        with np.errstate(all="ignore"):
+            middle[part] = _median(around)
+            local[part] = MAD * _median(np.abs(around - middle[part, None]))
     distance = np.abs(values - middle)
     typical = MAD * float(np.nanmedian(distance[distance > 0])) if np.any(distance > 0) else 0.0
     if typical == 0.0:

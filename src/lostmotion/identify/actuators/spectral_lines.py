@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import numpy.typing as npt
-from scipy.fft import next_fast_len
+from scipy.fft import fft, next_fast_len
 from scipy.ndimage import median_filter
 
 from lostmotion.arrays import FloatArray
@@ -62,9 +62,10 @@ def strongest(x: FloatArray, made_inside: Callable[[FloatArray], npt.NDArray[np.
     low, high = int(np.ceil(FEWEST_PERIODS * size / x.size)), int(size / SHORTEST_PERIOD)
     best = (0.0, low)
     for first, step, values in _spectra(x, length):
-        index = np.arange(first, high, step)
-        inner = index >= low
-        found, power = index[inner], np.abs(values[: index.size][inner]) ** 2 * 2.0 / x.size
+        skipped = max(-(-(low - first) // step), 0)
+        found = np.arange(first + skipped * step, high, step)
+        inside = values[skipped : skipped + found.size]
+        power = (inside.real**2 + inside.imag**2) * (2.0 / x.size)
         power[made_inside(size / found)] = 0.0
         at = int(np.argmax(power))
         best = max(best, (float(power[at]), int(found[at])), key=lambda one: (one[0], -one[1]))
@@ -77,7 +78,12 @@ def _spectra(x: FloatArray, length: int) -> Iterator[tuple[int, int, npt.NDArray
         yield 0, 1, np.fft.rfft(x, PADDING * length)
         return
     for part in range(PADDING // 2 + 1):
-        moved = np.fft.fft(x * np.exp(-2j * np.pi * part / (PADDING * length) * np.arange(x.size)), length)
+        moved = np.zeros(length, complex)
+        waves = moved[: x.size]
+        np.multiply(np.arange(x.size), -2j * np.pi * part / (PADDING * length), out=waves)
+        np.exp(waves, out=waves)
+        waves *= x
+        moved = fft(moved, overwrite_x=True)
         yield part, PADDING, moved
         if 0 < part < PADDING // 2:  # the same lines seen from the other side
             yield PADDING - part, PADDING, moved[::-1]

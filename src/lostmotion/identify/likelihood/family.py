@@ -12,61 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.courses import Loads
 from lostmotion.identify.scaled import Scaling
 
 Grid = tuple[list[FloatArray], Callable[[FloatArray], list[FloatArray]]]
-
-
-@dataclass(frozen=True)
-class Loads:
-    """What acts on the process beside the actuator, up to its size.
-
-    Attributes
-    ----------
-    shapes : ndarray, shape (m, n)
-        Known courses, in the input of the process.
-    events : tuple of Swing or Step
-        What they stand for; the time of each was sought and counts as a parameter.
-    """
-
-    shapes: FloatArray
-    events: tuple[Swing | Step, ...]
-
-    def kept(self, index: list[int]) -> Loads | None:
-        """Only some of the events, all their shapes; None where none is left."""
-        ends = np.cumsum([len(event.names) for event in self.events])
-        rows = [row for i in index for row in range(ends[i] - len(self.events[i].names), ends[i])]
-        return Loads(self.shapes[rows], tuple(self.events[i] for i in index)) if index else None
-
-    def joined(self, other: Loads | None) -> Loads:
-        """Both."""
-        if other is None:
-            return self
-        return Loads(np.concatenate([self.shapes, other.shapes]), (*self.events, *other.events))
-
-
-@dataclass(frozen=True)
-class Swing:
-    """A periodic load; period in samples."""
-
-    period: float
-    names: ClassVar[tuple[str, ...]] = ("sine", "cosine")
-
-    def to_dict(self) -> dict[str, float]:
-        """JSON-ready."""
-        return {"period": self.period}
-
-
-@dataclass(frozen=True)
-class Step:
-    """A load that changes once, at a row of the data."""
-
-    row: int
-    names: ClassVar[tuple[str, ...]] = ("step",)
-
-    def to_dict(self) -> dict[str, float]:
-        """JSON-ready."""
-        return {"step_at": self.row}
 
 
 @dataclass(frozen=True)
@@ -91,7 +40,7 @@ class Family(ABC):
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of eta."""
-        others = () if self.loads is None else tuple(name for event in self.loads.events for name in event.names)
+        others = () if self.loads is None else self.loads.names
         return (*self.own, *(("load",) if self.load else ()), *others)
 
     @property
@@ -111,7 +60,7 @@ class Family(ABC):
         """Fill x (n,) and dx/deta (len(names), n) for the command u (n,)."""
         self.respond(eta, u, x, dx)
         if self.loads is not None:
-            dx[-len(self.loads.shapes) :] = self.loads.shapes
+            dx[-len(self.loads.names) :] = self.loads.shapes
 
     def respond(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """The same without the derivatives with respect to the sizes of known courses, which are these courses."""

@@ -45,9 +45,4 @@ class Fitted:
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""
-        simulated, _ = self.problem.predict(self.fit.theta)
-        first = self.problem.structure.first
-        return [
-            self.problem.y[start + first : stop] - z
-            for (start, stop), z in zip(self.problem.segments, simulated, strict=True)
-        ]
+        return self.problem.output_residual(self.fit.theta)

@@ -167,6 +167,12 @@ class Problem:
             errors.append(e)
         return simulated, errors
 
+    def output_residual(self, theta: FloatArray) -> list[FloatArray]:
+        """Measured minus simulated output, from row `first` of each segment."""
+        simulated, _ = self.predict(theta)
+        first = self.structure.first
+        return [self.y[start + first : stop] - z for (start, stop), z in zip(self.segments, simulated, strict=True)]
+
     @cached_property
     def basis(self) -> FloatArray | None:
         """Directions that are free (size, free); None: all.

@@ -79,12 +79,15 @@ def refine(
     return LocalFit(theta, cost, hessian, steps, converged)
 
 
-def settled(problem: Problem, theta: FloatArray) -> FloatArray:
+def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None) -> FloatArray:
     """The vector with the best B, offset or load, and initial states: the errors are linear in these.
+
+    Over theta + span(basis) (default: the problem's).
 
     Without them an integrating process starts so far off that its first steps go anywhere.
     """
-    free = np.eye(theta.size) if problem.basis is None else problem.basis
+    basis = problem.basis if basis is None else basis
+    free = np.eye(theta.size) if basis is None else basis
     at = problem.eta_at + len(problem.family.own)
     linear = [*range(problem.structure.na, problem.eta_at), *range(at, problem.noise_at)]
     linear += range(problem.initial_at, theta.size)
