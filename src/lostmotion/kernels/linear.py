@@ -97,6 +97,23 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
 
 
 @njit(cache=True)
+def is_allowed(
+    a: FloatArray,
+    b: FloatArray,
+    integrating: bool,
+    radius: float,
+    held: bool,
+    late: IntArray,
+    least: float,
+    most_back: float,
+    direction: int,
+) -> bool:
+    """Whether A, without its integrator where it has one, is stable, and the step lasts where the process is held."""
+    rest = 1.0 + np.cumsum(a)[:-1] if integrating else a  # A / (1 - q^-1)
+    return is_stable(rest, radius) and (not held or step_lasts(a, b, late, least, most_back, direction))
+
+
+@njit(cache=True)
 def best_lasting(
     rss: FloatArray,
     chosen: IntArray,

@@ -37,12 +37,16 @@ class Held:
     closed: bool = False
     direction: int = 0
 
+    @property
+    def rules(self) -> tuple[IntArray, float, float, int]:
+        """What a response to a step must do where a controller is at work, as the kernels take it."""
+        return LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
+
     def allows(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether such a process can be B / A."""
         if not self.closed:
             return True
-        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
-        return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
+        return bool(kernel.step_lasts(np.ascontiguousarray(a), np.ascontiguousarray(b), *self.rules))
 
     def best_allowed(self, rss: FloatArray, chosen: IntArray, polynomials: FloatArray, b: FloatArray) -> IntArray:
         """For every column of `rss` (m, columns) the best of the rows `chosen` that is allowed; -1 where none is.
@@ -52,8 +56,7 @@ class Held:
         if not self.closed:
             return np.asarray(chosen[np.argmin(rss[chosen], axis=0)])
         best = np.empty(rss.shape[1], np.int64)
-        rules = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
-        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *rules, TRIES, best)
+        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *self.rules, TRIES, best)
         return best
 
 
