@@ -68,9 +68,6 @@ def plausible(a: FloatArray) -> bool:
 
     Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
     """
-    poles = np.roots(np.concatenate([[1.0], a]))
-    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
-    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
-    real = np.abs(log_poles.imag) < 1e-9
-    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
-    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
+    if a.size <= kernel.FEW:
+        return not bool(kernel.rings(np.ascontiguousarray(a), LEAST_DAMPING, SLOWEST_RINGING))
+    return not any(kernel.pole_rings(pole, LEAST_DAMPING, SLOWEST_RINGING) for pole in np.roots(np.append(1.0, a)))

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +32,7 @@ MOST_ROWS = 6000  # enough to tell poles apart
 _SCAN: Any = kernel.scan
 
 
-@dataclass(frozen=True)
-class GridStart:
+class GridStart(NamedTuple):  # thousands of them are made to keep a few: a dataclass takes ten times as long
     """One start: orders, delay, A, B, its score n log(rss) + k log n, and its slowest mode."""
 
     na: int
