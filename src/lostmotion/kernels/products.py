@@ -223,20 +223,6 @@ def explained_by_lags(
 
 
 @njit(cache=True)
-def autoregress(gram: FloatArray, ridge: float, models: FloatArray, left: FloatArray) -> None:
-    """Fill row m - 1 of `models` (orders, orders) with AR(m), `left` (orders,) with the sum of squares it leaves.
-
-    `gram` (orders + 1, orders + 1) holds the products of the lags of one signal.
-    """
-    for m in range(1, left.size + 1):
-        block, right = gram[1 : m + 1, 1 : m + 1].copy(), gram[1 : m + 1, 0].copy()
-        for i in range(m):
-            block[i, i] += ridge
-        d = -np.linalg.solve(block, right)
-        models[m - 1, :m], left[m - 1] = d, gram[0, 0] + np.dot(d, right)
-
-
-@njit(cache=True)
 def damped_step(hessian: FloatArray, gradient: FloatArray, damping: float) -> tuple[FloatArray, float]:
     """Marquardt step with columns scaled by their norm, and the decrease of the sum of squares that it promises."""
     n = gradient.size

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels.products import add_products, autoregress
+from lostmotion.kernels.products import add_products
 
 MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
-RIDGE = 1e-12  # relative; keeps regressions on smooth residuals solvable
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 
 
@@ -23,10 +22,13 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
-    models, left = np.zeros((most, most)), np.empty(most)
-    autoregress(gram, RIDGE * (gram[0, 0] + np.finfo(float).tiny), models, left)
-    variances = np.append(gram[0, 0] / rows, np.maximum(left / rows, 1e-300))
-    return [np.zeros(0), *(models[order - 1, :order] for order in range(1, most + 1))], variances, rows
+    ridge = 1e-12 * (gram[0, 0] + np.finfo(float).tiny) * np.eye(most)
+    models, variances = [np.zeros(0)], [gram[0, 0] / rows]
+    for order in range(1, most + 1):
+        d = -np.linalg.solve(gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order], gram[1 : order + 1, 0])
+        models.append(d)
+        variances.append(max(float(gram[0, 0] + d @ gram[1 : order + 1, 0]) / rows, 1e-300))
+    return models, np.array(variances), rows
 
 
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
