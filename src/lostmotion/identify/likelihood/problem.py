@@ -20,6 +20,7 @@ from lostmotion.kernels.squared_errors import squared_errors
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
 Normal: TypeAlias = tuple[float, FloatArray, FloatArray]  # sum of squared errors, J'e and J'J
 
+KEPT = 2  # vectors of which the normal equations are kept: the best of a refinement, and what it tried after it
 POLE_RADIUS = 1.0 - 1e-7  # an output-error predictor needs a stable A
 
 
@@ -140,11 +141,12 @@ class Problem:
         return np.concatenate([a, b, [offset], eta, d, c])
 
     def evaluate(self, theta: FloatArray, inner: Inner | None = None) -> Normal:
-        """Sum of squared errors, J'e and J'J; of the last vector they are kept. `inner`: where it is known."""
+        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `inner`: where it is known."""
         key = theta.tobytes()
         known = self._last.get(key)
         if known is None:
-            self._last.clear()
+            for oldest in list(self._last)[: 1 - KEPT]:
+                del self._last[oldest]
             known = self._last[key] = self._normal(theta, inner or self.internal(theta))
         return known
 
@@ -160,7 +162,7 @@ class Problem:
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
-        """One vector and what belongs to it: a refinement often goes on where another one ended."""
+        """Vectors and what belongs to them: a refinement often goes on where another one ended."""
         return {}
 
     @cached_property

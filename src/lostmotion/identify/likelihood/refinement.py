@@ -50,7 +50,7 @@ def refine(
     cost, gradient, hessian = problem.evaluate(theta)
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
-    damping, converged, steps = FIRST_DAMPING, False, 0
+    damping, converged, steps, uphill = FIRST_DAMPING, False, 0, False
     history = [cost]
     model = _projected(hessian, gradient, basis)
     while steps < most_steps and not converged:
@@ -66,9 +66,11 @@ def refine(
         better = False
         if problem.admissible(trial):
             inner = inside.at(trial)
-            if problem.squares(trial, inner[0]) < cost:  # half of all steps go uphill and need no gradient
+            # a step uphill needs no gradient, and where one was others will be
+            if not uphill or problem.squares(trial, inner[0]) < cost:
                 trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial, inner)
                 better = trial_cost < cost
+        uphill = uphill or not better
         if better:
             gained = cost - trial_cost
             converged = gained <= STEP_GAIN * variance and damping < 1e-2
