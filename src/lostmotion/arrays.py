@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+ComplexArray = npt.NDArray[np.complex128]
 Reals = npt.NDArray[np.floating[Any]]  # of one type throughout, float64 or float32
 
 LARGE = 1 << 20  # bytes

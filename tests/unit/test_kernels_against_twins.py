@@ -12,6 +12,7 @@ from lostmotion.kernels import (
     loop,
     normal_equations,
     products,
+    squared_errors,
     stamps,
 )
 from tests.naive import backlash as slow_backlash
@@ -110,6 +111,31 @@ def test_stability(seed, order):
                 assert linear.is_stable(a, radius) == (largest < radius)
 
 
+@pytest.mark.parametrize("order", range(1, linear.FEW + 1))
+@pytest.mark.parametrize("seed", SEEDS)
+def test_few_poles(seed, order):
+    rng = np.random.default_rng([seed, order, 1])
+    for _ in range(20):
+        a = stable_polynomial(rng, order, radius=1.1)
+        found = linear.few_poles(a)
+        expected = np.roots(np.append(1.0, a))
+        np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(expected), atol=1e-6)
+        np.testing.assert_allclose(np.poly(found)[1:], a, atol=1e-14)
+
+
+@pytest.mark.parametrize("a", [[-0.9, 0.0], [0.0, 0.0, 0.0], [-3.0, 3.0, -1.0], [0.0, 0.0, -0.5], [-1.0, 0.25, 0.0]])
+def test_few_poles_at_zero_and_together(a):
+    np.testing.assert_allclose(np.poly(linear.few_poles(np.array(a)))[1:], a, atol=1e-14)
+
+
+@pytest.mark.parametrize("integrating", [False, True])
+def test_what_is_allowed_is_stable_but_for_its_integrator(integrating):
+    rules = False, np.array([100, 300]), 0.5, 0.3, 0
+    for poles, stable in (([0.9, 0.5], True), ([1.05, 0.5], False)):
+        a = np.poly([*poles, 1.0] if integrating else poles)[1:]
+        assert linear.is_allowed(a, np.array([0.1]), integrating, 1.0 - 1e-7, *rules) == stable
+
+
 def test_stability_leaves_its_argument_alone():
     a = np.array([-1.2, 0.5, 0.1])
     linear.is_stable(a, 0.9)
@@ -186,6 +212,9 @@ def check_normal_equations(orders, segments, u, y, theta):
     errors = slow_likelihood.all_errors(theta, orders, segments, u, y).real
     jacobian = slow_likelihood.jacobian(theta, orders, segments, u, y)
     np.testing.assert_allclose(cost, errors @ errors, rtol=1e-12)
+    settings = orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first
+    alone = squared_errors.squared_errors(theta, *settings, segments, x, y)
+    np.testing.assert_allclose(alone, cost, rtol=1e-15)  # the search compares one with the other
     expected = jacobian.T @ jacobian
     np.testing.assert_allclose(hessian, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
     slope = jacobian.T @ errors

@@ -7,7 +7,16 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.identify.likelihood.feedback import feedback
-from lostmotion.identify.likelihood.plausible import FREE, LARGEST_INVERSE, LATE, LEAST_LASTING, Held, plausible
+from lostmotion.identify.likelihood.plausible import (
+    FREE,
+    LARGEST_INVERSE,
+    LATE,
+    LEAST_DAMPING,
+    LEAST_LASTING,
+    SLOWEST_RINGING,
+    Held,
+    plausible,
+)
 from lostmotion.identify.scaled import ScaledData
 from tests.naive.linear import simulate
 
@@ -97,3 +106,22 @@ def test_no_direction_without_a_controller():
     found = feedback(ScaledData(u, rng.normal(size=800), np.array([[0, 800]])))
     assert not found.closed
     assert found.direction == 0
+
+
+def by_eigenvalues(a):
+    """The same rules on the eigenvalues of the companion matrix."""
+    poles = np.roots(np.append(1.0, a))
+    logs = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
+    pairs = (np.abs(logs.imag) > 1e-9) & (-logs.real < LEAST_DAMPING * np.abs(logs))
+    negative = (logs.imag > np.pi - 1e-9) & (logs.real > np.log(SLOWEST_RINGING))
+    return not np.any(pairs | negative)
+
+
+@pytest.mark.parametrize("order", range(6))
+def test_poles_of_a_process(order):
+    rng = np.random.default_rng(order)
+    for _ in range(200):
+        pairs = order // 2 if rng.random() < 0.5 else 0
+        some = rng.uniform(0.3, 1.0, pairs) * np.exp(1j * rng.uniform(0.1, 3.0, pairs))
+        a = np.real(np.poly([*some, *some.conj(), *rng.uniform(-0.9, 1.0, order - 2 * pairs)]))[1:] if order else []
+        assert plausible(np.array(a)) == by_eigenvalues(np.array(a))

@@ -81,6 +81,44 @@ def _add_taps(taps: FloatArray, row: FloatArray, at: int, out: FloatArray) -> No
 
 
 @njit(cache=True, nogil=True)
+def fill_errors(
+    a: FloatArray,
+    b: FloatArray,
+    c: FloatArray,
+    offset: float,
+    k0: int,
+    begin: int,
+    x: FloatArray,
+    y: FloatArray,
+    driven: FloatArray,
+    pulse: FloatArray,
+    errors: FloatArray,
+    at: int,
+    work: FloatArray,
+) -> None:
+    """Continue the rows `driven` = (1/A) x, `pulse` = (1/A) delta and `errors` = v; z is left in work[0]."""
+    m = y.size
+    z, drive = work[0, :m], work[1, :m]
+    drive[:] = 0.0
+    if k0 == 0:
+        drive[0] = 1.0
+    _two_pole_filters(a, x[begin + k0 : begin + k0 + m], driven, drive, pulse, at)
+    z[:] = 0.0
+    _add_taps(b, driven, at, z)
+    _add_taps(c, pulse, at, z)
+    v = errors[at : at + m]
+    for k in range(m):
+        v[k] = y[k] - offset - z[k]
+
+
+@njit(cache=True, nogil=True)
+def whiten(d: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
+    """Fill `out` (m,) with D row[at ..]."""
+    out[:] = row[at : at + out.size]
+    _add_taps(d, row, at - 1, out)
+
+
+@njit(cache=True, nogil=True)
 def _moved(b: FloatArray, dx: FloatArray, begin: int, k0: int, out: FloatArray) -> None:
     """Fill `out` with B dx for samples k0 .. of a segment whose first input is at `begin`."""
     out[:] = 0.0
@@ -121,16 +159,7 @@ def fill_block(
     """
     m, ne = y.size, dx.shape[0] + shapes.shape[0]
     z, drive = work[0, :m], work[1, :m]
-    drive[:] = 0.0
-    if k0 == 0:
-        drive[0] = 1.0
-    _two_pole_filters(a, x[begin + k0 : begin + k0 + m], raw[X], drive, raw[H], at)
-    z[:] = 0.0
-    _add_taps(b, raw[X], at, z)
-    _add_taps(c, raw[H], at, z)
-    v = raw[ETA + ne, at : at + m]
-    for k in range(m):
-        v[k] = y[k] - offset - z[k]
+    fill_errors(a, b, c, offset, k0, begin, x, y, raw[X], raw[H], raw[ETA + ne], at, work)
     done = 0
     if ne > 0:
         _moved(b, _eta_row(dx, shapes, 0), begin, k0, drive)
@@ -148,6 +177,4 @@ def fill_block(
         done += 2
     if d.size > 0:
         for row in range(ETA + ne + 1):
-            out = white[row, at : at + m]
-            out[:] = raw[row, at : at + m]
-            _add_taps(d, raw[row], at - 1, out)
+            whiten(d, raw[row], at, white[row, at : at + m])

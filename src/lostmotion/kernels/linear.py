@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import ComplexArray, FloatArray, IntArray
+
+FEW = 3  # poles that are found without an eigenvalue problem
+MOST_HALVES = 200  # of an interval: a bound that Newton steps do not come near
+GONE = 1e-12  # a pole of this size is none
+REAL = 1e-9  # radians: nearer to the real axis a pole is real
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -44,6 +49,70 @@ def is_stable(a: FloatArray, radius: float) -> bool:
         scale *= radius
         poly[i] /= scale
     return inside_circle(poly, 0, poly.size)
+
+
+@njit(cache=True)
+def few_poles(a: FloatArray) -> ComplexArray:
+    """Roots of z^n + a[0] z^(n-1) + .. + a[n-1] for n up to FEW."""
+    poles = np.zeros(a.size, np.complex128)
+    if a.size == 0:
+        return poles
+    rest, last = a, a.size - 1
+    if a.size == 3:
+        real = _real_root(a[0], a[1], a[2])
+        second = a[1] + real * (a[0] + real)
+        rest, poles[2] = np.array([a[0] + real, second]), real
+    if last == 0:
+        poles[0] = -rest[0]
+        return poles
+    half = -0.5 * rest[0]
+    root = half * half - rest[1]
+    if root < 0.0:
+        poles[0], poles[1] = complex(half, np.sqrt(-root)), complex(half, -np.sqrt(-root))
+    else:
+        far = half + np.sqrt(root) if half > 0.0 else half - np.sqrt(root)
+        poles[0], poles[1] = far, rest[1] / far if far != 0.0 else 0.0
+    return poles
+
+
+@njit(cache=True)
+def _real_root(a1: float, a2: float, a3: float) -> float:
+    """One of z^3 + a1 z^2 + a2 z + a3: steps of Newton, halves of the interval where they leave it."""
+    high = 1.0 + max(abs(a1), abs(a2), abs(a3))
+    low, z = -high, -a1 / 3.0
+    for _ in range(MOST_HALVES):
+        value, slope = ((z + a1) * z + a2) * z + a3, (3.0 * z + 2.0 * a1) * z + a2
+        if value == 0.0:
+            break
+        low, high = (low, z) if value > 0.0 else (z, high)
+        moved = z - value / slope if slope != 0.0 else low
+        if not low < moved < high:
+            moved = 0.5 * (low + high)
+        if moved == z:
+            break
+        z = moved
+    return z
+
+
+@njit(cache=True)
+def pole_rings(pole: complex, least_damping: float, slowest: float) -> bool:
+    """Whether a pole is one of a pair with less damping than this, or negative and slower than `slowest`."""
+    size, angle = abs(pole), abs(np.arctan2(pole.imag, pole.real))
+    if not size > GONE:
+        return False
+    decay = -np.log(size)
+    if angle > np.pi - REAL and pole.imag >= 0.0 and size > slowest:
+        return True
+    return bool(angle >= REAL and decay < least_damping * np.hypot(decay, angle))
+
+
+@njit(cache=True)
+def rings(a: FloatArray, least_damping: float, slowest: float) -> bool:
+    """Whether any of up to FEW poles does."""
+    found = False
+    for pole in few_poles(a):
+        found = found or pole_rings(pole, least_damping, slowest)
+    return found
 
 
 @njit(cache=True)
@@ -94,6 +163,23 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
                 return False
             at += 1
     return True
+
+
+@njit(cache=True)
+def is_allowed(
+    a: FloatArray,
+    b: FloatArray,
+    integrating: bool,
+    radius: float,
+    held: bool,
+    late: IntArray,
+    least: float,
+    most_back: float,
+    direction: int,
+) -> bool:
+    """Whether A, without its integrator where it has one, is stable, and the step lasts where the process is held."""
+    rest = 1.0 + np.cumsum(a)[:-1] if integrating else a  # A / (1 - q^-1)
+    return is_stable(rest, radius) and (not held or step_lasts(a, b, late, least, most_back, direction))
 
 
 @njit(cache=True)

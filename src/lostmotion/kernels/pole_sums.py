@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store, times
+from lostmotion.kernels.lanes import WIDTH, Quad, address, load, plus_product, spread, store, times
 
 GONE = 1e-100  # a mode that has decayed to this is zero: numbers below 1e-308 take a hundred times as long
 REST = 64  # rows after which it is looked at; the fastest mode of a grid decays by 1e-40 meanwhile
@@ -42,6 +42,14 @@ def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, l
 
 
 @njit(cache=True, nogil=True)
+def _put(out: FloatArray, at: int, one: Quad, two: Quad, three: Quad) -> None:
+    """Write three quads, one after the other."""
+    store(out, at, one)
+    store(out, at + WIDTH, two)
+    store(out, at + 2 * WIDTH, three)
+
+
+@njit(cache=True, nogil=True)
 def sum_lags(
     x: FloatArray, level: FloatArray, target: FloatArray, first: int, low: int, lags: int, sums: FloatArray
 ) -> None:
@@ -50,22 +58,26 @@ def sum_lags(
     Over rows k >= first of `target` (n,); `x` and `level` are (4 n,) as ``respond`` leaves them.
     """
     to_x, to_level, out = address(x), address(level), address(sums.reshape(-1))
-    for lag in range(0, lags, 2):
-        none = spread(0.0)
-        p0, p1, t0, t1, l0, l1 = none, none, none, none, none, none
-        at, further = low + lag, 1 if lag + 1 < lags else 0  # an odd one out is summed up twice
+    none, triple, last = spread(0.0), 3 * WIDTH, lags - 1
+    for lag in range(0, lags, 4):  # a dozen sums stay in registers; beyond the last lag it is summed up again
+        i1, i2, i3 = min(lag + 1, last), min(lag + 2, last), min(lag + 3, last)
+        from_0, from_1, from_2, from_3 = low + lag, low + i1, low + i2, low + i3
+        p0, p1, p2, p3, t0, t1 = none, none, none, none, none, none
+        t2, t3, l0, l1, l2, l3 = none, none, none, none, none, none
         for k in range(first, target.size):
             newest, wanted, steps = load(to_x, (k - low) * WIDTH), spread(target[k]), load(to_level, k * WIDTH)
-            x0, x1 = load(to_x, (k - at) * WIDTH), load(to_x, (k - at - further) * WIDTH)
+            x0 = load(to_x, (k - from_0) * WIDTH)
             p0, t0, l0 = plus_product(p0, x0, newest), plus_product(t0, x0, wanted), plus_product(l0, x0, steps)
+            x1 = load(to_x, (k - from_1) * WIDTH)
             p1, t1, l1 = plus_product(p1, x1, newest), plus_product(t1, x1, wanted), plus_product(l1, x1, steps)
-        here, there = lag * 3 * WIDTH, (lag + further) * 3 * WIDTH
-        store(out, there, p1)
-        store(out, there + WIDTH, t1)
-        store(out, there + 2 * WIDTH, l1)
-        store(out, here, p0)
-        store(out, here + WIDTH, t0)
-        store(out, here + 2 * WIDTH, l0)
+            x2 = load(to_x, (k - from_2) * WIDTH)
+            p2, t2, l2 = plus_product(p2, x2, newest), plus_product(t2, x2, wanted), plus_product(l2, x2, steps)
+            x3 = load(to_x, (k - from_3) * WIDTH)
+            p3, t3, l3 = plus_product(p3, x3, newest), plus_product(t3, x3, wanted), plus_product(l3, x3, steps)
+        _put(out, lag * triple, p0, t0, l0)
+        _put(out, i1 * triple, p1, t1, l1)
+        _put(out, i2 * triple, p2, t2, l2)
+        _put(out, i3 * triple, p3, t3, l3)
 
 
 @njit(cache=True, nogil=True)

@@ -63,27 +63,29 @@ def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[Float
         lag = shift + j
         if lag < length:
             regressors[lag:, na + j] = -a_high[: length - lag]
-    root: FloatArray = np.eye(length)
-    theta = np.zeros(na + nb + 1)
-    misfit = np.inf
-    for _ in range(REWEIGHTINGS + 1):
-        left, right = root @ regressors, -(root @ b_high)
-        theta[:] = np.linalg.lstsq(left, right, rcond=1e-12)[0]
-        misfit = float(np.sum((left @ theta - right) ** 2))
+    theta = _solved(regressors, -b_high)
+    for _ in range(REWEIGHTINGS):
         root = _whitening(arx, _inside(theta[:na]), theta[na:], shift, length)
+        left, right = root @ regressors, -(root @ b_high)
+        theta = _solved(left, right)
+    misfit = float(np.sum((left @ theta - right) ** 2))
     return _inside(theta[:na]), theta[na:], misfit
+
+
+def _solved(left: FloatArray, right: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.lstsq(left, right, rcond=1e-12)[0], np.float64)
 
 
 def _whitening(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length: int) -> FloatArray:
     """Inverse square root of the covariance of A B_n - B A_n, from the covariance of the ARX coefficients."""
     n, m = arx.a.size, arx.b.size
     transfer = np.zeros((length, n + m))
+    rows = np.arange(length)
     for lag, value in enumerate([1.0, *a]):
-        for row in range(lag, length):
-            transfer[row, n + row - lag] += value
-    for lag, value in enumerate(b):
-        for row in range(shift + lag + 1, length):
-            transfer[row, row - shift - lag - 1] -= value
+        transfer[rows[lag:], n + rows[: length - lag]] += value
+    for lag, value in enumerate(b, shift + 1):
+        if lag < length:
+            transfer[rows[lag:], rows[: length - lag]] -= value
     spread = arx.variance * (transfer @ arx.covariance @ transfer.T)
     values, vectors = np.linalg.eigh(spread)
     floor = max(float(values[-1]) * 1e-9, 1e-300)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import PENALTY
@@ -14,7 +14,7 @@ SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
 def cost_of_parameters(fitted: Fitted, rows: int) -> float:
     """What the parameters cost: log n each (BIC); noise coefficients as where their number is chosen (Akaike)."""
     p = fitted.problem.structure.noise_order
-    return float((fitted.parameters - p) * np.log(rows) + PENALTY * p)
+    return float((fitted.parameters - p) * math.log(rows) + PENALTY * p)
 
 
 def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:
@@ -23,13 +23,13 @@ def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:
     It counts from a variance of 1 / n, so fits to different numbers of rows are compared by ``per_row``.
     """
     n = fitted.problem.errors
-    return float(n * np.log(max(fitted.fit.cost, n * floor))) + cost_of_parameters(fitted, n)
+    return float(n * math.log(max(fitted.fit.cost, n * floor))) + cost_of_parameters(fitted, n)
 
 
 def per_row(fitted: Fitted) -> float:
     """Information criterion for each row, counted from a variance of 1."""
     n = fitted.problem.errors
-    return criterion(fitted, FLOOR) / n - float(np.log(n))
+    return criterion(fitted, FLOOR) / n - float(math.log(n))
 
 
 def gain_over_linear(fitted: Fitted, linear: Fitted) -> float:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.plausible import plausible
 from lostmotion.identify.likelihood.problem import Parts, Problem
 from lostmotion.identify.likelihood.refinement import LocalFit
 
@@ -18,7 +20,7 @@ class Fitted:
     basis: FloatArray | None = None  # directions that were free; None: all
     rivals: tuple[tuple[FloatArray, float], ...] = ()  # other actuators that fit about as well, and by how much less
 
-    @property
+    @cached_property
     def parts(self) -> Parts:
         """The parameters by what they mean."""
         return self.problem.parts(self.fit.theta)
@@ -41,7 +43,13 @@ class Fitted:
     @property
     def parameters(self) -> int:
         """Free parameters without initial conditions, and what was sought beside them."""
-        return self.free - self.parts.initial.size + self.problem.family.sought
+        initial = self.problem.size - self.problem.initial_at
+        return self.free - initial + self.problem.family.sought
+
+    @cached_property
+    def possible(self) -> bool:
+        """Whether a sampled process can have these poles, and be what is known of this one."""
+        return plausible(self.parts.a) and self.problem.admissible(self.fit.theta)
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""

@@ -22,11 +22,10 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
-    scale = gram[0, 0] + np.finfo(float).tiny
+    ridge = 1e-12 * (gram[0, 0] + np.finfo(float).tiny) * np.eye(most)
     models, variances = [np.zeros(0)], [gram[0, 0] / rows]
     for order in range(1, most + 1):
-        block = gram[1 : order + 1, 1 : order + 1] + 1e-12 * scale * np.eye(order)
-        d = -np.linalg.solve(block, gram[1 : order + 1, 0])
+        d = -np.linalg.solve(gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order], gram[1 : order + 1, 0])
         models.append(d)
         variances.append(max(float(gram[0, 0] + d @ gram[1 : order + 1, 0]) / rows, 1e-300))
     return models, np.array(variances), rows

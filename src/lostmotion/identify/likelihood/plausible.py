@@ -37,12 +37,16 @@ class Held:
     closed: bool = False
     direction: int = 0
 
+    @property
+    def rules(self) -> tuple[IntArray, float, float, int]:
+        """What a response to a step must do where a controller is at work, as the kernels take it."""
+        return LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
+
     def allows(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether such a process can be B / A."""
         if not self.closed:
             return True
-        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
-        return bool(kernel.step_lasts(a, b, LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction))
+        return bool(kernel.step_lasts(np.ascontiguousarray(a), np.ascontiguousarray(b), *self.rules))
 
     def best_allowed(self, rss: FloatArray, chosen: IntArray, polynomials: FloatArray, b: FloatArray) -> IntArray:
         """For every column of `rss` (m, columns) the best of the rows `chosen` that is allowed; -1 where none is.
@@ -52,8 +56,7 @@ class Held:
         if not self.closed:
             return np.asarray(chosen[np.argmin(rss[chosen], axis=0)])
         best = np.empty(rss.shape[1], np.int64)
-        rules = LATE, LEAST_LASTING, LARGEST_INVERSE, self.direction
-        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *rules, TRIES, best)
+        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *self.rules, TRIES, best)
         return best
 
 
@@ -65,9 +68,6 @@ def plausible(a: FloatArray) -> bool:
 
     Where a record says little, the likelihood likes poles on the unit circle that copy the loop's oscillation.
     """
-    poles = np.roots(np.concatenate([[1.0], a]))
-    log_poles = np.log(poles[np.abs(poles) > 1e-12].astype(complex))
-    damping = -log_poles.real / np.maximum(np.abs(log_poles), 1e-12)
-    real = np.abs(log_poles.imag) < 1e-9
-    ringing = (log_poles.imag > np.pi - 1e-9) & (log_poles.real > np.log(SLOWEST_RINGING))
-    return not bool(np.any(ringing | (~real & (damping < LEAST_DAMPING))))
+    if a.size <= kernel.FEW:
+        return not bool(kernel.rings(np.ascontiguousarray(a), LEAST_DAMPING, SLOWEST_RINGING))
+    return not any(kernel.pole_rings(pole, LEAST_DAMPING, SLOWEST_RINGING) for pole in np.roots(np.append(1.0, a)))

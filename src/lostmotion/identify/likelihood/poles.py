@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +32,7 @@ MOST_ROWS = 6000  # enough to tell poles apart
 _SCAN: Any = kernel.scan
 
 
-@dataclass(frozen=True)
-class GridStart:
+class GridStart(NamedTuple):  # thousands of them are made to keep a few: a dataclass takes ten times as long
     """One start: orders, delay, A, B, its score n log(rss) + k log n, and its slowest mode."""
 
     na: int
@@ -154,13 +152,15 @@ def grid_starts(
                 if not chosen.size or integrating not in (None, bool(decays[chosen[0]] == 1.0)):
                     continue
                 best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
-                misfits = n * np.log(np.maximum(rss[best, nb, np.arange(best.size)], 1e-300) / n)
-                for column, pattern in enumerate(best.tolist()):
-                    if pattern < 0:
-                        continue
-                    value = float(misfits[column] + (na + nb + 2) * np.log(n))
-                    a, beta = polynomials[pattern], b[pattern, nb, column, : nb + 1].copy()
-                    starts.append(GridStart(na, nb, low + column, a, beta, value, float(decays[pattern])))
+                columns = np.flatnonzero(best >= 0)
+                best = best[columns]
+                misfits = n * np.log(np.maximum(rss[best, nb, columns], 1e-300) / n)
+                scores = (misfits + (na + nb + 2) * np.log(n)).tolist()
+                gains = b[best, nb, columns, : nb + 1]
+                found = zip(
+                    (low + columns).tolist(), polynomials[best], gains, scores, decays[best].tolist(), strict=True
+                )
+                starts += [GridStart(na, nb, *each) for each in found]
     return sorted(starts, key=lambda start: start.score)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,9 +13,14 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
-from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
+from lostmotion.kernels.squared_errors import squared_errors
 
+Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
+Normal: TypeAlias = tuple[float, FloatArray, FloatArray]  # sum of squared errors, J'e and J'J
+
+KEPT = 2  # vectors of which the normal equations are kept: the best of a refinement, and what it tried after it
 POLE_RADIUS = 1.0 - 1e-7  # an output-error predictor needs a stable A
 
 
@@ -134,18 +140,42 @@ class Problem:
         c = np.zeros(self.structure.initial * len(self.segments))
         return np.concatenate([a, b, [offset], eta, d, c])
 
-    def evaluate(self, theta: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Sum of squared errors, J'e and J'J."""
-        s = self.structure
-        x, dx = self.internal(theta)
+    def evaluate(self, theta: FloatArray, inner: Inner | None = None) -> Normal:
+        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `inner`: where it is known."""
+        key = theta.tobytes()
+        known = self._last.get(key)
+        if known is None:
+            for oldest in list(self._last)[: 1 - KEPT]:
+                del self._last[oldest]
+            known = self._last[key] = self._normal(theta, inner or self.internal(theta))
+        return known
+
+    def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
+        x, dx = inner
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        cost = normal_equations(
-            theta, s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first,
-            self.segments, x, dx, self.family.courses(self.u.size), self.y, hessian, gradient,
-        )  # fmt: skip
+        cost = normal_equations(theta, *self._layout, x, dx, self._courses, self.y, hessian, gradient)
         return float(cost), gradient, hessian
 
-    def internal(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def squares(self, theta: FloatArray, x: FloatArray) -> float:
+        """Sum of squared errors alone, for the internal variable x (n,)."""
+        return float(squared_errors(theta, *self._layout, x, self.y))
+
+    @cached_property
+    def _last(self) -> dict[bytes, Normal]:
+        """Vectors and what belongs to them: a refinement often goes on where another one ended."""
+        return {}
+
+    @cached_property
+    def _layout(self) -> tuple[int, int, int, int, int, int, IntArray]:
+        """What the kernels take besides vectors and signals."""
+        s = self.structure
+        return s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first, self.segments
+
+    @property
+    def _courses(self) -> FloatArray:
+        return self.family.courses(self.u.size)
+
+    def internal(self, theta: FloatArray) -> Inner:
         """Internal variable x (n,) and dx/deta (m, n), but for the sizes of known courses."""
         x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
         self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
@@ -202,14 +232,13 @@ class Problem:
 
     def admissible(self, theta: FloatArray) -> bool:
         """Whether A is stable, but for the integrator, and the process an allowed one."""
-        a, b = theta[: self.structure.na], theta[self.structure.na : self.offset_at]
-        rest = a
-        if self.structure.integrating:
-            rest = 1.0 + np.cumsum(a)[:-1]  # A / (1 - q^-1)
-        return bool(is_stable(np.ascontiguousarray(rest), POLE_RADIUS)) and self.held.allows(a, b)
+        na, held = self.structure.na, self.held
+        a, b = theta[:na], theta[na : self.offset_at]
+        return bool(is_allowed(a, b, self.structure.integrating, POLE_RADIUS, held.closed, *held.rules))
 
     def project(self, theta: FloatArray) -> FloatArray:
         """The same vector with valid actuator parameters."""
         result = theta.copy()
-        result[self.eta_at : self.noise_at] = self.family.project(theta[self.eta_at : self.noise_at])
+        begin, end = self.eta_at, self.eta_at + len(self.family.own)
+        result[begin:end] = self.family.valid(theta[begin:end])
         return result

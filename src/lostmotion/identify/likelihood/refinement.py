@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.problem import Inner, Problem
 from lostmotion.kernels import products as kernel
 
 # a bound against wandering: a start from the grid is done in far fewer, and what is not counts as not converged
@@ -46,14 +46,16 @@ def refine(
     basis = problem.basis if basis is None else basis
     if not tied:
         theta = problem.project(theta)
+    inside = _Inside(problem)
     cost, gradient, hessian = problem.evaluate(theta)
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
-    damping, converged, steps = FIRST_DAMPING, False, 0
+    damping, converged, steps, uphill = FIRST_DAMPING, False, 0, False
     history = [cost]
+    model = _projected(hessian, gradient, basis)
     while steps < most_steps and not converged:
         steps += 1
-        step, promised = _damped_step(hessian, gradient, basis, damping)
+        step, promised = _damped_step(model, basis, damping)
         variance = cost / max(problem.errors - free, 1)
         if cost <= floor or promised <= STEP_GAIN * variance:
             converged = True
@@ -63,12 +65,17 @@ def refine(
             trial = problem.project(trial)
         better = False
         if problem.admissible(trial):
-            trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial)
-            better = trial_cost < cost
+            inner = inside.at(trial)
+            # a step uphill needs no gradient, and where one was others will be
+            if not uphill or problem.squares(trial, inner[0]) < cost:
+                trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial, inner)
+                better = trial_cost < cost
+        uphill = uphill or not better
         if better:
             gained = cost - trial_cost
             converged = gained <= STEP_GAIN * variance and damping < 1e-2
-            theta, cost, gradient, hessian = trial, trial_cost, trial_gradient, trial_hessian
+            theta, cost, hessian = trial, trial_cost, trial_hessian
+            model = _projected(hessian, trial_gradient, basis)
             damping = max(damping * (0.1 if gained > 0.5 * promised else 0.5), 1e-12)
         else:
             damping *= 8.0
@@ -94,16 +101,33 @@ def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None
     columns = free[:, free[linear].any(axis=0)]
     theta = problem.project(theta)
     _, gradient, hessian = problem.evaluate(theta)
-    moved = theta + _damped_step(hessian, gradient, columns, LINEAR_DAMPING)[0]
+    moved = theta + _damped_step(_projected(hessian, gradient, columns), columns, LINEAR_DAMPING)[0]
     return moved if problem.admissible(moved) else theta
 
 
+class _Inside:
+    """What the actuator does; of the last actuator it is kept, as many refinements hold theirs."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem, self._key = problem, b""
+        self._inner: Inner | None = None
+
+    def at(self, theta: FloatArray) -> Inner:
+        """Internal variable and its derivatives."""
+        key = theta[self._problem.eta_at : self._problem.noise_at].tobytes()
+        if self._inner is None or key != self._key:
+            self._key, self._inner = key, self._problem.internal(theta)
+        return self._inner
+
+
+def _projected(hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+    """Normal equations of the free directions."""
+    return (hessian, gradient) if basis is None else (basis.T @ hessian @ basis, basis.T @ gradient)
+
+
 def _damped_step(
-    hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None, damping: float
+    model: tuple[FloatArray, FloatArray], basis: FloatArray | None, damping: float
 ) -> tuple[FloatArray, float]:
     """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
-    if basis is None:
-        step, promised = kernel.damped_step(hessian, gradient, damping)
-        return step, float(promised)
-    step, promised = kernel.damped_step(basis.T @ hessian @ basis, basis.T @ gradient, damping)
-    return basis @ step, float(promised)
+    step, promised = kernel.damped_step(*model, damping)
+    return (step if basis is None else basis @ step), float(promised)

@@ -16,7 +16,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise
-from lostmotion.identify.likelihood.plausible import FREE, Held, plausible
+from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled
@@ -268,8 +268,8 @@ class _Search:
 
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible."""
-        possible = plausible(fitted.parts.a) and fitted.problem.admissible(fitted.fit.theta)
-        return self._misfit(fitted) + (0.0 if self.asked.orders is not None or possible else IMPLAUSIBLE)
+        possible = self.asked.orders is not None or fitted.possible
+        return self._misfit(fitted) + (0.0 if possible else IMPLAUSIBLE)
 
     def _misfit(self, fitted: Fitted) -> float:
         """Information criterion for all rows: in short records a long model of the noise leaves fewer to be fitted."""

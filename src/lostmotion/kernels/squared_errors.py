@@ -1,0 +1,52 @@
+"""Sum of squared prediction errors (``kernels.likelihood``) without any gradient: a sixth of the normal equations.
+
+A step that goes uphill needs no more. The errors come from the same functions, so the sums agree.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.gradient_signals import fill_errors, whiten
+from lostmotion.kernels.normal_equations import BLOCK
+
+
+@njit(cache=True, nogil=True)
+def squared_errors(
+    theta: FloatArray,
+    na: int,
+    nb: int,
+    ne: int,
+    p: int,
+    delay: int,
+    first: int,
+    segments: IntArray,
+    x: FloatArray,
+    y: FloatArray,
+) -> float:
+    """Sum of e squared over all segments, arguments as in ``normal_equations``."""
+    nc, level = max(na, nb), na + nb + 1
+    shared = level + 1 + ne
+    a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
+    history = max(na, nb + 1, p, 4) + 1
+    raw, work, white = np.empty((3, history + BLOCK)), np.empty((2, BLOCK)), np.empty(BLOCK)
+    cost = 0.0
+    for s in range(segments.shape[0]):
+        head, n, at = segments[s, 0] + first, segments[s, 1] - segments[s, 0] - first, shared + p + s * nc
+        if n <= p:
+            continue
+        c = theta[at : at + nc]
+        raw[:, :history] = 0.0
+        for k0 in range(0, n, BLOCK):
+            m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
+            part = y[head + k0 : head + k0 + m]
+            fill_errors(a, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work)
+            if m > skipped:
+                whiten(d, raw[2], history, white[:m])
+                errors = white[skipped:m]
+                cost += np.dot(errors, errors)
+            if k0 + m < n:
+                raw[:, :history] = raw[:, m : m + history]
+    return cost
