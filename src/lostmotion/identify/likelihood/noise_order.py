@@ -38,3 +38,9 @@ def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: floa
         return models[0]
     score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
     return models[int(np.argmin(score))]
+
+
+def without_mode(v: FloatArray, decay: float) -> FloatArray:
+    """Residual without its mean and the decay of the slowest mode: an unknown initial state is no noise."""
+    columns = np.column_stack([np.ones(v.size), decay ** np.arange(v.size)])
+    return np.asarray(v - columns @ np.linalg.lstsq(columns, v, rcond=1e-10)[0])

@@ -15,7 +15,7 @@ from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise
+from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
@@ -293,7 +293,7 @@ class _Search:
         residuals = []
         for begin, stop in self.data.segments:
             z = simulate(np.ascontiguousarray(start.a), np.ascontiguousarray(start.b), start.delay, x[begin:stop])
-            residuals.append(_without_mode(self.data.y[begin:stop] - z, start.decay))
+            residuals.append(without_mode(self.data.y[begin:stop] - z, start.decay))
         order = self.asked.noise
         if order is not None:
             models, _, _ = autoregressions(residuals, order)
@@ -343,9 +343,3 @@ def _further(fitted: Fitted) -> Fitted:
 def _held(problem: Problem) -> FloatArray | None:
     """Free directions of a start: the actuator stays in its needle until the process around it is known."""
     return problem.free_but(problem.own) if problem.family.needles else None
-
-
-def _without_mode(v: FloatArray, decay: float) -> FloatArray:
-    """Residual without its mean and the decay of the slowest mode: an unknown initial state is no noise."""
-    columns = np.column_stack([np.ones(v.size), decay ** np.arange(v.size)])
-    return np.asarray(v - columns @ np.linalg.lstsq(columns, v, rcond=1e-10)[0])
