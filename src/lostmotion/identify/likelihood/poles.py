@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import pole_grid as kernel
@@ -28,7 +29,7 @@ OTHER_POLE = 0.2  # of orders above three
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 ROUNDING = 1e-9  # from 1: what is nearer is an integrator
 FASTEST_RINGING = 2.6  # radians a sample
-MOST_ROWS = 6000  # enough to tell poles apart
+MOST_ROWS = 3000  # enough to tell poles apart
 _SCAN: Any = kernel.scan
 
 
@@ -134,7 +135,7 @@ def grid_starts(
         Polynomials A instead of the patterns of the grid.
     """
     low, high = delays
-    rows = _shortened(data.segments)
+    rows = excerpt(data, MOST_ROWS)
     starts = []
     for na in sorted({na for na, _ in ladder}):
         polynomials, decays = patterns(na) if only is None else _given(only, na)
@@ -162,19 +163,3 @@ def grid_starts(
                 )
                 starts += [GridStart(na, nb, *each) for each in found]
     return sorted(starts, key=lambda start: start.score)
-
-
-def _shortened(segments: IntArray) -> IntArray:
-    """At most MOST_ROWS rows: the longest segments, the last of them cut."""
-    lengths = segments[:, 1] - segments[:, 0]
-    if lengths.sum() <= MOST_ROWS:
-        return segments
-    kept: list[tuple[int, int]] = []
-    room = MOST_ROWS
-    for index in np.argsort(-lengths):
-        start, stop = (int(value) for value in segments[index])
-        kept.append((start, min(stop, start + room)))
-        room -= kept[-1][1] - start
-        if room <= 0:
-            break
-    return np.array(sorted(kept))
