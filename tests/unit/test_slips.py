@@ -21,12 +21,11 @@ from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.kernels.slip_table import LAGS, add_slip_table, trace
 from lostmotion.kernels.slips import (
-    add_slip_table,
     first_positions,
     pattern,
     through_process,
-    trace,
 )
 from lostmotion.kernels.stiction import HE, KANO
 from tests.naive import slips as slow
@@ -43,9 +42,10 @@ def command(seed, n=120):
 
 
 def traced(model, u, band, jump, start):
-    x, sums, rows = np.empty(u.size), np.empty(u.size + 1), np.empty(u.size, np.int64)
-    count, turns = trace(model, u, band, jump, start, x, sums, rows)
-    return x, sums, rows, count, turns
+    x, sums = np.empty(u.size), np.zeros(u.size + 1 + LAGS)
+    rows, falls = np.empty(u.size + 1, np.int64), np.empty(u.size + 1)
+    count, _ = trace(model, u, band, jump, start, x, sums, rows, falls)
+    return x, sums, rows[:count], falls[:count]
 
 
 @given(valves)
@@ -54,11 +54,12 @@ def test_trace_is_the_valve_of_the_papers(valve):
     seed, model, band, share, rest = valve
     u, jump = command(seed), share * band
     start = u[0] + 0.5 * rest * (band + jump)
-    x, sums, rows, count, _ = traced(model, u, band, jump, start)
+    x, sums, rows, falls = traced(model, u, band, jump, start)
     assert np.allclose(x, slow.position(model, u, band, jump, start), atol=1e-9)
-    assert np.allclose(sums, np.concatenate([[0.0], np.cumsum(x)]))
-    moved = np.flatnonzero(np.diff(np.concatenate([[start], x])))
-    assert set(moved) <= set(rows[:count])
+    assert np.allclose(sums[: u.size + 1], np.concatenate([[0.0], np.cumsum(x)]))
+    steps = np.diff(np.concatenate([[start], x]))
+    assert set(np.flatnonzero(steps)) <= set(rows)
+    assert np.allclose(falls, -steps[rows])
 
 
 @given(valves, st.integers(0, 3), st.integers(1, 6), st.integers(1, 9))
@@ -68,11 +69,12 @@ def test_table_from_slips_is_that_of_all_rows(valve, delay, outputs, inputs):
     u = command(seed)
     y = command(seed + 1)
     jump = share * band
-    x, sums, rows, count, _ = traced(model, u, band, jump, u[0] + 0.5 * rest * (band + jump))
-    start, stop = max(outputs, inputs) + delay, u.size - 7
+    x, sums, rows, falls = traced(model, u, band, jump, u[0] + 0.5 * rest * (band + jump))
+    start = max(outputs, inputs) + delay
+    stop = start + 1 + seed % (u.size - start)
     table = np.zeros((outputs + inputs + 2, inputs))
-    totals = np.concatenate([[0.0], np.cumsum(y)])
-    add_slip_table(x, sums, rows, count, totals, outputs, delay, inputs, start, stop, table)
+    totals = np.concatenate([[0.0], np.cumsum(y), np.zeros(LAGS)])
+    add_slip_table(x, sums, rows, falls, rows.size, totals, outputs, delay, inputs, start, stop, table)
     assert np.allclose(table, slow.table(y, outputs, x, delay, inputs, start, stop), atol=1e-8)
 
 
@@ -84,9 +86,9 @@ def test_two_parts_are_the_position_and_a_rectangle_has_one_pattern(valve):
     start = u[0] + 0.5 * rest * (band + jump)
     last, side, bounds = np.empty(u.size), np.empty(u.size), np.array([0.0, np.inf, 0.0, np.inf])
     first, settled, _ = pattern(model, u, band, jump, start, last, side, bounds)
-    x, _, rows, count, _ = traced(model, u, band, jump, settled)
+    x, _, rows, _ = traced(model, u, band, jump, settled)
     assert np.allclose(last - side * 0.5 * (band - jump), x, atol=1e-9)
-    assert (first == u.size and not count) or first == rows[0]
+    assert (first == u.size and not rows.size) or first == rows[0]
     low, high, least, most = bounds
     assert low <= band < high
     assert least <= jump < most

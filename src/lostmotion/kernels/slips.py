@@ -1,11 +1,7 @@
-"""Where a sticking valve slips, and what its steps have in common with lagged signals, from the slips alone.
-
-Between two slips the position is constant, so a sum of products with a lagged signal is a sum over slips of the
-position times a difference of the signal's running sum: some hundred terms instead of all rows.
+"""Patterns of slips of a sticking valve: which bands and jumps share one, and what a process makes of it.
 
 After a slip at the command v in direction d the position is v - d (S - J) / 2; the valve goes on in that direction
-from v + d J, and back from v - d S. Kano's valve follows the command until it turns, He's stays after every sample
-(both of :mod:`lostmotion.kernels.stiction`, with the same arithmetic).
+from v + d J, and back from v - d S, as in :mod:`lostmotion.kernels.slip_table`.
 """
 
 from __future__ import annotations
@@ -13,145 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import FloatArray
 from lostmotion.kernels.likelihood import all_pole
 from lostmotion.kernels.stiction import KANO
-
-
-@njit(cache=True, nogil=True)
-def trace(
-    model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, sums: FloatArray, slips: IntArray
-) -> tuple[int, int]:
-    """Position `x` (n,) from rest at `start`, and its running sum from 0 on `sums` (n + 1,).
-
-    `slips` (n,) gets the rows at which the position changes, in order. Returns their number, and how many of them turn.
-    """
-    behind, reach = 0.5 * (band - jump), 0.5 * (band + jump)
-    position, above, below = start, start + reach, start - reach
-    direction = moving = 0.0
-    count = turns = 0
-    last = u[0]
-    sums[0] = total = 0.0
-    for k in range(u.size):
-        v = u[k]
-        if moving != 0.0:  # Kano's only
-            if moving * (v - last) > 0.0:
-                position = v - moving * behind
-                slips[count] = k
-                count += 1
-            else:
-                above = last + jump if moving > 0.0 else last + band
-                below = last - band if moving > 0.0 else last - jump
-                moving = 0.0
-        if moving == 0.0 and (v > above or v < below):
-            turned = 1.0 if v > above else -1.0
-            turns += direction * turned < 0.0
-            direction = turned
-            position = v - direction * behind
-            above = v + jump if direction > 0.0 else v + band
-            below = v - band if direction > 0.0 else v - jump
-            slips[count] = k
-            count += 1
-            if model == KANO:
-                moving = direction
-        x[k] = position
-        total += position
-        sums[k + 1] = total
-        last = v
-    return count, turns
-
-
-@njit(cache=True, nogil=True)
-def _complete(
-    x: FloatArray,
-    totals: FloatArray,
-    first: int,
-    last: int,
-    start: int,
-    stop: int,
-    past: FloatArray,
-    gram: FloatArray,
-) -> None:
-    """The rest of both tables from their first rows and columns: a lag more on either side drops and adds a product."""
-    inputs = gram.shape[0]
-    for i in range(1, past.shape[0]):
-        for j in range(1, inputs):
-            past[i, j] = (
-                past[i - 1, j - 1]
-                + (totals[start - i + 1] - totals[start - i]) * x[first - j]
-                - (totals[stop - i + 1] - totals[stop - i]) * x[last - j]
-            )
-    for j in range(inputs):
-        gram[j, 0] = gram[0, j]
-    for i in range(1, inputs):
-        before, after = x[first - i], x[last - i]
-        for j in range(i, inputs):
-            gram[i, j] = gram[i - 1, j - 1] + before * x[first - j] - after * x[last - j]
-            gram[j, i] = gram[i, j]
-
-
-@njit(cache=True, nogil=True)
-def add_slip_table(
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    count: int,
-    totals: FloatArray,
-    outputs: int,
-    delay: int,
-    inputs: int,
-    start: int,
-    stop: int,
-    table: FloatArray,
-) -> None:
-    """:func:`lostmotion.kernels.products.add_lagged_table` of a position that changes at `count` of `slips` only.
-
-    `sums` and `totals` (n + 1,) are the running sums of the position and of y, from 0 on; all rows k - delay - lag are
-    inside the record.
-    """
-    past = np.zeros((outputs + 1, inputs))
-    gram = np.zeros((inputs, inputs))
-    ones = np.zeros(inputs)
-    for j in range(inputs):
-        low, high = start - delay - j, stop - delay - j
-        ones[j] = sums[high] - sums[low]
-    first, last = start - delay, stop - delay
-    with_totals = np.zeros(outputs + inputs)  # at lags from -outputs on
-    with_itself = np.zeros(inputs)  # at lags inputs - 1 to 0
-    begin = 0  # of the stretch of constant position
-    for m in range(count + 1):
-        end = slips[m] if m < count else x.size
-        value = x[begin]
-        if begin >= first and end <= last - inputs + 1:  # slices from their own start: they run in lanes
-            ahead, behind = totals[end + delay - outputs :], totals[begin + delay - outputs :]
-            for i in range(outputs + inputs):
-                with_totals[i] += value * (ahead[i] - behind[i])
-            ahead, behind = sums[end - inputs + 1 :], sums[begin - inputs + 1 :]
-            for i in range(inputs):
-                with_itself[i] += value * (ahead[i] - behind[i])
-        else:
-            low, high = max(begin, first), min(end, last)
-            if low < high:
-                for i in range(outputs + 1):
-                    past[i, 0] += value * (totals[high + delay - i] - totals[low + delay - i])
-                for j in range(inputs):
-                    gram[0, j] += value * (sums[high - j] - sums[low - j])
-            for j in range(1, inputs):
-                low, high = max(begin, first - j), min(end, last - j)
-                if low < high:
-                    past[0, j] += value * (totals[high + delay + j] - totals[low + delay + j])
-        begin = end
-    for i in range(outputs + 1):
-        past[i, 0] += with_totals[outputs - i]
-    for j in range(inputs):
-        gram[0, j] += with_itself[inputs - 1 - j]
-        if j > 0:
-            past[0, j] += with_totals[outputs + j]
-    _complete(x, totals, first, last, start, stop, past, gram)
-    table[0] += ones
-    table[-1] += past[0]
-    table[1 : outputs + 1] += past[1:]
-    table[outputs + 1 : outputs + 1 + inputs] += gram
 
 
 @njit(cache=True, nogil=True)
