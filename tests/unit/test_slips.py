@@ -78,14 +78,25 @@ def test_table_from_slips_is_that_of_all_rows(valve, delay, outputs, inputs):
     assert np.allclose(table, slow.table(y, outputs, x, delay, inputs, start, stop), atol=1e-8)
 
 
+def patterned(model, u, band, jump, start):
+    """Both parts of the position row by row, the rectangle, the first slip and the first position."""
+    rows, parts, bounds = (
+        np.empty(u.size + 1, np.int64),
+        np.empty((2, u.size + 1)),
+        np.array([0.0, np.inf, 0.0, np.inf]),
+    )
+    count, first, settled, _ = pattern(model, u, band, jump, start, rows, *parts, bounds)
+    at = np.searchsorted(rows[:count], np.arange(u.size), "right") - 1
+    return parts[0, at], parts[1, at], bounds, first, settled
+
+
 @given(valves)
 @settings(max_examples=60, deadline=None)
 def test_two_parts_are_the_position_and_a_rectangle_has_one_pattern(valve):
     seed, model, band, share, rest = valve
     u, jump = command(seed), share * band
     start = u[0] + 0.5 * rest * (band + jump)
-    last, side, bounds = np.empty(u.size), np.empty(u.size), np.array([0.0, np.inf, 0.0, np.inf])
-    first, settled, _ = pattern(model, u, band, jump, start, last, side, bounds)
+    last, side, bounds, first, settled = patterned(model, u, band, jump, start)
     x, _, rows, _ = traced(model, u, band, jump, settled)
     assert np.allclose(last - side * 0.5 * (band - jump), x, atol=1e-9)
     assert (first == u.size and not rows.size) or first == rows[0]
@@ -96,8 +107,7 @@ def test_two_parts_are_the_position_and_a_rectangle_has_one_pattern(valve):
     begun = settled
     if first < u.size:  # the same first slip from as far behind it
         begun = settled - side[first] * 0.5 * (sum(inside) - band - jump)
-    again, turned, other = np.empty(u.size), np.empty(u.size), np.array([0.0, np.inf, 0.0, np.inf])
-    same, _, _ = pattern(model, u, *inside, begun, again, turned, other)
+    again, turned, _, same, _ = patterned(model, u, *inside, begun)
     if first < u.size and same == first:  # a much larger reach may leave no place to begin there
         assert np.array_equal(again[first:], last[first:])
         assert np.array_equal(turned[first:], side[first:])
@@ -112,13 +122,15 @@ def test_first_positions_are_all_ways_to_begin():
     assert spaced_rests(np.zeros(5), band, jump, 3) == []
 
 
-def test_process_over_few_changes():
+@pytest.mark.parametrize("begin", [0, 25])
+def test_process_over_few_changes(begin):
     random = np.random.default_rng(1)
-    x = np.repeat(random.normal(size=12), 10)
+    rows, values = np.arange(0, 120, 10), random.normal(size=12)
+    x = np.repeat(values, 10)[begin:]
     numerator, a = random.normal(size=5), np.array([-1.2, 0.4])
-    out = np.empty(x.size - 4)
-    through_process(x, numerator, a, 4, out)
-    assert np.allclose(out, slow.filtered(x, numerator, a)[4:])
+    out = np.empty(x.size)
+    through_process(rows, values, begin, np.cumsum(numerator), a, np.empty(x.size), out)
+    assert np.allclose(out, slow.filtered(x, numerator, a))
 
 
 def test_even_draws_fill_the_cube():

@@ -9,9 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.likelihood import all_pole
 from lostmotion.kernels.stiction import KANO
+
+TINY = 1e-300  # keeps divisions finite
 
 
 @njit(cache=True, nogil=True)
@@ -21,27 +23,31 @@ def pattern(
     band: float,
     jump: float,
     start: float,
-    last_slip: FloatArray,
-    side: FloatArray,
+    slips: IntArray,
+    levels: FloatArray,
+    sides: FloatArray,
     bounds: FloatArray,
-) -> tuple[int, float, int]:
-    """The position x = last_slip - side (S - J) / 2 in two parts (n,), and the bands and jumps with the same slips.
+) -> tuple[int, int, float, int]:
+    """The position x = level - side (S - J) / 2 from slip to slip, and the bands and jumps with the same slips.
 
-    `side` is the direction of the last motion. `bounds` (lowest and highest band, lowest and highest jump) is narrowed:
-    a valve stays where it is up to its band or jump, and slips beyond. Before its first slip, in direction d at the
-    command v, it rests at (S + J) / 2 behind v, nearly: in the middle of the places from which it slips there and not
-    before. Returns the row of the first slip (n where there is none), that first position and the number of turns.
+    `slips`, `levels` and `sides` (n + 1,) get the rows of the slips, the first of all at row 0, the command there and
+    the direction of the motion. `bounds` (lowest and highest band, lowest and highest jump) is narrowed: a valve stays
+    where it is up to its band or jump, and slips beyond. Before its first slip, in direction d at the command v, it
+    rests at (S + J) / 2 behind v, nearly: in the middle of the places from which it slips there and not before.
+    Returns the number of slips with that at row 0, the row of the first slip (n where there is none), that first
+    position and the number of turns.
     """
     reach = 0.5 * (band + jump)
     direction = moving = 0.0
     anchor = last = lowest = highest = u[0]
-    level, first, turns = start, u.size, 0
+    first, turns, count = u.size, 0, 1
+    slips[0], levels[0], sides[0] = 0, start, 0.0
     for k in range(u.size):
         v = u[k]
+        slipped = False
         if moving != 0.0:
-            if moving * (v - last) > 0.0:
-                level = v
-            else:
+            slipped = moving * (v - last) > 0.0
+            if not slipped:
                 anchor = last
                 moving = 0.0
         if moving == 0.0:
@@ -54,8 +60,7 @@ def pattern(
                     else:
                         edge = 0.5 * (max(v, highest - 2.0 * reach) + lowest)
                     start = edge - direction * reach
-                    last_slip[:k] = edge - direction * band
-                    side[:k] = -direction
+                    levels[0], sides[0] = edge - direction * band, -direction
                     first = k
                 else:
                     lowest, highest = min(lowest, v), max(highest, v)
@@ -73,13 +78,14 @@ def pattern(
                     bounds[2] = max(bounds[2], ahead)
                     slipped = False
             if slipped:
-                level = anchor = v
+                anchor = v
                 if model == KANO:
                     moving = direction
-        last_slip[k] = level
-        side[k] = direction
+        if slipped:
+            slips[count], levels[count], sides[count] = k, v, direction
+            count += 1
         last = v
-    return first, start, turns
+    return count, first, start, turns
 
 
 @njit(cache=True, nogil=True)
@@ -108,23 +114,109 @@ def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
 
 
 @njit(cache=True, nogil=True)
-def through_process(x: FloatArray, numerator: FloatArray, a: FloatArray, skipped: int, out: FloatArray) -> None:
-    """Write numerator/A x from rest into `out` (n - skipped,) without its first rows; x (n,) changes at few of them."""
-    n, late = x.size, numerator.size
-    steps = np.cumsum(numerator)
-    drive, settled = np.zeros(n + late), np.zeros(n + late)  # settled: changes that have passed the whole numerator
-    before = 0.0
-    for k in range(n):
-        change = x[k] - before
+def through_process(
+    slips: IntArray,
+    values: FloatArray,
+    begin: int,
+    steps: FloatArray,
+    a: FloatArray,
+    drive: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write B/A x into `out` (n,), from rest at the row `begin`; x has the `values` (m,) from the `slips` (m,) on.
+
+    `steps` are the running sums of B. `drive` (n,) is overwritten.
+    """
+    n, late = out.size, steps.size
+    drive[:] = 0.0
+    before, until, settled = 0.0, 0, 0.0  # settled: the level that has passed all of B, and the row where it ends
+    for m in range(slips.size):
+        change, at = values[m] - before, slips[m] - begin
+        if at >= n:
+            break
         if change != 0.0:
-            part = drive[k : k + late]
-            for i in range(late):
-                part[i] += change * steps[i]
-            settled[k + late] += change
-            before = x[k]
-    total = 0.0
-    for k in range(n):
-        total += settled[k]
-        drive[k] += total * steps[-1]
-    all_pole(a, drive[:n], settled)
-    out[:] = settled[skipped:n]
+            at = max(at, 0)
+            for i in range(min(late, n - at)):
+                drive[at + i] += change * steps[i]
+            for k in range(until, min(at + late, n)):
+                drive[k] += settled
+            until = min(at + late, n)
+            settled += change * steps[-1]
+            before = values[m]
+    for k in range(until, n):
+        drive[k] += settled
+    all_pole(a, drive, out)
+
+
+@njit(cache=True, nogil=True)
+def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatArray, sums: FloatArray) -> None:
+    """Add to `sums` (r,) what `answers` (n, r), of a step of one at each row from `begin` on, make of all changes."""
+    before = 0.0
+    for m in range(slips.size):
+        change, at = values[m] - before, max(slips[m] - begin, 0)
+        if at >= answers.shape[0]:
+            break
+        if change != 0.0:
+            row = answers[at]
+            for i in range(row.size):
+                sums[i] += change * row[i]
+            before = values[m]
+
+
+@njit(cache=True, nogil=True)
+def weigh_pattern(
+    model: int,
+    u: FloatArray,
+    segments: IntArray,
+    band: float,
+    jump: float,
+    rests: FloatArray,
+    begin: int,
+    head: int,
+    skipped: int,
+    steps: FloatArray,
+    a: FloatArray,
+    without: FloatArray,
+    answers: FloatArray,
+    bounds: FloatArray,
+    sums: FloatArray,
+    seen: FloatArray,
+    left: FloatArray,
+    turned: FloatArray,
+) -> int:
+    """What the likelihood of a pattern is made of, over all `segments` (s, 2) of u.
+
+    All but `head` rows of each count; the process B/A answers to its position from the row `begin` on, and the first
+    rows of the answer are `skipped`; `steps` are the running sums of B. `left` and `turned` (e,) become `without` less
+    that of the level, and that of the
+    side; `sums` (3,) the products of the two with themselves and each other; `seen` (2, r) gets the products of r
+    directions with that of level and side added, by `answers` (rows, r) to a step of one at each row. Of `rests` (s, 2)
+    the first column, in shares of (S + J) / 2, becomes that in the middle of its pattern, the second its first slip.
+    `bounds` (4,) are narrowed as by ``pattern``. Returns the number of turns.
+    """
+    longest = 0
+    for start, stop in segments:
+        longest = max(longest, stop - start)
+    slips, values = np.empty(longest + 1, np.int64), np.empty((2, longest + 1))
+    drive, out = np.empty(longest), np.empty(longest)
+    reach = 0.5 * (band + jump)
+    turns = done = answered = 0
+    for index in range(len(segments)):
+        start, stop = segments[index]
+        first = u[start] + rests[index, 0] * reach
+        count, row, first, more = pattern(model, u[start:stop], band, jump, first, slips, values[0], values[1], bounds)
+        rests[index, 0], rests[index, 1] = (first - u[start]) / max(reach, TINY), row
+        turns += more
+        rows = stop - start - head
+        n = rows + skipped
+        for side in range(2):
+            through_process(slips[:count], values[side, :count], begin, steps, a, drive[:n], out[:n])
+            add_answers(slips[:count], values[side, :count], begin, answers[answered : answered + n], seen[side])
+            if side == 0:
+                left[done : done + rows] = without[done : done + rows] - out[skipped:n]
+            else:
+                turned[done : done + rows] = out[skipped:n]
+        done += rows
+        answered += n
+    sums[0], sums[1], sums[2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)
+    return turns

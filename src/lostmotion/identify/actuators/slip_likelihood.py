@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import log, sqrt
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, spaced_rests
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import likelihood as kernel
-from lostmotion.kernels.slips import pattern, through_process
+from lostmotion.kernels.slips import weigh_pattern
 
 INSIDE = 0.01  # of the rectangle, from its sides
 TINY = 1e-300  # keeps divisions finite
@@ -104,27 +105,21 @@ class SlipLikelihood:
 
     def at(self, band: float, jump: float, rests: tuple[float, ...]) -> Pattern:
         """The pattern of a band, a jump and first positions."""
-        problem, s, parts = self.fitted.problem, self.fitted.problem.structure, self.fitted.parts
-        bounds = np.array([0.0, np.inf, 0.0, np.inf])
-        moved, sides = self._room
-        found: list[tuple[int, float]] = []
-        done = turned = 0
-        for index, (start, stop) in enumerate(problem.segments.tolist()):
-            last, side = np.empty(stop - start), np.empty(stop - start)
-            rest = rests[index] if index < len(rests) else 0.0
-            first = problem.u[start] + 0.5 * rest * (band + jump)
-            row, first, turns = pattern(self.model, problem.u[start:stop], band, jump, first, last, side, bounds)
-            found.append((row, float(first - problem.u[start]) / max(0.5 * (band + jump), TINY)))
-            turned += turns
-            begin, rows = s.first - s.delay, stop - start - s.start
-            until = begin + rows + s.noise_order
-            for signal, out in ((last, moved), (side, sides)):
-                through_process(signal[begin:until], self._numerator, parts.a, s.noise_order, out[done : done + rows])
-            done += rows
-        bounds[1] = min(bounds[1], self.widest)
-        bounds[3] = min(bounds[3], self.largest * bounds[1])
-        one = self._weighed(self._without - moved, sides, bounds, found[: len(rests)])
-        return one if turned >= FEWEST_TURNS else replace(one, loss=np.inf)
+        problem, s = self.fitted.problem, self.fitted.problem.structure
+        bounds, sums, seen = np.array([0.0, np.inf, 0.0, np.inf]), np.empty(3), np.zeros((2, len(self._directions)))
+        begun = np.zeros((len(problem.segments), 2))
+        begun[: len(rests), 0] = rests
+        left, turned = self._room
+        turns = weigh_pattern(
+            self.model, problem.u, problem.segments, band, jump, begun, s.first - s.delay, s.start, s.noise_order,
+            self._steps, self.fitted.parts.a, self._without, self._answers, bounds, sums, seen, left, turned,
+        )  # fmt: skip
+        lowest, highest, least, most = bounds.tolist()
+        highest = min(highest, self.widest)
+        sides = (lowest, highest), (least, min(most, self.largest * highest))
+        found = begun[: len(rests)].T.tolist()
+        one = self._weighed(sums, self._seen - seen[0], seen[1], sides, found)
+        return one if turns >= FEWEST_TURNS else replace(one, loss=np.inf)
 
     def first_rests(self, band: float, jump: float, index: int, most: int) -> list[float]:
         """First positions from which a segment goes on in different ways, at most so many of them."""
@@ -132,32 +127,38 @@ class SlipLikelihood:
         return spaced_rests(self.fitted.problem.u[start:stop], band, jump, most)
 
     def _weighed(
-        self, left: FloatArray, turned: FloatArray, bounds: FloatArray, begun: list[tuple[int, float]]
+        self,
+        sums: FloatArray,
+        seen: FloatArray,
+        turns: FloatArray,
+        sides: tuple[tuple[float, float], tuple[float, float]],
+        begun: list[list[float]],
     ) -> Pattern:
         """The likeliest of a pattern, from what it leaves of PV and its directions, both whitened."""
-        directions = self._directions
-        seen, turns = directions @ left, directions @ turned
-        squares = float(left @ left - seen @ seen)
-        cross = float(left @ turned - seen @ turns)
-        curvature = max(float(turned @ turned - turns @ turns), 1e-300)
-        lowest, highest = 0.5 * (bounds[0] - bounds[3]), 0.5 * (bounds[1] - bounds[2])
+        whole, both, own = sums.tolist()
+        squares = whole - float(seen @ seen)
+        cross = both - float(seen @ turns)
+        curvature = max(own - float(turns @ turns), TINY)
+        (low, high), (least, most) = sides
+        lowest, highest = 0.5 * (low - most), 0.5 * (high - least)
         inside = INSIDE * (highest - lowest)  # a corner belongs to several patterns
         lowest, highest = lowest + inside, highest - inside
         free = -cross / curvature
-        behind = float(min(max(free, lowest), highest))
+        behind = min(max(free, lowest), highest)
         cost = squares + behind * (2.0 * cross + behind * curvature)
-        if cost < CANCELLED * float(left @ left):
+        if cost < CANCELLED * whole:
+            left, turned = self._room
             rest = left + behind * turned
-            rest = rest - (directions @ rest) @ directions
+            rest = rest - (self._directions @ rest) @ self._directions
             cost = float(rest @ rest)
-        loss = 0.5 * left.size * float(np.log(max(cost, TINY) / max(self.fitted.fit.cost, 1e-300)))
-        bands, jumps = (float(bounds[0]), float(bounds[1])), (float(bounds[2]), float(bounds[3]))
-        firsts, rests = tuple(row for row, _ in begun), tuple(rest for _, rest in begun)
-        spread = float(np.sqrt(self.fitted.variance / curvature))
-        return Pattern(bands, jumps, rests, firsts, behind, loss, free, spread)
+        loss = 0.5 * self._without.size * log(max(cost, TINY) / max(self.fitted.fit.cost, TINY))
+        spread = sqrt(self.fitted.variance / curvature)
+        firsts = tuple(int(row) for row in begun[1])
+        return Pattern(*sides, tuple(begun[0]), firsts, behind, loss, free, spread)
 
     @cached_property
     def _room(self) -> tuple[FloatArray, FloatArray]:
+        """What the last pattern leaves of PV, and its directions."""
         rows = self.fitted.problem.errors
         return np.empty(rows), np.empty(rows)
 
@@ -165,6 +166,32 @@ class SlipLikelihood:
     def _numerator(self) -> FloatArray:
         parts = self.fitted.parts
         return np.convolve(np.append(1.0, parts.d), parts.b)
+
+    @cached_property
+    def _steps(self) -> FloatArray:
+        return np.cumsum(self._numerator)
+
+    @cached_property
+    def _seen(self) -> FloatArray:
+        """Products of the directions with the errors without the valve."""
+        return self._directions @ self._without
+
+    @cached_property
+    def _answers(self) -> FloatArray:
+        """Products (rows, r) of the directions with the answer to a step of one at each row of the segments.
+
+        The process backwards: what an input does to a product is that product's answer, last row first.
+        """
+        problem, s = self.fitted.problem, self.fitted.problem.structure
+        found, done = [], 0
+        for start, stop in problem.segments.tolist():
+            rows = stop - start - s.start
+            back = np.zeros((len(self._directions), rows + s.noise_order))
+            back[:, :rows] = self._directions[:, done : done + rows][:, ::-1]
+            pulses = [_answer(self.fitted.parts.a, _lagged(self._numerator, one)) for one in back]
+            found.append(np.cumsum(pulses, axis=1)[:, ::-1].T)
+            done += rows
+        return np.ascontiguousarray(np.concatenate(found))
 
     @cached_property
     def _without(self) -> FloatArray:
