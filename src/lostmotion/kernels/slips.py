@@ -164,13 +164,11 @@ def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatA
 
 
 @njit(cache=True, nogil=True)
-def weigh_pattern(
+def weigh_patterns(
     model: int,
     u: FloatArray,
     segments: IntArray,
-    band: float,
-    jump: float,
-    rests: FloatArray,
+    etas: FloatArray,
     begin: int,
     head: int,
     skipped: int,
@@ -178,45 +176,52 @@ def weigh_pattern(
     a: FloatArray,
     without: FloatArray,
     answers: FloatArray,
+    begun: FloatArray,
     bounds: FloatArray,
     sums: FloatArray,
     seen: FloatArray,
+    turns: IntArray,
     left: FloatArray,
     turned: FloatArray,
-) -> int:
-    """What the likelihood of a pattern is made of, over all `segments` (s, 2) of u.
+) -> None:
+    """What the likelihoods of patterns are made of, over all `segments` (s, 2) of u; `etas` (v, 2): bands and jumps.
 
-    All but `head` rows of each count; the process B/A answers to its position from the row `begin` on, and the first
-    rows of the answer are `skipped`; `steps` are the running sums of B. `left` and `turned` (e,) become `without` less
-    that of the level, and that of the
-    side; `sums` (3,) the products of the two with themselves and each other; `seen` (2, r) gets the products of r
-    directions with that of level and side added, by `answers` (rows, r) to a step of one at each row. Of `rests` (s, 2)
-    the first column, in shares of (S + J) / 2, becomes that in the middle of its pattern, the second its first slip.
-    `bounds` (4,) are narrowed as by ``pattern``. Returns the number of turns.
+    All but `head` rows of each segment count; the process B/A answers to its position from the row `begin` on, and the
+    first rows of the answer are `skipped`; `steps` are the running sums of B. `left` and `turned` (e,) become `without`
+    less that of the level, and that of the side, of the last pattern; `sums` (v, 3) the products of the two with
+    themselves and each other; `seen` (v, 2, r) gets the products of r directions with that of level and side added, by
+    `answers` (rows, r) to a step of one at each row. Of `begun` (v, s, 2) the first column, a first position in shares
+    of (S + J) / 2, becomes that in the middle of its pattern, the second its first slip. `bounds` (v, 4) are narrowed
+    as by ``pattern``; `turns` (v,) get the numbers of turns.
     """
     longest = 0
     for start, stop in segments:
         longest = max(longest, stop - start)
     slips, values = np.empty(longest + 1, np.int64), np.empty((2, longest + 1))
     drive, out = np.empty(longest), np.empty(longest)
-    reach = 0.5 * (band + jump)
-    turns = done = answered = 0
-    for index in range(len(segments)):
-        start, stop = segments[index]
-        first = u[start] + rests[index, 0] * reach
-        count, row, first, more = pattern(model, u[start:stop], band, jump, first, slips, values[0], values[1], bounds)
-        rests[index, 0], rests[index, 1] = (first - u[start]) / max(reach, TINY), row
-        turns += more
-        rows = stop - start - head
-        n = rows + skipped
-        for side in range(2):
-            through_process(slips[:count], values[side, :count], begin, steps, a, drive[:n], out[:n])
-            add_answers(slips[:count], values[side, :count], begin, answers[answered : answered + n], seen[side])
-            if side == 0:
-                left[done : done + rows] = without[done : done + rows] - out[skipped:n]
-            else:
-                turned[done : done + rows] = out[skipped:n]
-        done += rows
-        answered += n
-    sums[0], sums[1], sums[2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)
-    return turns
+    for v in range(len(etas)):
+        band, jump = etas[v]
+        reach = 0.5 * (band + jump)
+        turns[v] = done = answered = 0
+        for index in range(len(segments)):
+            start, stop = segments[index]
+            first = u[start] + begun[v, index, 0] * reach
+            count, row, first, more = pattern(
+                model, u[start:stop], band, jump, first, slips, values[0], values[1], bounds[v]
+            )
+            begun[v, index, 0], begun[v, index, 1] = (first - u[start]) / max(reach, TINY), row
+            turns[v] += more
+            rows = stop - start - head
+            n = rows + skipped
+            for side in range(2):
+                through_process(slips[:count], values[side, :count], begin, steps, a, drive[:n], out[:n])
+                add_answers(slips[:count], values[side, :count], begin, answers[answered : answered + n], seen[v, side])
+                if side == 0:
+                    for k in range(rows):
+                        left[done + k] = without[done + k] - out[skipped + k]
+                else:
+                    for k in range(rows):
+                        turned[done + k] = out[skipped + k]
+            done += rows
+            answered += n
+        sums[v, 0], sums[v, 1], sums[v, 2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)

@@ -12,18 +12,19 @@ met where a refinement of each would allow some dozens.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from math import log, sqrt
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, spaced_rests
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import likelihood as kernel
-from lostmotion.kernels.slips import weigh_pattern
+from lostmotion.kernels.slips import weigh_patterns
 
 INSIDE = 0.01  # of the rectangle, from its sides
 TINY = 1e-300  # keeps divisions finite
@@ -83,6 +84,45 @@ class Pattern:
 
 
 @dataclass(frozen=True)
+class Patterns:
+    """Many of them, row by row; as in :class:`Pattern`.
+
+    Attributes
+    ----------
+    bounds : ndarray, shape (n, 4)
+        Lowest and highest band, lowest and highest jump.
+    begun : ndarray, shape (n, s, 2)
+        First positions and rows of the first slips.
+    behind, losses, free, spreads : ndarray, shape (n,)
+    """
+
+    bounds: FloatArray
+    begun: FloatArray
+    behind: FloatArray
+    losses: FloatArray
+    free: FloatArray
+    spreads: FloatArray
+
+    def __getitem__(self, at: int) -> Pattern:
+        """One of them."""
+        low, high, least, most = self.bounds[at].tolist()
+        rests, firsts = self.begun[at].T.tolist()
+        behind, loss = float(self.behind[at]), float(self.losses[at])
+        first_rows = tuple(int(row) for row in firsts)
+        spread = float(self.spreads[at])
+        return Pattern((low, high), (least, most), tuple(rests), first_rows, behind, loss, float(self.free[at]), spread)
+
+    def __iter__(self) -> Iterator[Pattern]:
+        """All of them."""
+        return (self[at] for at in range(self.losses.size))
+
+    @property
+    def best(self) -> Pattern:
+        """The one of least loss."""
+        return self[int(np.argmin(self.losses))]
+
+
+@dataclass(frozen=True)
 class SlipLikelihood:
     """Log-likelihood of patterns about a fit, everything but the valve projected out.
 
@@ -105,21 +145,32 @@ class SlipLikelihood:
 
     def at(self, band: float, jump: float, rests: tuple[float, ...]) -> Pattern:
         """The pattern of a band, a jump and first positions."""
-        problem, s = self.fitted.problem, self.fitted.problem.structure
-        bounds, sums, seen = np.array([0.0, np.inf, 0.0, np.inf]), np.empty(3), np.zeros((2, len(self._directions)))
-        begun = np.zeros((len(problem.segments), 2))
-        begun[: len(rests), 0] = rests
-        left, turned = self._room
-        turns = weigh_pattern(
-            self.model, problem.u, problem.segments, band, jump, begun, s.first - s.delay, s.start, s.noise_order,
-            self._steps, self.fitted.parts.a, self._without, self._answers, bounds, sums, seen, left, turned,
+        return self.patterns(np.array([[band, jump]]), np.array([rests], float))[0]
+
+    def patterns(self, etas: FloatArray, rests: FloatArray) -> Patterns:
+        """The patterns of bands and jumps (n, 2) and first positions (n, s)."""
+        problem, s, n = self.fitted.problem, self.fitted.problem.structure, len(etas)
+        bounds, turns = np.tile([0.0, np.inf, 0.0, np.inf], (n, 1)), np.empty(n, np.int64)
+        sums, seen = np.empty((n, 3)), np.zeros((n, 2, len(self._directions)))
+        begun = np.zeros((n, len(problem.segments), 2))
+        begun[:, : rests.shape[1], 0] = rests
+        left, turned = np.empty(problem.errors), np.empty(problem.errors)
+        weigh_patterns(
+            self.model, problem.u, problem.segments, etas, s.first - s.delay, s.start, s.noise_order, self._steps,
+            self.fitted.parts.a, self._without, self._answers, begun, bounds, sums, seen, turns, left, turned,
         )  # fmt: skip
-        lowest, highest, least, most = bounds.tolist()
-        highest = min(highest, self.widest)
-        sides = (lowest, highest), (least, min(most, self.largest * highest))
-        found = begun[: len(rests)].T.tolist()
-        one = self._weighed(sums, self._seen - seen[0], seen[1], sides, found)
-        return one if turns >= FEWEST_TURNS else replace(one, loss=np.inf)
+        bounds[:, 1] = np.minimum(bounds[:, 1], self.widest)
+        bounds[:, 3] = np.minimum(bounds[:, 3], self.largest * bounds[:, 1])
+        seen[:, 0] = self._seen - seen[:, 0]
+        found, cancelled = self._weighed(sums, seen, bounds)
+        if cancelled.any():
+            if n > 1:
+                return _joined([self.patterns(etas[[at]], rests[[at]]) for at in range(n)])
+            rest = left + found[0] * turned
+            rest = rest - (self._directions @ rest) @ self._directions
+            found[1][:] = self._loss(np.array(rest @ rest))
+        found[1][turns < FEWEST_TURNS] = np.inf
+        return Patterns(bounds, begun[:, : rests.shape[1]], *found)
 
     def first_rests(self, band: float, jump: float, index: int, most: int) -> list[float]:
         """First positions from which a segment goes on in different ways, at most so many of them."""
@@ -127,40 +178,26 @@ class SlipLikelihood:
         return spaced_rests(self.fitted.problem.u[start:stop], band, jump, most)
 
     def _weighed(
-        self,
-        sums: FloatArray,
-        seen: FloatArray,
-        turns: FloatArray,
-        sides: tuple[tuple[float, float], tuple[float, float]],
-        begun: list[list[float]],
-    ) -> Pattern:
-        """The likeliest of a pattern, from what it leaves of PV and its directions, both whitened."""
-        whole, both, own = sums.tolist()
-        squares = whole - float(seen @ seen)
-        cross = both - float(seen @ turns)
-        curvature = max(own - float(turns @ turns), TINY)
-        (low, high), (least, most) = sides
-        lowest, highest = 0.5 * (low - most), 0.5 * (high - least)
-        inside = INSIDE * (highest - lowest)  # a corner belongs to several patterns
-        lowest, highest = lowest + inside, highest - inside
-        free = -cross / curvature
-        behind = min(max(free, lowest), highest)
-        cost = squares + behind * (2.0 * cross + behind * curvature)
-        if cost < CANCELLED * whole:
-            left, turned = self._room
-            rest = left + behind * turned
-            rest = rest - (self._directions @ rest) @ self._directions
-            cost = float(rest @ rest)
-        loss = 0.5 * self._without.size * log(max(cost, TINY) / max(self.fitted.fit.cost, TINY))
-        spread = sqrt(self.fitted.variance / curvature)
-        firsts = tuple(int(row) for row in begun[1])
-        return Pattern(*sides, tuple(begun[0]), firsts, behind, loss, free, spread)
+        self, sums: FloatArray, seen: FloatArray, bounds: FloatArray
+    ) -> tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], npt.NDArray[np.bool_]]:
+        """Of each pattern the likeliest half difference, its loss, that without bounds and its spread; from products.
 
-    @cached_property
-    def _room(self) -> tuple[FloatArray, FloatArray]:
-        """What the last pattern leaves of PV, and its directions."""
-        rows = self.fitted.problem.errors
-        return np.empty(rows), np.empty(rows)
+        And where the loss is a difference of sums that are too large for it.
+        """
+        left, turned = seen[:, 0], seen[:, 1]
+        squares = sums[:, 0] - np.einsum("ij,ij->i", left, left)
+        cross = sums[:, 1] - np.einsum("ij,ij->i", left, turned)
+        curvature = np.maximum(sums[:, 2] - np.einsum("ij,ij->i", turned, turned), TINY)
+        lowest, highest = 0.5 * (bounds[:, 0] - bounds[:, 3]), 0.5 * (bounds[:, 1] - bounds[:, 2])
+        inside = INSIDE * (highest - lowest)  # a corner belongs to several patterns
+        free = -cross / curvature
+        behind = np.maximum(np.minimum(free, highest - inside), lowest + inside)
+        cost = squares + behind * (2.0 * cross + behind * curvature)
+        spreads = np.sqrt(self.fitted.variance / curvature)
+        return (behind, self._loss(cost), free, spreads), cost < CANCELLED * sums[:, 0]
+
+    def _loss(self, cost: FloatArray) -> FloatArray:
+        return 0.5 * self._without.size * np.log(np.maximum(cost, TINY) / max(self.fitted.fit.cost, TINY))
 
     @cached_property
     def _numerator(self) -> FloatArray:
@@ -229,6 +266,10 @@ class SlipLikelihood:
         values, vectors = np.linalg.eigh(rows @ rows.T)
         kept = values > SMALLEST_DIRECTION * values[-1]
         return np.ascontiguousarray((vectors[:, kept] / np.sqrt(values[kept])).T @ rows)
+
+
+def _joined(parts: Sequence[Patterns]) -> Patterns:
+    return Patterns(*(np.concatenate([getattr(one, each.name) for one in parts]) for each in fields(Patterns)))
 
 
 def shortened(fitted: Fitted, most: int) -> Fitted:
