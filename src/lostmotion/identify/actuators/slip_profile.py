@@ -47,6 +47,7 @@ SCANS = 2  # of one parameter after the other over all that it can be
 SCAN_BANDS = np.geomspace(0.88, 1.12, 61)
 SCAN_SHARES = np.linspace(0.0, 1.2, 61)
 MOST = 3  # places that are settled
+FINE = 80  # places of a finer grid of which all jumps are tried
 
 
 @dataclass(frozen=True)
@@ -195,10 +196,22 @@ class SlipProfile:
         return self.places(models, bands, jumps, np.clip(rests + moved, -1.0, 1.0))
 
     def scanned(self, middle: Place, bands: ArrayLike, jumps: ArrayLike) -> Place:
-        """The best of these bands or jumps."""
+        """The best of these bands or jumps, with the same first slip where that can be."""
         bands, jumps = np.broadcast_arrays(bands, jumps)
-        rests = np.tile(np.array(middle.rests), (bands.size, 1))
-        return _better(middle, self.places(middle.model, bands, jumps, rests))
+        return _better(middle, self.places(middle.model, bands, jumps, self.slipping(middle, 0.5 * (bands + jumps))))
+
+    def slipping(self, place: Place, reaches: FloatArray) -> FloatArray:
+        """First positions (n, s) from which valves that reach as far, (S + J) / 2, slip first where this one does."""
+        found = np.empty((reaches.size, len(place.rests)))
+        reach = 0.5 * (place.band + place.jump)
+        for index, rest in enumerate(place.rests):
+            start, stop = self.segments[index].tolist()
+            away = self.u[start:stop] - self.u[start] - rest * reach
+            first = int(np.argmax(np.abs(away) > reach))
+            side = float(np.sign(away[first])) if abs(away[first]) > reach else 0.0
+            edge = rest * reach + side * reach
+            found[:, index] = np.clip((edge - side * reaches) / reaches, -1.0, 1.0) if side else rest
+        return found
 
     def rested(self, middle: Place, rests: Sequence[float], index: int | None = None) -> Place:
         """The best first position, in all segments or in one."""
@@ -207,7 +220,7 @@ class SlipProfile:
         return _better(middle, self.places(middle.model, middle.band, middle.jump, trials))
 
 
-def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place]:
+def seek_slips(late: SlipProfile, whole: SlipProfile, span: float, finer: int = 1) -> list[Place]:
     """Best places apart from each other, best first.
 
     Parameters
@@ -216,9 +229,11 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
         On rows that leave out the beginning, and on all.
     span : float
         Range of OP without its tails.
+    finer : int
+        So many times the bands of the grid, and of the best of them all jumps: for what a first search may have missed.
     """
     draws = even_draws(DRAWS * sum(most for _, most in BOXES))
-    live, at = _coarse(late, span), 0
+    live, at = _coarse(late, span) if finer == 1 else _fine(late, span, finer), 0
     linear = _minus_log_likelihood(late.regression, late.regression.squares(late.u))
     for step, (reach, most) in enumerate(BOXES):
         if step and live.costs.min() > linear - SCANT:
@@ -246,7 +261,7 @@ def _rested(profile: SlipProfile, places: Places) -> Places:
     return every.taken(np.where(better, number + best, np.arange(number)))
 
 
-def _coarse(profile: SlipProfile, span: float) -> Places:
+def _coarse(profile: SlipProfile, span: float, finer: int = 1) -> Places:
     """Places of a grid with He's valve, and the best of them with Kano's.
 
     A valve of a smaller band than OP moves in a sample would slip all the time.
@@ -254,11 +269,20 @@ def _coarse(profile: SlipProfile, span: float) -> Places:
     segments = min(len(profile.segments), MOST_SEGMENTS)
     moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
     smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
-    number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
+    number = max(round(finer * BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
     bands, shares, rests = np.meshgrid(np.geomspace(smallest, LARGEST * span, number), SHARES, RESTS, indexing="ij")
     begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
-    best = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun).apart(*BOXES[0])
+    found = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun)
+    best = found.apart(BOXES[0][0] / finer, BOXES[0][1] * finer)
     return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
+
+
+def _fine(profile: SlipProfile, span: float, finer: int) -> Places:
+    """A finer grid, and every jump at its best places: a limit cycle tells the band where it hardly tells the jump."""
+    best = _coarse(profile, span, finer).apart(FUNNEL / finer, FINE)
+    rows, shares = np.repeat(np.arange(best.costs.size), SCAN_SHARES.size), np.tile(SCAN_SHARES, best.costs.size)
+    bands = best.etas[rows, 0]
+    return best.joined(profile.places(best.models[rows], bands, shares * bands, best.rests[rows]))
 
 
 def _settled(profile: SlipProfile, place: Place) -> Place:
@@ -294,8 +318,8 @@ def _cost(place: Place) -> float:
     return place.cost
 
 
-def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
-    """Best places of a record apart from each other, best first."""
+def slips_of(data: ScaledData, lags: Lags, finer: int = 1) -> list[Place]:
+    """Best places of a record apart from each other, best first; `finer` as in ``seek_slips``."""
     late = data.segments.copy()
     lengths = late[:, 1] - late[:, 0]
     late[:, 0] += np.minimum(SKIPPED, (SKIPPED_SHARE * lengths).astype(np.int64))
@@ -303,4 +327,4 @@ def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
     span = high - low if high > low else float(np.ptp(data.u))
     whole = SlipProfile(LaggedRegression.on(data, lags, MOST_ROWS), data.u, data.segments)
     later = SlipProfile(LaggedRegression.on(replace(data, segments=late), lags, MOST_ROWS), data.u, data.segments)
-    return seek_slips(later, whole, span)
+    return seek_slips(later, whole, span, finer)
