@@ -9,7 +9,7 @@ it matters most, until the other two are found.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -47,7 +47,10 @@ SCANS = 2  # of one parameter after the other over all that it can be
 SCAN_BANDS = np.geomspace(0.88, 1.12, 61)
 SCAN_SHARES = np.linspace(0.0, 1.2, 61)
 MOST = 3  # places that are settled
-FINE = 80  # places of a finer grid of which all jumps are tried
+# of a finer grid, where the first may have missed the band
+FINE_BANDS, FINE_SMALLEST = 800, 0.1  # 0.3 % apart; the smallest in ranges of OP
+FINE_RESTS, FINE_SHARE = np.linspace(-0.9, 0.9, 13), 0.25
+FINE = 6  # places of it that are settled
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,10 @@ class Places:
         band, jump = self.etas[at].tolist()
         rests = tuple(self.rests[at].tolist())
         return Place(int(self.models[at]), band, jump, rests, float(self.costs[at]), float(self.squares[at]))
+
+    def __iter__(self) -> Iterator[Place]:
+        """All of them."""
+        return (self[at] for at in range(self.costs.size))
 
     @property
     def best(self) -> Place:
@@ -220,7 +227,7 @@ class SlipProfile:
         return _better(middle, self.places(middle.model, middle.band, middle.jump, trials))
 
 
-def seek_slips(late: SlipProfile, whole: SlipProfile, span: float, finer: int = 1) -> list[Place]:
+def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place]:
     """Best places apart from each other, best first.
 
     Parameters
@@ -229,11 +236,9 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float, finer: int = 
         On rows that leave out the beginning, and on all.
     span : float
         Range of OP without its tails.
-    finer : int
-        So many times the bands of the grid, and of the best of them all jumps: for what a first search may have missed.
     """
     draws = even_draws(DRAWS * sum(most for _, most in BOXES))
-    live, at = _coarse(late, span) if finer == 1 else _fine(late, span, finer), 0
+    live, at = _coarse(late, span), 0
     linear = _minus_log_likelihood(late.regression, late.regression.squares(late.u))
     for step, (reach, most) in enumerate(BOXES):
         if step and live.costs.min() > linear - SCANT:
@@ -244,8 +249,7 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float, finer: int = 
         trials = DRAWS * live.costs.size
         live = live.joined(late.about(live, reach, draws[at : at + trials]))
         at += trials
-    near = live.apart(APART, MOST)
-    return sorted((_settled(whole, near[index]) for index in range(near.costs.size)), key=_cost)
+    return sorted((_settled(whole, place) for place in live.apart(APART, MOST)), key=_cost)
 
 
 def _rested(profile: SlipProfile, places: Places) -> Places:
@@ -261,7 +265,7 @@ def _rested(profile: SlipProfile, places: Places) -> Places:
     return every.taken(np.where(better, number + best, np.arange(number)))
 
 
-def _coarse(profile: SlipProfile, span: float, finer: int = 1) -> Places:
+def _coarse(profile: SlipProfile, span: float) -> Places:
     """Places of a grid with He's valve, and the best of them with Kano's.
 
     A valve of a smaller band than OP moves in a sample would slip all the time.
@@ -269,20 +273,22 @@ def _coarse(profile: SlipProfile, span: float, finer: int = 1) -> Places:
     segments = min(len(profile.segments), MOST_SEGMENTS)
     moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
     smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
-    number = max(round(finer * BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
+    number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
     bands, shares, rests = np.meshgrid(np.geomspace(smallest, LARGEST * span, number), SHARES, RESTS, indexing="ij")
     begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
-    found = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun)
-    best = found.apart(BOXES[0][0] / finer, BOXES[0][1] * finer)
+    best = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun).apart(*BOXES[0])
     return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
 
 
-def _fine(profile: SlipProfile, span: float, finer: int) -> Places:
-    """A finer grid, and every jump at its best places: a limit cycle tells the band where it hardly tells the jump."""
-    best = _coarse(profile, span, finer).apart(FUNNEL / finer, FINE)
-    rows, shares = np.repeat(np.arange(best.costs.size), SCAN_SHARES.size), np.tile(SCAN_SHARES, best.costs.size)
-    bands = best.etas[rows, 0]
-    return best.joined(profile.places(best.models[rows], bands, shares * bands, best.rests[rows]))
+def _fine(profile: SlipProfile, span: float) -> Places:
+    """The best of a fine grid of bands and first positions: a limit cycle tells these where it hardly tells the jump.
+
+    Where a valve turns at every slip, the jump only sets how far it moves; the scan of all jumps from the same first
+    slip comes when a place is settled.
+    """
+    bands, rests = np.meshgrid(np.geomspace(FINE_SMALLEST, LARGEST, FINE_BANDS) * span, FINE_RESTS, indexing="ij")
+    begun = np.repeat(rests.reshape(-1, 1), min(len(profile.segments), MOST_SEGMENTS), axis=1)
+    return profile.places(HE, bands.ravel(), FINE_SHARE * bands.ravel(), begun).apart(FUNNEL, FINE)
 
 
 def _settled(profile: SlipProfile, place: Place) -> Place:
@@ -318,8 +324,19 @@ def _cost(place: Place) -> float:
     return place.cost
 
 
-def slips_of(data: ScaledData, lags: Lags, finer: int = 1) -> list[Place]:
-    """Best places of a record apart from each other, best first; `finer` as in ``seek_slips``."""
+def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
+    """Best places of a record apart from each other, best first."""
+    return seek_slips(*_profiles(data, lags))
+
+
+def fine_slips_of(data: ScaledData, lags: Lags) -> list[Place]:
+    """The same by a fine grid of bands, where the search may have missed the valve."""
+    _, whole, span = _profiles(data, lags)
+    return sorted((_settled(whole, place) for place in _fine(whole, span)), key=_cost)
+
+
+def _profiles(data: ScaledData, lags: Lags) -> tuple[SlipProfile, SlipProfile, float]:
+    """On rows that leave out the beginning, and on all; and the range of OP without its tails."""
     late = data.segments.copy()
     lengths = late[:, 1] - late[:, 0]
     late[:, 0] += np.minimum(SKIPPED, (SKIPPED_SHARE * lengths).astype(np.int64))
@@ -327,4 +344,4 @@ def slips_of(data: ScaledData, lags: Lags, finer: int = 1) -> list[Place]:
     span = high - low if high > low else float(np.ptp(data.u))
     whole = SlipProfile(LaggedRegression.on(data, lags, MOST_ROWS), data.u, data.segments)
     later = SlipProfile(LaggedRegression.on(replace(data, segments=late), lags, MOST_ROWS), data.u, data.segments)
-    return seek_slips(later, whole, span, finer)
+    return later, whole, span

@@ -9,20 +9,24 @@ import numpy as np
 
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
 from lostmotion.identify.actuators.kind import Kind, Words, register
+from lostmotion.identify.actuators.loads import without_loads
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
-from lostmotion.identify.actuators.slip_profile import slips_of
+from lostmotion.identify.actuators.slip_profile import fine_slips_of, slips_of
 from lostmotion.identify.actuators.slip_search import slip_intervals, slipped, turns_seen
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.actuators.stiction_family import STICTION_MODELS, StictionFamily, own
 from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity, Stiction
+from lostmotion.models.stiction import CODES
 
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
+MANY_LOADS = 3  # beside a backlash: a valve that sticks may have been missed
 NEEDED_JUMP = 5.0  # by which it must beat backlash: the place of its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
 
@@ -106,7 +110,8 @@ class StictionKind(Kind):
         """Stiction begun at a backlash that was found, with its process, noise and loads, and jumps of several sizes.
 
         The likelihood of a jump is a needle, which the profile, with a process of its own at every point, can pass by;
-        from the process that a backlash has found the search over patterns reaches it.
+        from the process that a backlash has found the search over patterns reaches it. A backlash that needs many
+        loads has not explained the record: then the valve is sought once more, finely and without them.
         """
         problem, family = fitted.problem, fitted.problem.family
         if not isinstance(family, BacklashFamily):
@@ -121,7 +126,24 @@ class StictionKind(Kind):
             for share in JUMPS:
                 theta = np.insert(fitted.fit.theta, problem.eta_at + 1, share * width)
                 found.append(Fitted(richer, refine(richer, theta, richer.basis), richer.basis))
-        return self.finished(min(found, key=lambda one: one.fit.cost))
+        best = self.finished(min(found, key=lambda one: one.fit.cost))
+        if family.sought < MANY_LOADS:
+            return best
+        return min(best, self._sought_finely(fitted), key=criterion)
+
+    def _sought_finely(self, fitted: Fitted) -> Fitted:
+        """Stiction where a fine grid finds it, begun at the process and noise of a fit of backlash with loads."""
+        fitted = without_loads(fitted)
+        problem, family = fitted.problem, fitted.problem.family
+        data = ScaledData(problem.u, problem.y, problem.segments)
+        place = fine_slips_of(data, lags_of(data, Asked()))[0]
+        model = next(model for model in STICTION_MODELS if CODES[model] == place.model)
+        sticking = StictionFamily(float(np.ptp(data.u)), data.segments, model, rests=place.rests, load=family.load)
+        problem = replace(problem, family=sticking)
+        theta = np.insert(fitted.fit.theta, problem.eta_at + 1, place.jump)
+        theta[problem.eta_at] = place.band
+        held = refine(problem, theta, problem.free_but(problem.own, problem.basis), tied=True)
+        return self.finished(Fitted(problem, refine(problem, held.theta, problem.basis), problem.basis))
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:
         """Its jump must pay beside backlash."""
