@@ -50,7 +50,7 @@ MOST = 3  # places that are settled
 # of a finer grid, where the first may have missed the band
 FINE_BANDS, FINE_SMALLEST = 800, 0.1  # 0.3 % apart; the smallest in ranges of OP
 FINE_RESTS, FINE_SHARE = np.linspace(-0.9, 0.9, 13), 0.25
-FINE = 6  # places of it that are settled
+FINE = 12  # places of it that are settled
 
 
 @dataclass(frozen=True)
