@@ -9,7 +9,6 @@ import numpy as np
 
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
 from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.loads import without_loads
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.actuators.slip_profile import fine_slips_of, slips_of
@@ -20,10 +19,11 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.search import best_fit
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity, Stiction
-from lostmotion.models.stiction import CODES
 
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
 MANY_LOADS = 3  # beside a backlash: a valve that sticks may have been missed
@@ -106,7 +106,7 @@ class StictionKind(Kind):
             found.append(Fitted(problem, refine(problem, theta, problem.basis), problem.basis))
         return polished(min(found, key=lambda one: one.fit.cost))
 
-    def enriched(self, fitted: Fitted) -> Fitted:
+    def enriched(self, fitted: Fitted, asked: Asked) -> Fitted:
         """Stiction begun at a backlash that was found, with its process, noise and loads, and jumps of several sizes.
 
         The likelihood of a jump is a needle, which the profile, with a process of its own at every point, can pass by;
@@ -129,21 +129,14 @@ class StictionKind(Kind):
         best = self.finished(min(found, key=lambda one: one.fit.cost))
         if family.sought < MANY_LOADS:
             return best
-        return min(best, self._sought_finely(fitted), key=criterion)
+        return min(best, self._sought_finely(fitted.problem, asked), key=criterion)
 
-    def _sought_finely(self, fitted: Fitted) -> Fitted:
-        """Stiction where a fine grid finds it, begun at the process and noise of a fit of backlash with loads."""
-        fitted = without_loads(fitted)
-        problem, family = fitted.problem, fitted.problem.family
+    def _sought_finely(self, problem: Problem, asked: Asked) -> Fitted:
+        """The fit where a fine grid finds the valve, with a process of its own: the one beside loads may be far off."""
         data = ScaledData(problem.u, problem.y, problem.segments)
-        place = fine_slips_of(data, lags_of(data, Asked()))[0]
-        model = next(model for model in STICTION_MODELS if CODES[model] == place.model)
-        sticking = StictionFamily(float(np.ptp(data.u)), data.segments, model, rests=place.rests, load=family.load)
-        problem = replace(problem, family=sticking)
-        theta = np.insert(fitted.fit.theta, problem.eta_at + 1, place.jump)
-        theta[problem.eta_at] = place.band
-        held = refine(problem, theta, problem.free_but(problem.own, problem.basis), tied=True)
-        return self.finished(Fitted(problem, refine(problem, held.theta, problem.basis), problem.basis))
+        place = fine_slips_of(data, lags_of(data, asked))[0]
+        form = next(form for form in self.forms(data) if own(form).code == place.model)
+        return self.finished(best_fit(data, form.with_rests(place.rests), [np.array([place.band, place.jump])], asked))
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:
         """Its jump must pay beside backlash."""
