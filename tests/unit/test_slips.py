@@ -15,7 +15,7 @@ from lostmotion.identify.actuators.fit_kind import fit_kind
 from lostmotion.identify.actuators.operator_profile import LaggedRegression, lags_of
 from lostmotion.identify.actuators.slip_draws import even_draws, spaced_rests
 from lostmotion.identify.actuators.slip_likelihood import SlipLikelihood, error_gradients
-from lostmotion.identify.actuators.slip_profile import SlipProfile, slips_of
+from lostmotion.identify.actuators.slip_profile import SlipProfile, fine_slips_of, slips_of
 from lostmotion.identify.actuators.stiction import STICTION
 from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
@@ -197,6 +197,53 @@ def test_loss_of_a_pattern_is_that_of_a_refinement(fitted):
         full = refine(fitted.problem, theta, held, tied=True)
         loss = 0.5 * fitted.problem.errors * np.log(full.cost / fitted.fit.cost)
         assert one.loss == pytest.approx(loss, abs=1.0, rel=0.2)
+
+
+@pytest.mark.statistics
+def test_products_of_a_pattern_are_those_of_its_rows(fitted):
+    likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
+    problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
+    band = float(fitted.actuator[0])
+    etas, rests = band * np.array([[1.0, 0.3], [1.05, 0.4], [0.2, 0.02]]), np.array([[0.1], [-0.3], [0.0]])
+    found = likelihood.patterns(etas, rests)
+    assert [one.loss for one in found] == sorted([found[at].loss for at in range(3)], key=found.losses.tolist().index)
+    white = np.convolve(np.append(1.0, parts.d), parts.b)
+    for one, eta in zip(found, etas, strict=True):
+        last, side, *_ = patterned(HE, problem.u, *eta, problem.u[0] + 0.5 * one.rests[0] * sum(eta))
+        begin = s.first - s.delay
+        moved, turned = (slow.filtered(part[begin:], white, parts.a)[s.noise_order :] for part in (last, side))
+        rows = likelihood._without.size
+        errors = likelihood._without - moved[:rows] + one.behind * turned[:rows]
+        errors -= (likelihood._directions @ errors) @ likelihood._directions
+        loss = 0.5 * rows * np.log(errors @ errors / fitted.fit.cost)
+        assert one.loss == pytest.approx(loss, abs=1e-6)
+
+
+def test_scan_holds_the_first_slip():
+    data = scaled_data(*sticking_loop(1))
+    profile = SlipProfile(LaggedRegression.on(data, lags_of(data, Asked()), data.u.size), data.u, data.segments)
+    for rest in (-0.5, 0.0, 0.6):
+        place = profile.place(HE, 1.0, 0.4, (rest,))
+        jumps = np.array([0.2, 0.4, 0.6])
+        rests = profile.slipping(place, 0.5 * (1.0 + jumps))
+        starts = data.u[0] + 0.5 * rests[:, 0] * (1.0 + jumps)
+        rows = [traced(HE, data.u, 1.0, jump, start)[2][0] for jump, start in zip(jumps, starts, strict=True)]
+        assert rests[1, 0] == pytest.approx(rest)
+        assert len(set(rows)) == 1
+
+
+def limit_cycle(seed, n=2500, band=4.8, jump=4.4):
+    """The same loop where the valve turns at nearly every slip."""
+    return sticking_loop(seed, n, band, jump)
+
+
+@pytest.mark.statistics
+def test_fine_search_finds_a_limit_cycle():
+    for seed in (21, 22, 23):
+        data = scaled_data(*limit_cycle(seed))
+        place = fine_slips_of(data, lags_of(data, Asked()))[0]
+        assert place.band * data.scaling.u_scale == pytest.approx(4.8, rel=0.01)
+        assert place.jump * data.scaling.u_scale == pytest.approx(4.4, rel=0.05)
 
 
 @pytest.mark.statistics

@@ -187,10 +187,6 @@ class SlipProfile:
         """A place and its cost."""
         return self.places(model, band, jump, np.array([rests], float))[0]
 
-    def again(self, other: Place) -> Place:
-        """A place of another profile."""
-        return self.place(other.model, other.band, other.jump, other.rests)
-
     def about(self, middles: Places, reach: float, draws: FloatArray) -> Places:
         """Places in boxes about others: of `draws` every one gets as many."""
         each = len(draws) // middles.costs.size
@@ -202,10 +198,15 @@ class SlipProfile:
         moved = min(REST_REACH * reach, 1.0) * by_rest[:, None]
         return self.places(models, bands, jumps, np.clip(rests + moved, -1.0, 1.0))
 
-    def scanned(self, middle: Place, bands: ArrayLike, jumps: ArrayLike) -> Place:
-        """The best of these bands or jumps, with the same first slip where that can be."""
-        bands, jumps = np.broadcast_arrays(bands, jumps)
-        return _better(middle, self.places(middle.model, bands, jumps, self.slipping(middle, 0.5 * (bands + jumps))))
+    def banded(self, middle: Place, bands: FloatArray) -> Place:
+        """The best band."""
+        rests = np.tile(np.array(middle.rests), (bands.size, 1))
+        return _better(middle, self.places(middle.model, bands, middle.jump, rests))
+
+    def jumped(self, middle: Place, jumps: FloatArray) -> Place:
+        """The best jump, with the same first slip where that can be: one needle of both is thinner than either."""
+        rests = self.slipping(middle, 0.5 * (middle.band + jumps))
+        return _better(middle, self.places(middle.model, middle.band, jumps, rests))
 
     def slipping(self, place: Place, reaches: FloatArray) -> FloatArray:
         """First positions (n, s) from which valves that reach as far, (S + J) / 2, slip first where this one does."""
@@ -293,15 +294,15 @@ def _fine(profile: SlipProfile, span: float) -> Places:
 
 def _settled(profile: SlipProfile, place: Place) -> Place:
     """A place on all rows, with the first position of every segment."""
-    best, draws = profile.again(place), even_draws(DRAWS)
+    best, draws = profile.place(place.model, place.band, place.jump, place.rests), even_draws(DRAWS)
     for _ in range(SCANS):
         before = best
         for index in range(len(best.rests)):
             start, stop = profile.segments[index].tolist()
             most = FINAL_RESTS if index == 0 else LATER_RESTS
             best = profile.rested(best, spaced_rests(profile.u[start:stop], best.band, best.jump, most), index)
-        best = profile.scanned(best, best.band * SCAN_BANDS, best.jump)
-        best = profile.scanned(best, best.band, best.band * SCAN_SHARES)
+        best = profile.banded(best, best.band * SCAN_BANDS)
+        best = profile.jumped(best, best.band * SCAN_SHARES)
         if best is before:
             break
     for reach in FINAL_BOXES:
