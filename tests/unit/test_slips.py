@@ -15,18 +15,17 @@ from lostmotion.identify.actuators.fit_kind import fit_kind
 from lostmotion.identify.actuators.operator_profile import LaggedRegression, lags_of
 from lostmotion.identify.actuators.slip_draws import even_draws, spaced_rests
 from lostmotion.identify.actuators.slip_likelihood import SlipLikelihood, error_gradients
-from lostmotion.identify.actuators.slip_profile import SlipProfile, slips_of
+from lostmotion.identify.actuators.slip_profile import SlipProfile, fine_slips_of, slips_of
 from lostmotion.identify.actuators.stiction import STICTION
 from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.kernels.slip_table import LAGS, add_slip_table, trace
 from lostmotion.kernels.slips import (
-    add_slip_table,
     first_positions,
     pattern,
     through_process,
-    trace,
 )
 from lostmotion.kernels.stiction import HE, KANO
 from tests.naive import slips as slow
@@ -43,9 +42,10 @@ def command(seed, n=120):
 
 
 def traced(model, u, band, jump, start):
-    x, sums, rows = np.empty(u.size), np.empty(u.size + 1), np.empty(u.size, np.int64)
-    count, turns = trace(model, u, band, jump, start, x, sums, rows)
-    return x, sums, rows, count, turns
+    x, sums = np.empty(u.size), np.zeros(u.size + 1 + LAGS)
+    rows, falls = np.empty(u.size + 1, np.int64), np.empty(u.size + 1)
+    count, _ = trace(model, u, band, jump, start, x, sums, rows, falls)
+    return x, sums, rows[:count], falls[:count]
 
 
 @given(valves)
@@ -54,11 +54,12 @@ def test_trace_is_the_valve_of_the_papers(valve):
     seed, model, band, share, rest = valve
     u, jump = command(seed), share * band
     start = u[0] + 0.5 * rest * (band + jump)
-    x, sums, rows, count, _ = traced(model, u, band, jump, start)
+    x, sums, rows, falls = traced(model, u, band, jump, start)
     assert np.allclose(x, slow.position(model, u, band, jump, start), atol=1e-9)
-    assert np.allclose(sums, np.concatenate([[0.0], np.cumsum(x)]))
-    moved = np.flatnonzero(np.diff(np.concatenate([[start], x])))
-    assert set(moved) <= set(rows[:count])
+    assert np.allclose(sums[: u.size + 1], np.concatenate([[0.0], np.cumsum(x)]))
+    steps = np.diff(np.concatenate([[start], x]))
+    assert set(np.flatnonzero(steps)) <= set(rows)
+    assert np.allclose(falls, -steps[rows])
 
 
 @given(valves, st.integers(0, 3), st.integers(1, 6), st.integers(1, 9))
@@ -68,12 +69,25 @@ def test_table_from_slips_is_that_of_all_rows(valve, delay, outputs, inputs):
     u = command(seed)
     y = command(seed + 1)
     jump = share * band
-    x, sums, rows, count, _ = traced(model, u, band, jump, u[0] + 0.5 * rest * (band + jump))
-    start, stop = max(outputs, inputs) + delay, u.size - 7
+    x, sums, rows, falls = traced(model, u, band, jump, u[0] + 0.5 * rest * (band + jump))
+    start = max(outputs, inputs) + delay
+    stop = start + 1 + seed % (u.size - start)
     table = np.zeros((outputs + inputs + 2, inputs))
-    totals = np.concatenate([[0.0], np.cumsum(y)])
-    add_slip_table(x, sums, rows, count, totals, outputs, delay, inputs, start, stop, table)
+    totals = np.concatenate([[0.0], np.cumsum(y), np.zeros(LAGS)])
+    add_slip_table(x, sums, rows, falls, rows.size, totals, outputs, delay, inputs, start, stop, table)
     assert np.allclose(table, slow.table(y, outputs, x, delay, inputs, start, stop), atol=1e-8)
+
+
+def patterned(model, u, band, jump, start):
+    """Both parts of the position row by row, the rectangle, the first slip and the first position."""
+    rows, parts, bounds = (
+        np.empty(u.size + 1, np.int64),
+        np.empty((2, u.size + 1)),
+        np.array([0.0, np.inf, 0.0, np.inf]),
+    )
+    count, first, settled, _ = pattern(model, u, band, jump, start, rows, *parts, bounds)
+    at = np.searchsorted(rows[:count], np.arange(u.size), "right") - 1
+    return parts[0, at], parts[1, at], bounds, first, settled
 
 
 @given(valves)
@@ -82,11 +96,10 @@ def test_two_parts_are_the_position_and_a_rectangle_has_one_pattern(valve):
     seed, model, band, share, rest = valve
     u, jump = command(seed), share * band
     start = u[0] + 0.5 * rest * (band + jump)
-    last, side, bounds = np.empty(u.size), np.empty(u.size), np.array([0.0, np.inf, 0.0, np.inf])
-    first, settled, _ = pattern(model, u, band, jump, start, last, side, bounds)
-    x, _, rows, count, _ = traced(model, u, band, jump, settled)
+    last, side, bounds, first, settled = patterned(model, u, band, jump, start)
+    x, _, rows, _ = traced(model, u, band, jump, settled)
     assert np.allclose(last - side * 0.5 * (band - jump), x, atol=1e-9)
-    assert (first == u.size and not count) or first == rows[0]
+    assert (first == u.size and not rows.size) or first == rows[0]
     low, high, least, most = bounds
     assert low <= band < high
     assert least <= jump < most
@@ -94,8 +107,7 @@ def test_two_parts_are_the_position_and_a_rectangle_has_one_pattern(valve):
     begun = settled
     if first < u.size:  # the same first slip from as far behind it
         begun = settled - side[first] * 0.5 * (sum(inside) - band - jump)
-    again, turned, other = np.empty(u.size), np.empty(u.size), np.array([0.0, np.inf, 0.0, np.inf])
-    same, _, _ = pattern(model, u, *inside, begun, again, turned, other)
+    again, turned, _, same, _ = patterned(model, u, *inside, begun)
     if first < u.size and same == first:  # a much larger reach may leave no place to begin there
         assert np.array_equal(again[first:], last[first:])
         assert np.array_equal(turned[first:], side[first:])
@@ -110,13 +122,15 @@ def test_first_positions_are_all_ways_to_begin():
     assert spaced_rests(np.zeros(5), band, jump, 3) == []
 
 
-def test_process_over_few_changes():
+@pytest.mark.parametrize("begin", [0, 25])
+def test_process_over_few_changes(begin):
     random = np.random.default_rng(1)
-    x = np.repeat(random.normal(size=12), 10)
+    rows, values = np.arange(0, 120, 10), random.normal(size=12)
+    x = np.repeat(values, 10)[begin:]
     numerator, a = random.normal(size=5), np.array([-1.2, 0.4])
-    out = np.empty(x.size - 4)
-    through_process(x, numerator, a, 4, out)
-    assert np.allclose(out, slow.filtered(x, numerator, a)[4:])
+    out = np.empty(x.size)
+    through_process(rows, values, begin, np.cumsum(numerator), a, np.empty(x.size), out)
+    assert np.allclose(out, slow.filtered(x, numerator, a))
 
 
 def test_even_draws_fill_the_cube():
@@ -183,6 +197,53 @@ def test_loss_of_a_pattern_is_that_of_a_refinement(fitted):
         full = refine(fitted.problem, theta, held, tied=True)
         loss = 0.5 * fitted.problem.errors * np.log(full.cost / fitted.fit.cost)
         assert one.loss == pytest.approx(loss, abs=1.0, rel=0.2)
+
+
+@pytest.mark.statistics
+def test_products_of_a_pattern_are_those_of_its_rows(fitted):
+    likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
+    problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
+    band = float(fitted.actuator[0])
+    etas, rests = band * np.array([[1.0, 0.3], [1.05, 0.4], [0.2, 0.02]]), np.array([[0.1], [-0.3], [0.0]])
+    found = likelihood.patterns(etas, rests)
+    assert [one.loss for one in found] == sorted([found[at].loss for at in range(3)], key=found.losses.tolist().index)
+    white = np.convolve(np.append(1.0, parts.d), parts.b)
+    for one, eta in zip(found, etas, strict=True):
+        last, side, *_ = patterned(HE, problem.u, *eta, problem.u[0] + 0.5 * one.rests[0] * sum(eta))
+        begin = s.first - s.delay
+        moved, turned = (slow.filtered(part[begin:], white, parts.a)[s.noise_order :] for part in (last, side))
+        rows = likelihood._without.size
+        errors = likelihood._without - moved[:rows] + one.behind * turned[:rows]
+        errors -= (likelihood._directions @ errors) @ likelihood._directions
+        loss = 0.5 * rows * np.log(errors @ errors / fitted.fit.cost)
+        assert one.loss == pytest.approx(loss, abs=1e-6)
+
+
+def test_scan_holds_the_first_slip():
+    data = scaled_data(*sticking_loop(1))
+    profile = SlipProfile(LaggedRegression.on(data, lags_of(data, Asked()), data.u.size), data.u, data.segments)
+    for rest in (-0.5, 0.0, 0.6):
+        place = profile.place(HE, 1.0, 0.4, (rest,))
+        jumps = np.array([0.2, 0.4, 0.6])
+        rests = profile.slipping(place, 0.5 * (1.0 + jumps))
+        starts = data.u[0] + 0.5 * rests[:, 0] * (1.0 + jumps)
+        rows = [traced(HE, data.u, 1.0, jump, start)[2][0] for jump, start in zip(jumps, starts, strict=True)]
+        assert rests[1, 0] == pytest.approx(rest)
+        assert len(set(rows)) == 1
+
+
+def limit_cycle(seed, n=2500, band=4.8, jump=4.4):
+    """The same loop where the valve turns at nearly every slip."""
+    return sticking_loop(seed, n, band, jump)
+
+
+@pytest.mark.statistics
+def test_fine_search_finds_a_limit_cycle():
+    for seed in (21, 22, 23):
+        data = scaled_data(*limit_cycle(seed))
+        place = fine_slips_of(data, lags_of(data, Asked()))[0]
+        assert place.band * data.scaling.u_scale == pytest.approx(4.8, rel=0.01)
+        assert place.jump * data.scaling.u_scale == pytest.approx(4.4, rel=0.05)
 
 
 @pytest.mark.statistics

@@ -167,7 +167,7 @@ class _Identification:
         nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
         if not is_open(kind, {kind.name: found, inner.name: nested}, linear):
             return found
-        richer = [one for one in (kind.enriched(nested),) if kind.met(one)]
+        richer = [one for one in (kind.enriched(nested, self.asked),) if kind.met(one)]
         return max([found, *richer], key=lambda one: gain_over_linear(one, linear))
 
     def _fitted(

@@ -1,11 +1,7 @@
-"""Where a sticking valve slips, and what its steps have in common with lagged signals, from the slips alone.
-
-Between two slips the position is constant, so a sum of products with a lagged signal is a sum over slips of the
-position times a difference of the signal's running sum: some hundred terms instead of all rows.
+"""Patterns of slips of a sticking valve: which bands and jumps share one, and what a process makes of it.
 
 After a slip at the command v in direction d the position is v - d (S - J) / 2; the valve goes on in that direction
-from v + d J, and back from v - d S. Kano's valve follows the command until it turns, He's stays after every sample
-(both of :mod:`lostmotion.kernels.stiction`, with the same arithmetic).
+from v + d J, and back from v - d S, as in :mod:`lostmotion.kernels.slip_table`.
 """
 
 from __future__ import annotations
@@ -17,141 +13,7 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.likelihood import all_pole
 from lostmotion.kernels.stiction import KANO
 
-
-@njit(cache=True, nogil=True)
-def trace(
-    model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, sums: FloatArray, slips: IntArray
-) -> tuple[int, int]:
-    """Position `x` (n,) from rest at `start`, and its running sum from 0 on `sums` (n + 1,).
-
-    `slips` (n,) gets the rows at which the position changes, in order. Returns their number, and how many of them turn.
-    """
-    behind, reach = 0.5 * (band - jump), 0.5 * (band + jump)
-    position, above, below = start, start + reach, start - reach
-    direction = moving = 0.0
-    count = turns = 0
-    last = u[0]
-    sums[0] = total = 0.0
-    for k in range(u.size):
-        v = u[k]
-        if moving != 0.0:  # Kano's only
-            if moving * (v - last) > 0.0:
-                position = v - moving * behind
-                slips[count] = k
-                count += 1
-            else:
-                above = last + jump if moving > 0.0 else last + band
-                below = last - band if moving > 0.0 else last - jump
-                moving = 0.0
-        if moving == 0.0 and (v > above or v < below):
-            turned = 1.0 if v > above else -1.0
-            turns += direction * turned < 0.0
-            direction = turned
-            position = v - direction * behind
-            above = v + jump if direction > 0.0 else v + band
-            below = v - band if direction > 0.0 else v - jump
-            slips[count] = k
-            count += 1
-            if model == KANO:
-                moving = direction
-        x[k] = position
-        total += position
-        sums[k + 1] = total
-        last = v
-    return count, turns
-
-
-@njit(cache=True, nogil=True)
-def _complete(
-    x: FloatArray,
-    totals: FloatArray,
-    first: int,
-    last: int,
-    start: int,
-    stop: int,
-    past: FloatArray,
-    gram: FloatArray,
-) -> None:
-    """The rest of both tables from their first rows and columns: a lag more on either side drops and adds a product."""
-    inputs = gram.shape[0]
-    for i in range(1, past.shape[0]):
-        for j in range(1, inputs):
-            past[i, j] = (
-                past[i - 1, j - 1]
-                + (totals[start - i + 1] - totals[start - i]) * x[first - j]
-                - (totals[stop - i + 1] - totals[stop - i]) * x[last - j]
-            )
-    for j in range(inputs):
-        gram[j, 0] = gram[0, j]
-    for i in range(1, inputs):
-        before, after = x[first - i], x[last - i]
-        for j in range(i, inputs):
-            gram[i, j] = gram[i - 1, j - 1] + before * x[first - j] - after * x[last - j]
-            gram[j, i] = gram[i, j]
-
-
-@njit(cache=True, nogil=True)
-def add_slip_table(
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    count: int,
-    totals: FloatArray,
-    outputs: int,
-    delay: int,
-    inputs: int,
-    start: int,
-    stop: int,
-    table: FloatArray,
-) -> None:
-    """:func:`lostmotion.kernels.products.add_lagged_table` of a position that changes at `count` of `slips` only.
-
-    `sums` and `totals` (n + 1,) are the running sums of the position and of y, from 0 on; all rows k - delay - lag are
-    inside the record.
-    """
-    past = np.zeros((outputs + 1, inputs))
-    gram = np.zeros((inputs, inputs))
-    ones = np.zeros(inputs)
-    for j in range(inputs):
-        low, high = start - delay - j, stop - delay - j
-        ones[j] = sums[high] - sums[low]
-    first, last = start - delay, stop - delay
-    with_totals = np.zeros(outputs + inputs)  # at lags from -outputs on
-    with_itself = np.zeros(inputs)  # at lags inputs - 1 to 0
-    begin = 0  # of the stretch of constant position
-    for m in range(count + 1):
-        end = slips[m] if m < count else x.size
-        value = x[begin]
-        if begin >= first and end <= last - inputs + 1:  # slices from their own start: they run in lanes
-            ahead, behind = totals[end + delay - outputs :], totals[begin + delay - outputs :]
-            for i in range(outputs + inputs):
-                with_totals[i] += value * (ahead[i] - behind[i])
-            ahead, behind = sums[end - inputs + 1 :], sums[begin - inputs + 1 :]
-            for i in range(inputs):
-                with_itself[i] += value * (ahead[i] - behind[i])
-        else:
-            low, high = max(begin, first), min(end, last)
-            if low < high:
-                for i in range(outputs + 1):
-                    past[i, 0] += value * (totals[high + delay - i] - totals[low + delay - i])
-                for j in range(inputs):
-                    gram[0, j] += value * (sums[high - j] - sums[low - j])
-            for j in range(1, inputs):
-                low, high = max(begin, first - j), min(end, last - j)
-                if low < high:
-                    past[0, j] += value * (totals[high + delay + j] - totals[low + delay + j])
-        begin = end
-    for i in range(outputs + 1):
-        past[i, 0] += with_totals[outputs - i]
-    for j in range(inputs):
-        gram[0, j] += with_itself[inputs - 1 - j]
-        if j > 0:
-            past[0, j] += with_totals[outputs + j]
-    _complete(x, totals, first, last, start, stop, past, gram)
-    table[0] += ones
-    table[-1] += past[0]
-    table[1 : outputs + 1] += past[1:]
-    table[outputs + 1 : outputs + 1 + inputs] += gram
+TINY = 1e-300  # keeps divisions finite
 
 
 @njit(cache=True, nogil=True)
@@ -161,27 +23,31 @@ def pattern(
     band: float,
     jump: float,
     start: float,
-    last_slip: FloatArray,
-    side: FloatArray,
+    slips: IntArray,
+    levels: FloatArray,
+    sides: FloatArray,
     bounds: FloatArray,
-) -> tuple[int, float, int]:
-    """The position x = last_slip - side (S - J) / 2 in two parts (n,), and the bands and jumps with the same slips.
+) -> tuple[int, int, float, int]:
+    """The position x = level - side (S - J) / 2 from slip to slip, and the bands and jumps with the same slips.
 
-    `side` is the direction of the last motion. `bounds` (lowest and highest band, lowest and highest jump) is narrowed:
-    a valve stays where it is up to its band or jump, and slips beyond. Before its first slip, in direction d at the
-    command v, it rests at (S + J) / 2 behind v, nearly: in the middle of the places from which it slips there and not
-    before. Returns the row of the first slip (n where there is none), that first position and the number of turns.
+    `slips`, `levels` and `sides` (n + 1,) get the rows of the slips, the first of all at row 0, the command there and
+    the direction of the motion. `bounds` (lowest and highest band, lowest and highest jump) is narrowed: a valve stays
+    where it is up to its band or jump, and slips beyond. Before its first slip, in direction d at the command v, it
+    rests at (S + J) / 2 behind v, nearly: in the middle of the places from which it slips there and not before.
+    Returns the number of slips with that at row 0, the row of the first slip (n where there is none), that first
+    position and the number of turns.
     """
     reach = 0.5 * (band + jump)
     direction = moving = 0.0
     anchor = last = lowest = highest = u[0]
-    level, first, turns = start, u.size, 0
+    first, turns, count = u.size, 0, 1
+    slips[0], levels[0], sides[0] = 0, start, 0.0
     for k in range(u.size):
         v = u[k]
+        slipped = False
         if moving != 0.0:
-            if moving * (v - last) > 0.0:
-                level = v
-            else:
+            slipped = moving * (v - last) > 0.0
+            if not slipped:
                 anchor = last
                 moving = 0.0
         if moving == 0.0:
@@ -194,8 +60,7 @@ def pattern(
                     else:
                         edge = 0.5 * (max(v, highest - 2.0 * reach) + lowest)
                     start = edge - direction * reach
-                    last_slip[:k] = edge - direction * band
-                    side[:k] = -direction
+                    levels[0], sides[0] = edge - direction * band, -direction
                     first = k
                 else:
                     lowest, highest = min(lowest, v), max(highest, v)
@@ -213,13 +78,14 @@ def pattern(
                     bounds[2] = max(bounds[2], ahead)
                     slipped = False
             if slipped:
-                level = anchor = v
+                anchor = v
                 if model == KANO:
                     moving = direction
-        last_slip[k] = level
-        side[k] = direction
+        if slipped:
+            slips[count], levels[count], sides[count] = k, v, direction
+            count += 1
         last = v
-    return first, start, turns
+    return count, first, start, turns
 
 
 @njit(cache=True, nogil=True)
@@ -248,23 +114,114 @@ def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
 
 
 @njit(cache=True, nogil=True)
-def through_process(x: FloatArray, numerator: FloatArray, a: FloatArray, skipped: int, out: FloatArray) -> None:
-    """Write numerator/A x from rest into `out` (n - skipped,) without its first rows; x (n,) changes at few of them."""
-    n, late = x.size, numerator.size
-    steps = np.cumsum(numerator)
-    drive, settled = np.zeros(n + late), np.zeros(n + late)  # settled: changes that have passed the whole numerator
-    before = 0.0
-    for k in range(n):
-        change = x[k] - before
+def through_process(
+    slips: IntArray,
+    values: FloatArray,
+    begin: int,
+    steps: FloatArray,
+    a: FloatArray,
+    drive: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write B/A x into `out` (n,), from rest at the row `begin`; x has the `values` (m,) from the `slips` (m,) on.
+
+    `steps` are the running sums of B. `drive` (n,) is overwritten.
+    """
+    n, late = out.size, steps.size
+    drive[:] = 0.0
+    before, until, settled = 0.0, 0, 0.0  # settled: the level that has passed all of B, and the row where it ends
+    for m in range(slips.size):
+        change, at = values[m] - before, slips[m] - begin
+        if at >= n:
+            break
         if change != 0.0:
-            part = drive[k : k + late]
-            for i in range(late):
-                part[i] += change * steps[i]
-            settled[k + late] += change
-            before = x[k]
-    total = 0.0
-    for k in range(n):
-        total += settled[k]
-        drive[k] += total * steps[-1]
-    all_pole(a, drive[:n], settled)
-    out[:] = settled[skipped:n]
+            at = max(at, 0)
+            for i in range(min(late, n - at)):
+                drive[at + i] += change * steps[i]
+            for k in range(until, min(at + late, n)):
+                drive[k] += settled
+            until = min(at + late, n)
+            settled += change * steps[-1]
+            before = values[m]
+    for k in range(until, n):
+        drive[k] += settled
+    all_pole(a, drive, out)
+
+
+@njit(cache=True, nogil=True)
+def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatArray, sums: FloatArray) -> None:
+    """Add to `sums` (r,) what `answers` (n, r), of a step of one at each row from `begin` on, make of all changes."""
+    before = 0.0
+    for m in range(slips.size):
+        change, at = values[m] - before, max(slips[m] - begin, 0)
+        if at >= answers.shape[0]:
+            break
+        if change != 0.0:
+            row = answers[at]
+            for i in range(row.size):
+                sums[i] += change * row[i]
+            before = values[m]
+
+
+@njit(cache=True, nogil=True)
+def weigh_patterns(
+    model: int,
+    u: FloatArray,
+    segments: IntArray,
+    etas: FloatArray,
+    begin: int,
+    head: int,
+    skipped: int,
+    steps: FloatArray,
+    a: FloatArray,
+    without: FloatArray,
+    answers: FloatArray,
+    begun: FloatArray,
+    bounds: FloatArray,
+    sums: FloatArray,
+    seen: FloatArray,
+    turns: IntArray,
+    left: FloatArray,
+    turned: FloatArray,
+) -> None:
+    """What the likelihoods of patterns are made of, over all `segments` (s, 2) of u; `etas` (v, 2): bands and jumps.
+
+    All but `head` rows of each segment count; the process B/A answers to its position from the row `begin` on, and the
+    first rows of the answer are `skipped`; `steps` are the running sums of B. `left` and `turned` (e,) become `without`
+    less that of the level, and that of the side, of the last pattern; `sums` (v, 3) the products of the two with
+    themselves and each other; `seen` (v, 2, r) gets the products of r directions with that of level and side added, by
+    `answers` (rows, r) to a step of one at each row. Of `begun` (v, s, 2) the first column, a first position in shares
+    of (S + J) / 2, becomes that in the middle of its pattern, the second its first slip. `bounds` (v, 4) are narrowed
+    as by ``pattern``; `turns` (v,) get the numbers of turns.
+    """
+    longest = 0
+    for start, stop in segments:
+        longest = max(longest, stop - start)
+    slips, values = np.empty(longest + 1, np.int64), np.empty((2, longest + 1))
+    drive, out = np.empty(longest), np.empty(longest)
+    for v in range(len(etas)):
+        band, jump = etas[v]
+        reach = 0.5 * (band + jump)
+        turns[v] = done = answered = 0
+        for index in range(len(segments)):
+            start, stop = segments[index]
+            first = u[start] + begun[v, index, 0] * reach
+            count, row, first, more = pattern(
+                model, u[start:stop], band, jump, first, slips, values[0], values[1], bounds[v]
+            )
+            begun[v, index, 0], begun[v, index, 1] = (first - u[start]) / max(reach, TINY), row
+            turns[v] += more
+            rows = stop - start - head
+            n = rows + skipped
+            for side in range(2):
+                through_process(slips[:count], values[side, :count], begin, steps, a, drive[:n], out[:n])
+                add_answers(slips[:count], values[side, :count], begin, answers[answered : answered + n], seen[v, side])
+                if side == 0:
+                    for k in range(rows):
+                        left[done + k] = without[done + k] - out[skipped + k]
+                else:
+                    for k in range(rows):
+                        turned[done + k] = out[skipped + k]
+            done += rows
+            answered += n
+        sums[v, 0], sums[v, 1], sums[v, 2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)

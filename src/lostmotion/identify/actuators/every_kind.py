@@ -68,7 +68,7 @@ class EveryKind:
         linear = _best_linear(linear, found)
         for kind in nested:
             if is_open(kind, found, linear):
-                richer = with_own_loads(kind.enriched(found[kind.nests]))
+                richer = with_own_loads(kind.enriched(found[kind.nests], self.asked))
                 if kind.met(richer) and _keep(found, kind.name, richer):
                     linear = _best_linear(linear, found)
         return linear, found

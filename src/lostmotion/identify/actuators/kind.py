@@ -161,8 +161,8 @@ class Kind(ABC):
         """The nested kind, begun at a fit of this one."""
         raise NotImplementedError(f"{self.name} nests {self.nests!r} but does not say how to begin it")
 
-    def enriched(self, fitted: Fitted) -> Fitted:
-        """The kind itself, begun at a fit of the nested one."""
+    def enriched(self, fitted: Fitted, asked: Asked) -> Fitted:
+        """The kind itself, begun at a fit of the nested one; `asked` is what that was asked for."""
         raise NotImplementedError(f"{self.name} nests {self.nests!r} but does not say how to begin there")
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:  # noqa: ARG002

@@ -12,17 +12,19 @@ met where a refinement of each would allow some dozens.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, spaced_rests
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import likelihood as kernel
-from lostmotion.kernels.slips import pattern, through_process
+from lostmotion.kernels.slips import weigh_patterns
 
 INSIDE = 0.01  # of the rectangle, from its sides
 TINY = 1e-300  # keeps divisions finite
@@ -82,6 +84,45 @@ class Pattern:
 
 
 @dataclass(frozen=True)
+class Patterns:
+    """Many of them, row by row; as in :class:`Pattern`.
+
+    Attributes
+    ----------
+    bounds : ndarray, shape (n, 4)
+        Lowest and highest band, lowest and highest jump.
+    begun : ndarray, shape (n, s, 2)
+        First positions and rows of the first slips.
+    behind, losses, free, spreads : ndarray, shape (n,)
+    """
+
+    bounds: FloatArray
+    begun: FloatArray
+    behind: FloatArray
+    losses: FloatArray
+    free: FloatArray
+    spreads: FloatArray
+
+    def __getitem__(self, at: int) -> Pattern:
+        """One of them."""
+        low, high, least, most = self.bounds[at].tolist()
+        rests, firsts = self.begun[at].T.tolist()
+        behind, loss = float(self.behind[at]), float(self.losses[at])
+        first_rows = tuple(int(row) for row in firsts)
+        spread = float(self.spreads[at])
+        return Pattern((low, high), (least, most), tuple(rests), first_rows, behind, loss, float(self.free[at]), spread)
+
+    def __iter__(self) -> Iterator[Pattern]:
+        """All of them."""
+        return (self[at] for at in range(self.losses.size))
+
+    @property
+    def best(self) -> Pattern:
+        """The one of least loss."""
+        return self[int(np.argmin(self.losses))]
+
+
+@dataclass(frozen=True)
 class SlipLikelihood:
     """Log-likelihood of patterns about a fit, everything but the valve projected out.
 
@@ -104,27 +145,32 @@ class SlipLikelihood:
 
     def at(self, band: float, jump: float, rests: tuple[float, ...]) -> Pattern:
         """The pattern of a band, a jump and first positions."""
-        problem, s, parts = self.fitted.problem, self.fitted.problem.structure, self.fitted.parts
-        bounds = np.array([0.0, np.inf, 0.0, np.inf])
-        moved, sides = self._room
-        found: list[tuple[int, float]] = []
-        done = turned = 0
-        for index, (start, stop) in enumerate(problem.segments.tolist()):
-            last, side = np.empty(stop - start), np.empty(stop - start)
-            rest = rests[index] if index < len(rests) else 0.0
-            first = problem.u[start] + 0.5 * rest * (band + jump)
-            row, first, turns = pattern(self.model, problem.u[start:stop], band, jump, first, last, side, bounds)
-            found.append((row, float(first - problem.u[start]) / max(0.5 * (band + jump), TINY)))
-            turned += turns
-            begin, rows = s.first - s.delay, stop - start - s.start
-            until = begin + rows + s.noise_order
-            for signal, out in ((last, moved), (side, sides)):
-                through_process(signal[begin:until], self._numerator, parts.a, s.noise_order, out[done : done + rows])
-            done += rows
-        bounds[1] = min(bounds[1], self.widest)
-        bounds[3] = min(bounds[3], self.largest * bounds[1])
-        one = self._weighed(self._without - moved, sides, bounds, found[: len(rests)])
-        return one if turned >= FEWEST_TURNS else replace(one, loss=np.inf)
+        return self.patterns(np.array([[band, jump]]), np.array([rests], float))[0]
+
+    def patterns(self, etas: FloatArray, rests: FloatArray) -> Patterns:
+        """The patterns of bands and jumps (n, 2) and first positions (n, s)."""
+        problem, s, n = self.fitted.problem, self.fitted.problem.structure, len(etas)
+        bounds, turns = np.tile([0.0, np.inf, 0.0, np.inf], (n, 1)), np.empty(n, np.int64)
+        sums, seen = np.empty((n, 3)), np.zeros((n, 2, len(self._directions)))
+        begun = np.zeros((n, len(problem.segments), 2))
+        begun[:, : rests.shape[1], 0] = rests
+        left, turned = np.empty(problem.errors), np.empty(problem.errors)
+        weigh_patterns(
+            self.model, problem.u, problem.segments, etas, s.first - s.delay, s.start, s.noise_order, self._steps,
+            self.fitted.parts.a, self._without, self._answers, begun, bounds, sums, seen, turns, left, turned,
+        )  # fmt: skip
+        bounds[:, 1] = np.minimum(bounds[:, 1], self.widest)
+        bounds[:, 3] = np.minimum(bounds[:, 3], self.largest * bounds[:, 1])
+        seen[:, 0] = self._seen - seen[:, 0]
+        found, cancelled = self._weighed(sums, seen, bounds)
+        if cancelled.any():
+            if n > 1:
+                return _joined([self.patterns(etas[[at]], rests[[at]]) for at in range(n)])
+            rest = left + found[0] * turned
+            rest = rest - (self._directions @ rest) @ self._directions
+            found[1][:] = self._loss(np.array(rest @ rest))
+        found[1][turns < FEWEST_TURNS] = np.inf
+        return Patterns(bounds, begun[:, : rests.shape[1]], *found)
 
     def first_rests(self, band: float, jump: float, index: int, most: int) -> list[float]:
         """First positions from which a segment goes on in different ways, at most so many of them."""
@@ -132,39 +178,57 @@ class SlipLikelihood:
         return spaced_rests(self.fitted.problem.u[start:stop], band, jump, most)
 
     def _weighed(
-        self, left: FloatArray, turned: FloatArray, bounds: FloatArray, begun: list[tuple[int, float]]
-    ) -> Pattern:
-        """The likeliest of a pattern, from what it leaves of PV and its directions, both whitened."""
-        directions = self._directions
-        seen, turns = directions @ left, directions @ turned
-        squares = float(left @ left - seen @ seen)
-        cross = float(left @ turned - seen @ turns)
-        curvature = max(float(turned @ turned - turns @ turns), 1e-300)
-        lowest, highest = 0.5 * (bounds[0] - bounds[3]), 0.5 * (bounds[1] - bounds[2])
-        inside = INSIDE * (highest - lowest)  # a corner belongs to several patterns
-        lowest, highest = lowest + inside, highest - inside
-        free = -cross / curvature
-        behind = float(min(max(free, lowest), highest))
-        cost = squares + behind * (2.0 * cross + behind * curvature)
-        if cost < CANCELLED * float(left @ left):
-            rest = left + behind * turned
-            rest = rest - (directions @ rest) @ directions
-            cost = float(rest @ rest)
-        loss = 0.5 * left.size * float(np.log(max(cost, TINY) / max(self.fitted.fit.cost, 1e-300)))
-        bands, jumps = (float(bounds[0]), float(bounds[1])), (float(bounds[2]), float(bounds[3]))
-        firsts, rests = tuple(row for row, _ in begun), tuple(rest for _, rest in begun)
-        spread = float(np.sqrt(self.fitted.variance / curvature))
-        return Pattern(bands, jumps, rests, firsts, behind, loss, free, spread)
+        self, sums: FloatArray, seen: FloatArray, bounds: FloatArray
+    ) -> tuple[tuple[FloatArray, FloatArray, FloatArray, FloatArray], npt.NDArray[np.bool_]]:
+        """Of each pattern the likeliest half difference, its loss, that without bounds and its spread; from products.
 
-    @cached_property
-    def _room(self) -> tuple[FloatArray, FloatArray]:
-        rows = self.fitted.problem.errors
-        return np.empty(rows), np.empty(rows)
+        And where the loss is a difference of sums that are too large for it.
+        """
+        left, turned = seen[:, 0], seen[:, 1]
+        squares = sums[:, 0] - np.einsum("ij,ij->i", left, left)
+        cross = sums[:, 1] - np.einsum("ij,ij->i", left, turned)
+        curvature = np.maximum(sums[:, 2] - np.einsum("ij,ij->i", turned, turned), TINY)
+        lowest, highest = 0.5 * (bounds[:, 0] - bounds[:, 3]), 0.5 * (bounds[:, 1] - bounds[:, 2])
+        inside = INSIDE * (highest - lowest)  # a corner belongs to several patterns
+        free = -cross / curvature
+        behind = np.maximum(np.minimum(free, highest - inside), lowest + inside)
+        cost = squares + behind * (2.0 * cross + behind * curvature)
+        spreads = np.sqrt(self.fitted.variance / curvature)
+        return (behind, self._loss(cost), free, spreads), cost < CANCELLED * sums[:, 0]
+
+    def _loss(self, cost: FloatArray) -> FloatArray:
+        return 0.5 * self._without.size * np.log(np.maximum(cost, TINY) / max(self.fitted.fit.cost, TINY))
 
     @cached_property
     def _numerator(self) -> FloatArray:
         parts = self.fitted.parts
         return np.convolve(np.append(1.0, parts.d), parts.b)
+
+    @cached_property
+    def _steps(self) -> FloatArray:
+        return np.cumsum(self._numerator)
+
+    @cached_property
+    def _seen(self) -> FloatArray:
+        """Products of the directions with the errors without the valve."""
+        return self._directions @ self._without
+
+    @cached_property
+    def _answers(self) -> FloatArray:
+        """Products (rows, r) of the directions with the answer to a step of one at each row of the segments.
+
+        The process backwards: what an input does to a product is that product's answer, last row first.
+        """
+        problem, s = self.fitted.problem, self.fitted.problem.structure
+        found, done = [], 0
+        for start, stop in problem.segments.tolist():
+            rows = stop - start - s.start
+            back = np.zeros((len(self._directions), rows + s.noise_order))
+            back[:, :rows] = self._directions[:, done : done + rows][:, ::-1]
+            pulses = [_answer(self.fitted.parts.a, _lagged(self._numerator, one)) for one in back]
+            found.append(np.cumsum(pulses, axis=1)[:, ::-1].T)
+            done += rows
+        return np.ascontiguousarray(np.concatenate(found))
 
     @cached_property
     def _without(self) -> FloatArray:
@@ -202,6 +266,10 @@ class SlipLikelihood:
         values, vectors = np.linalg.eigh(rows @ rows.T)
         kept = values > SMALLEST_DIRECTION * values[-1]
         return np.ascontiguousarray((vectors[:, kept] / np.sqrt(values[kept])).T @ rows)
+
+
+def _joined(parts: Sequence[Patterns]) -> Patterns:
+    return Patterns(*(np.concatenate([getattr(one, each.name) for one in parts]) for each in fields(Patterns)))
 
 
 def shortened(fitted: Fitted, most: int) -> Fitted:

@@ -9,11 +9,12 @@ it matters most, until the other two are found.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST
@@ -22,8 +23,7 @@ from lostmotion.identify.actuators.polish import MOST_SEGMENTS
 from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, even_draws, spaced_rests
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
-from lostmotion.kernels.products import explained
-from lostmotion.kernels.slips import add_slip_table, trace
+from lostmotion.kernels.slip_table import LAGS, explained_by_slips
 from lostmotion.kernels.stiction import HE, KANO
 
 MOST_ROWS = 20_000  # of the profile: its cost hardly depends on them
@@ -47,6 +47,10 @@ SCANS = 2  # of one parameter after the other over all that it can be
 SCAN_BANDS = np.geomspace(0.88, 1.12, 61)
 SCAN_SHARES = np.linspace(0.0, 1.2, 61)
 MOST = 3  # places that are settled
+# of a finer grid, where the first may have missed the band
+FINE_BANDS, FINE_SMALLEST = 800, 0.1  # 0.3 % apart; the smallest in ranges of OP
+FINE_RESTS, FINE_SHARE = np.linspace(-0.9, 0.9, 13), 0.25
+FINE = 12  # places of it that are settled
 
 
 @dataclass(frozen=True)
@@ -73,13 +77,71 @@ class Place:
     cost: float
     squares: float
 
-    def near(self, other: Place, reach: float) -> bool:
-        """Whether the other one is in a box about this one."""
-        return (
-            self.model == other.model
-            and abs(np.log(self.band / other.band)) < reach
-            and abs(self.jump - other.jump) < 1.5 * reach * self.band
+
+@dataclass(frozen=True)
+class Places:
+    """Many of them, row by row; as in :class:`Place`.
+
+    Attributes
+    ----------
+    models : ndarray, shape (n,)
+    etas : ndarray, shape (n, 2)
+        Bands and jumps.
+    rests : ndarray, shape (n, s)
+    costs, squares : ndarray, shape (n,)
+    """
+
+    models: IntArray
+    etas: FloatArray
+    rests: FloatArray
+    costs: FloatArray
+    squares: FloatArray
+
+    def __getitem__(self, at: int) -> Place:
+        """One of them."""
+        band, jump = self.etas[at].tolist()
+        rests = tuple(self.rests[at].tolist())
+        return Place(int(self.models[at]), band, jump, rests, float(self.costs[at]), float(self.squares[at]))
+
+    def __iter__(self) -> Iterator[Place]:
+        """All of them."""
+        return (self[at] for at in range(self.costs.size))
+
+    @property
+    def best(self) -> Place:
+        """The one of least cost."""
+        return self[int(np.argmin(self.costs))]
+
+    def taken(self, rows: IntArray) -> Places:
+        """Some of them."""
+        return Places(self.models[rows], self.etas[rows], self.rests[rows], self.costs[rows], self.squares[rows])
+
+    def joined(self, *others: Places) -> Places:
+        """These and others."""
+        every = (self, *others)
+        return Places(
+            np.concatenate([one.models for one in every]),
+            np.concatenate([one.etas for one in every]),
+            np.concatenate([one.rests for one in every]),
+            np.concatenate([one.costs for one in every]),
+            np.concatenate([one.squares for one in every]),
         )
+
+    def apart(self, reach: float, most: int) -> Places:
+        """The best of them that are not in a box about a better one, best first."""
+        order = np.argsort(self.costs, kind="stable")
+        models, (bands, jumps) = self.models[order], self.etas[order].T
+        sizes = np.log(np.maximum(bands, 1e-300))
+        kept: list[int] = []
+        open_, at = np.ones(order.size, bool), 0
+        while len(kept) < most and open_[at]:
+            kept.append(int(order[at]))
+            near = np.abs(sizes - sizes[at]) < reach
+            near &= (np.abs(jumps - jumps[at]) < 1.5 * reach * bands) & (models == models[at])
+            open_ &= ~near
+            open_[at] = False
+            at = int(np.argmax(open_))
+        return self.taken(np.array(kept))
 
 
 @dataclass(frozen=True)
@@ -100,81 +162,70 @@ class SlipProfile:
 
     @cached_property
     def _totals(self) -> FloatArray:
-        return np.concatenate([[0.0], np.cumsum(self.regression.y)])
+        return np.concatenate([[0.0], np.cumsum(self.regression.y), np.zeros(LAGS)])
 
     @cached_property
-    def _room(self) -> tuple[FloatArray, FloatArray, IntArray]:
-        longest = int((self.segments[:, 1] - self.segments[:, 0]).max())
-        return np.empty(longest), np.empty(longest + 1), np.empty(longest, np.int64)
-
-    @cached_property
-    def _blocks(self) -> list[tuple[int, int, int, int]]:
+    def _pieces(self) -> IntArray:
         """Index and first row of the segment of every block of rows, and the block."""
-        heads = self.segments[:, 0]
-        found = [
-            (int(np.searchsorted(heads, first, "right")) - 1, first, stop) for first, stop in self.regression.blocks
-        ]
-        return [(index, int(heads[index]), first, stop) for index, first, stop in found]
+        heads, blocks = self.segments[:, 0], np.array(self.regression.blocks)
+        indices = np.searchsorted(heads, blocks[:, 0], "right") - 1
+        return np.column_stack([indices, heads[indices], blocks]).astype(np.int64)
+
+    def places(self, models: ArrayLike, bands: ArrayLike, jumps: ArrayLike, rests: FloatArray) -> Places:
+        """Places and their costs; one model, band or jump may stand for all, `rests` are (n, s)."""
+        regression, count = self.regression, len(rests)
+        codes = np.broadcast_to(np.asarray(models, np.int64), count).copy()
+        etas = np.column_stack([np.broadcast_to(bands, count), np.broadcast_to(jumps, count)])
+        lags, floor = regression.lags, RIDGE * regression.samples
+        squares = regression.alone - explained_by_slips(
+            codes, etas, rests, self.u, self._totals, self._pieces, lags.outputs, lags.delay, lags.inputs,
+            regression.basis, regression.explained, floor, RIDGE, FEWEST_TURNS,
+        )  # fmt: skip
+        return Places(codes, etas, rests, _minus_log_likelihood(regression, squares), squares)
 
     def place(self, model: int, band: float, jump: float, rests: tuple[float, ...]) -> Place:
         """A place and its cost."""
-        regression, (x, sums, slips) = self.regression, self._room
-        lags = regression.lags
-        table = np.zeros((lags.outputs + lags.inputs + 2, lags.inputs))
-        turned = 0
-        for index, head, first, stop in self._blocks:
-            rest = rests[index] if index < len(rests) else 0.0
-            start = self.u[head] + 0.5 * rest * (band + jump)
-            part = x[: stop - head]
-            count, turns = trace(model, self.u[head:stop], band, jump, start, part, sums, slips)
-            turned += turns
-            totals = self._totals[head : stop + 1]
-            add_slip_table(
-                part,
-                sums,
-                slips,
-                count,
-                totals,
-                lags.outputs,
-                lags.delay,
-                lags.inputs,
-                first - head,
-                stop - head,
-                table,
-            )
-        if turned < FEWEST_TURNS:
-            return Place(model, band, jump, rests, np.inf, np.inf)
-        floor = RIDGE * regression.samples
-        squares = regression.alone - explained(table, regression.basis, regression.explained, floor, RIDGE)
-        return Place(model, band, jump, rests, _minus_log_likelihood(regression, squares), squares)
+        return self.places(model, band, jump, np.array([rests], float))[0]
 
-    def again(self, other: Place) -> Place:
-        """A place of another profile."""
-        return self.place(other.model, other.band, other.jump, other.rests)
+    def about(self, middles: Places, reach: float, draws: FloatArray) -> Places:
+        """Places in boxes about others: of `draws` every one gets as many."""
+        each = len(draws) // middles.costs.size
+        by_band, by_jump, by_rest = draws[: each * middles.costs.size].T
+        models, rests = np.repeat(middles.models, each), np.repeat(middles.rests, each, axis=0)
+        around, jumps = np.repeat(middles.etas, each, axis=0).T
+        bands = around * (1.0 + reach * by_band)
+        jumps = np.clip(jumps + JUMP_REACH * reach * around * by_jump, 0.0, LARGEST_SHARE * bands)
+        moved = min(REST_REACH * reach, 1.0) * by_rest[:, None]
+        return self.places(models, bands, jumps, np.clip(rests + moved, -1.0, 1.0))
 
-    def about(self, middle: Place, reach: float, draws: FloatArray) -> list[Place]:
-        """Places in a box about another."""
-        found = []
-        for by_band, by_jump, by_rest in draws.tolist():
-            band = middle.band * (1.0 + reach * by_band)
-            jump = middle.jump + JUMP_REACH * reach * middle.band * by_jump
-            moved = min(REST_REACH * reach, 1.0) * by_rest
-            rests = tuple(min(max(rest + moved, -1.0), 1.0) for rest in middle.rests)
-            found.append(self.place(middle.model, band, min(max(jump, 0.0), LARGEST_SHARE * band), rests))
+    def banded(self, middle: Place, bands: FloatArray) -> Place:
+        """The best band."""
+        rests = np.tile(np.array(middle.rests), (bands.size, 1))
+        return _better(middle, self.places(middle.model, bands, middle.jump, rests))
+
+    def jumped(self, middle: Place, jumps: FloatArray) -> Place:
+        """The best jump, with the same first slip where that can be: one needle of both is thinner than either."""
+        rests = self.slipping(middle, 0.5 * (middle.band + jumps))
+        return _better(middle, self.places(middle.model, middle.band, jumps, rests))
+
+    def slipping(self, place: Place, reaches: FloatArray) -> FloatArray:
+        """First positions (n, s) from which valves that reach as far, (S + J) / 2, slip first where this one does."""
+        found = np.empty((reaches.size, len(place.rests)))
+        reach = 0.5 * (place.band + place.jump)
+        for index, rest in enumerate(place.rests):
+            start, stop = self.segments[index].tolist()
+            away = self.u[start:stop] - self.u[start] - rest * reach
+            first = int(np.argmax(np.abs(away) > reach))
+            side = float(np.sign(away[first])) if abs(away[first]) > reach else 0.0
+            edge = rest * reach + side * reach
+            found[:, index] = np.clip((edge - side * reaches) / reaches, -1.0, 1.0) if side else rest
         return found
 
-    def scanned(self, middle: Place, bands: Iterable[float], jumps: Iterable[float]) -> Place:
-        """The best of these bands and jumps."""
-        found = [self.place(middle.model, float(b), float(j), middle.rests) for b in bands for j in jumps]
-        return min([middle, *found], key=_cost)
-
-    def rested(self, middle: Place, rests: Iterable[float], index: int | None = None) -> Place:
+    def rested(self, middle: Place, rests: Sequence[float], index: int | None = None) -> Place:
         """The best first position, in all segments or in one."""
-        found = [middle]
-        for rest in rests:
-            trial = [rest if index is None or index == at else other for at, other in enumerate(middle.rests)]
-            found.append(self.place(middle.model, middle.band, middle.jump, tuple(trial)))
-        return min(found, key=_cost)
+        trials = np.tile(np.array(middle.rests), (len(rests), 1))
+        trials[:, slice(None) if index is None else slice(index, index + 1)] = np.reshape(rests, (-1, 1))
+        return _better(middle, self.places(middle.model, middle.band, middle.jump, trials))
 
 
 def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place]:
@@ -191,18 +242,31 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
     live, at = _coarse(late, span), 0
     linear = _minus_log_likelihood(late.regression, late.regression.squares(late.u))
     for step, (reach, most) in enumerate(BOXES):
-        if step and min(live, key=_cost).cost > linear - SCANT:
-            return [_settled(whole, min(live, key=_cost))]
-        live = _apart(live, max(reach, FUNNEL), most)
+        if step and live.costs.min() > linear - SCANT:
+            return [_settled(whole, live.best)]
+        live = live.apart(max(reach, FUNNEL), most)
         if step == 1:
-            live = [late.rested(place, np.linspace(-1.0, 1.0, RESTS_AGAIN).tolist()) for place in live]
-        for place in list(live):
-            live += late.about(place, reach, draws[at : at + DRAWS])
-            at += DRAWS
-    return sorted((_settled(whole, place) for place in _apart(live, APART, MOST)), key=_cost)
+            live = _rested(late, live)
+        trials = DRAWS * live.costs.size
+        live = live.joined(late.about(live, reach, draws[at : at + trials]))
+        at += trials
+    return sorted((_settled(whole, place) for place in live.apart(APART, MOST)), key=_cost)
 
 
-def _coarse(profile: SlipProfile, span: float) -> list[Place]:
+def _rested(profile: SlipProfile, places: Places) -> Places:
+    """The same places with the best first position of each."""
+    number, moves = places.costs.size, np.linspace(-1.0, 1.0, RESTS_AGAIN)
+    rows = np.repeat(np.arange(number), RESTS_AGAIN)
+    rests = np.repeat(np.tile(moves, number)[:, None], places.rests.shape[1], axis=1)
+    bands, jumps = places.etas[rows].T
+    trials = profile.places(places.models[rows], bands, jumps, rests)
+    best = np.argmin(trials.costs.reshape(number, RESTS_AGAIN), axis=1) + RESTS_AGAIN * np.arange(number)
+    every = places.joined(trials)
+    better = trials.costs[best] < places.costs
+    return every.taken(np.where(better, number + best, np.arange(number)))
+
+
+def _coarse(profile: SlipProfile, span: float) -> Places:
     """Places of a grid with He's valve, and the best of them with Kano's.
 
     A valve of a smaller band than OP moves in a sample would slip all the time.
@@ -211,48 +275,50 @@ def _coarse(profile: SlipProfile, span: float) -> list[Place]:
     moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
     smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
     number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
-    found = [
-        profile.place(HE, float(band), share * float(band), (rest,) * segments)
-        for band in np.geomspace(smallest, LARGEST * span, number)
-        for share in SHARES
-        for rest in RESTS
-    ]
-    best = _apart(found, *BOXES[0])
-    return [*best, *(profile.place(KANO, place.band, place.jump, place.rests) for place in best)]
+    bands, shares, rests = np.meshgrid(np.geomspace(smallest, LARGEST * span, number), SHARES, RESTS, indexing="ij")
+    begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
+    best = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun).apart(*BOXES[0])
+    return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
+
+
+def _fine(profile: SlipProfile, span: float) -> Places:
+    """The best of a fine grid of bands and first positions: a limit cycle tells these where it hardly tells the jump.
+
+    Where a valve turns at every slip, the jump only sets how far it moves; the scan of all jumps from the same first
+    slip comes when a place is settled.
+    """
+    bands, rests = np.meshgrid(np.geomspace(FINE_SMALLEST, LARGEST, FINE_BANDS) * span, FINE_RESTS, indexing="ij")
+    begun = np.repeat(rests.reshape(-1, 1), min(len(profile.segments), MOST_SEGMENTS), axis=1)
+    return profile.places(HE, bands.ravel(), FINE_SHARE * bands.ravel(), begun).apart(FUNNEL, FINE)
 
 
 def _settled(profile: SlipProfile, place: Place) -> Place:
     """A place on all rows, with the first position of every segment."""
-    best, draws = profile.again(place), even_draws(DRAWS)
+    best, draws = profile.place(place.model, place.band, place.jump, place.rests), even_draws(DRAWS)
     for _ in range(SCANS):
         before = best
         for index in range(len(best.rests)):
             start, stop = profile.segments[index].tolist()
             most = FINAL_RESTS if index == 0 else LATER_RESTS
             best = profile.rested(best, spaced_rests(profile.u[start:stop], best.band, best.jump, most), index)
-        best = profile.scanned(best, best.band * SCAN_BANDS, [best.jump])
-        best = profile.scanned(best, [best.band], best.band * SCAN_SHARES)
+        best = profile.banded(best, best.band * SCAN_BANDS)
+        best = profile.jumped(best, best.band * SCAN_SHARES)
         if best is before:
             break
     for reach in FINAL_BOXES:
-        best = min([best, *profile.about(best, reach, draws)], key=_cost)
+        middle = profile.places(best.model, best.band, best.jump, np.array([best.rests]))
+        best = _better(best, profile.about(middle, reach, draws))
     return best
 
 
-def _apart(places: list[Place], reach: float, most: int) -> list[Place]:
-    """The best of them that are not near a better one."""
-    kept: list[Place] = []
-    for place in sorted(places, key=_cost):
-        if not any(place.near(other, reach) for other in kept):
-            kept.append(place)
-        if len(kept) == most:
-            break
-    return kept
+def _better(place: Place, others: Places) -> Place:
+    """The best of all."""
+    return min(place, others.best, key=_cost) if others.costs.size else place
 
 
-def _minus_log_likelihood(regression: LaggedRegression, squares: float) -> float:
+def _minus_log_likelihood(regression: LaggedRegression, squares: FloatArray | float) -> FloatArray:
     """Minus that of the profile, up to a constant."""
-    return 0.5 * regression.samples * float(np.log(max(squares, 1e-300)))
+    return 0.5 * regression.samples * np.log(np.maximum(squares, 1e-300))
 
 
 def _cost(place: Place) -> float:
@@ -261,6 +327,17 @@ def _cost(place: Place) -> float:
 
 def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
     """Best places of a record apart from each other, best first."""
+    return seek_slips(*_profiles(data, lags))
+
+
+def fine_slips_of(data: ScaledData, lags: Lags) -> list[Place]:
+    """The same by a fine grid of bands, where the search may have missed the valve."""
+    _, whole, span = _profiles(data, lags)
+    return sorted((_settled(whole, place) for place in _fine(whole, span)), key=_cost)
+
+
+def _profiles(data: ScaledData, lags: Lags) -> tuple[SlipProfile, SlipProfile, float]:
+    """On rows that leave out the beginning, and on all; and the range of OP without its tails."""
     late = data.segments.copy()
     lengths = late[:, 1] - late[:, 0]
     late[:, 0] += np.minimum(SKIPPED, (SKIPPED_SHARE * lengths).astype(np.int64))
@@ -268,4 +345,4 @@ def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
     span = high - low if high > low else float(np.ptp(data.u))
     whole = SlipProfile(LaggedRegression.on(data, lags, MOST_ROWS), data.u, data.segments)
     later = SlipProfile(LaggedRegression.on(replace(data, segments=late), lags, MOST_ROWS), data.u, data.segments)
-    return seek_slips(later, whole, span)
+    return later, whole, span

@@ -10,7 +10,7 @@ import numpy as np
 
 from lostmotion.identify.actuators.polish import FINE_RESTS, rested
 from lostmotion.identify.actuators.slip_draws import even_draws
-from lostmotion.identify.actuators.slip_likelihood import Pattern, SlipLikelihood, shortened
+from lostmotion.identify.actuators.slip_likelihood import Pattern, Patterns, SlipLikelihood, shortened
 from lostmotion.identify.actuators.stiction_family import LARGEST_JUMP, own
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -155,10 +155,10 @@ def _here(likelihood: SlipLikelihood) -> Pattern:
 
 def _searched(likelihood: SlipLikelihood, best: Pattern, boxes: tuple[tuple[float, int], ...]) -> Pattern:
     """The best of scans and boxes about a pattern, wider ones first."""
-    best = _least(best, _scans(likelihood, best, min(boxes[0][0] / WIDE[0][0], 1.0)))
+    best = _least(best, [_scans(likelihood, best, min(boxes[0][0] / WIDE[0][0], 1.0)).best])
     for reach, number in boxes:
-        best = _least(best, _box(likelihood, best, reach, number))
-    best = _least(best, _scans(likelihood, best, 0.1))
+        best = _least(best, [_box(likelihood, best, reach, number).best])
+    best = _least(best, [_scans(likelihood, best, 0.1).best])
     for _ in range(HOPS):
         after = _least(best, _next_to(likelihood, best))
         if after is best:
@@ -171,37 +171,36 @@ def _least(best: Pattern, others: Iterable[Pattern]) -> Pattern:
     return min([best, *others], key=lambda one: one.loss)
 
 
-def _box(likelihood: SlipLikelihood, middle: Pattern, reach: float, number: int) -> Iterator[Pattern]:
+def _box(likelihood: SlipLikelihood, middle: Pattern, reach: float, number: int) -> Patterns:
     """Patterns of places about another."""
-    band, jump = middle.eta.tolist()
-    for by_band, by_jump, by_rest in even_draws(number).tolist():
-        moved = band * (1.0 + reach * by_band)
-        rests = tuple(_share(rest + REST_REACH * reach * by_rest) for rest in middle.rests)
-        yield likelihood.at(moved, max(jump + JUMP_REACH * reach * band * by_jump, 0.0), rests)
+    (band, jump), (by_band, by_jump, by_rest) = middle.eta.tolist(), even_draws(number).T
+    bands, jumps = band * (1.0 + reach * by_band), np.maximum(jump + JUMP_REACH * reach * band * by_jump, 0.0)
+    rests = np.array(middle.rests) + REST_REACH * reach * by_rest[:, None]
+    return likelihood.patterns(np.column_stack([bands, jumps]), np.clip(rests, -1.0, 1.0))
 
 
-def _scans(likelihood: SlipLikelihood, middle: Pattern, share: float) -> Iterator[Pattern]:
+def _scans(likelihood: SlipLikelihood, middle: Pattern, share: float) -> Patterns:
     """Patterns of places that differ in one parameter, up to a share of the range of a scan."""
     band, jump = middle.eta.tolist()
-    steps = np.linspace(-1.0, 1.0, SCAN).tolist()
-    for step in steps:
-        yield likelihood.at(band * (1.0 + share * SCAN_BANDS * step), jump, middle.rests)
-    for step in steps:
-        yield likelihood.at(band, max(jump + share * 0.5 * SCAN_SHARES * band * step, 0.0), middle.rests)
+    steps = share * np.linspace(-1.0, 1.0, SCAN)
+    etas = [np.column_stack([band * (1.0 + SCAN_BANDS * steps), np.full(SCAN, jump)])]
+    etas += [np.column_stack([np.full(SCAN, band), np.maximum(jump + 0.5 * SCAN_SHARES * band * steps, 0.0)])]
+    begun = [np.tile(np.array(middle.rests), (2 * SCAN, 1))]
     for index, rest in enumerate(middle.rests):
-        moves = [_share(rest + share * SCAN_RESTS * step) for step in steps]
-        for moved in likelihood.first_rests(band, jump, index, SCAN) if share == 1.0 else moves:
-            yield likelihood.at(band, jump, (*middle.rests[:index], moved, *middle.rests[index + 1 :]))
+        moves = np.clip(rest + SCAN_RESTS * steps, -1.0, 1.0).tolist()
+        if share == 1.0:
+            moves = likelihood.first_rests(band, jump, index, SCAN)
+        trials = np.tile(np.array(middle.rests), (len(moves), 1))
+        trials[:, index] = moves
+        etas.append(np.tile([band, jump], (len(moves), 1)))
+        begun.append(trials)
+    return likelihood.patterns(np.concatenate(etas), np.concatenate(begun))
 
 
 def _inside(value: float, sides: tuple[float, float]) -> float:
     """The nearest value well between the sides."""
     margin = EDGE * (sides[1] - sides[0])
     return min(max(value, sides[0] + margin), sides[1] - margin)
-
-
-def _share(rest: float) -> float:
-    return min(max(rest, -1.0), 1.0)
 
 
 def _accepted(likelihood: SlipLikelihood, best: Pattern) -> Iterator[Pattern]:
