@@ -29,7 +29,7 @@ OTHER_POLE = 0.2  # of orders above three
 NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 ROUNDING = 1e-9  # from 1: what is nearer is an integrator
 FASTEST_RINGING = 2.6  # radians a sample
-MOST_ROWS = 3000  # enough to tell poles apart
+MOST_ROWS = 6000  # enough to tell poles apart
 _SCAN: Any = kernel.scan
 
 
