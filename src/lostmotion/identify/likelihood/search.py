@@ -201,10 +201,12 @@ class _Search:
         return (*_from(fitted, fitted.actuator)[:2], d)
 
     def like(self, near: list[Fitted], eta: FloatArray) -> list[_Attempt]:
-        """The process and noise of other fits, and the best on the grid with that noise and about these delays."""
-        d, delays = near[0].parts.d, [one.problem.structure.delay for one in near]
-        about = (max(min(delays) - NEAR, self.delays[0]), min(max(delays) + NEAR, self.delays[1]))
-        starts = self._grid(self._internal(eta), d, about)
+        """The process and noise of other fits, and the best on the grid with that noise.
+
+        Over all delays: the process beside another kind may be as wrong as that kind.
+        """
+        d = near[0].parts.d
+        starts = self._grid(self._internal(eta), d, self.delays)
         return [_from(one, eta) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
 
     def improve(self, best: Fitted) -> Fitted:
