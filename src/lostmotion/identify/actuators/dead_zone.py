@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -23,6 +23,7 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.offset import settle_offset
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models import DeadZone, Nonlinearity
@@ -33,6 +34,7 @@ OUTER_SHARE = 0.01  # break points are sought where this share of the samples li
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
 LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
+MIDDLES = (0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9)  # quantiles of OP about which a dead zone of a size is tried
 UNMOVED = 1e-9  # of a direction: a part of it below this is rounding
 
 
@@ -144,6 +146,13 @@ class DeadZoneKind(Kind):
         """One, with some samples beyond either end."""
         low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
         return [DeadZoneFamily(low, high)]
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:
+        """About several levels of OP, with equal slopes."""
+        low, high = (float(value) for value in (problem.u.min(), problem.u.max()))
+        for middle in np.unique(np.quantile(problem.u, MIDDLES)):
+            left, right = middle - 0.5 * size, middle + 0.5 * size
+            yield DeadZoneFamily(min(low, left), max(high, right)), np.array([left, right, 0.0])
 
     def sought(self, data: ScaledData, asked: Asked) -> Sought:
         """By the profile over both break points, which share one Gram matrix."""

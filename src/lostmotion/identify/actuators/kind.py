@@ -7,7 +7,7 @@ and registers it; nothing else names kinds. What is forgotten raises at registra
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -20,6 +20,7 @@ from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity
 
@@ -130,6 +131,10 @@ class Kind(ABC):
     def sought(self, data: ScaledData, asked: Asked) -> Sought:
         """Global search for the actuator by its profile: over the grid of every form, if there is no better way."""
         return seek(data, asked, self.forms(data))
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:  # noqa: ARG002
+        """Forms with own parameters that have this size, in scaled units of OP, wherever else they may lie."""
+        return iter(())
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:  # noqa: ARG002
         """Model with these parameters, in units of OP."""
