@@ -13,11 +13,9 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
 
-TOLERANCE = (
-    0.01  # of the span of OP: what is recommended for control valves (RECONSTRUCTION.md, the paper's introduction)
-)
-# of the swing of OP from end to end: a lost motion makes a loop swing by about its own size and more, so a smaller one is
-# not what carries a swing
+TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
+# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
+# so what is much smaller does not carry the swing
 CARRIES = 0.2
 MOST_RECORDS = 30  # times as much of the same record: more is not worth telling
 
