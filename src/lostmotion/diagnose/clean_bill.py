@@ -61,7 +61,7 @@ class CleanBill:
         limit, what = self.tolerance, f"the tolerance is {self.tolerance / unit:.2g} %"
         if verdict.verdict != NO_FAULT:
             swing = 2.0 * op * float(np.sqrt(2.0 * max(measured.op.share, 0.0)))
-            limit = max(CARRIES * swing, self.tolerance)
+            limit = CARRIES * swing
             what = f"one of {limit / unit:.2g} % could carry this swing"
         if size < limit:
             return verdict
