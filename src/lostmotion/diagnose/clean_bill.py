@@ -96,12 +96,12 @@ def _excluded(fit: HammersteinFit) -> dict[str, float]:
 
 def how_to_tell(bill: CleanBill, still: bool) -> tuple[str, ...]:
     """What would settle it, most useful first; `still`: SP did not move."""
-    size = bill.largest[1]
-    more = (size / bill.tolerance) ** 2
-    moves = (
-        f"Move SP a few times up and down, or OP in manual, by clearly more than {bill.tolerance:.2g} (the tolerance)"
-    )
-    advice = [f"{moves}: this record {'has no moves of SP' if still else 'does not tell'}. See `lostmotion design`."]
+    more = (bill.largest[1] / bill.tolerance) ** 2
+    reason = "SP does not move in this record" if still else "the moves in this record do not tell"
+    advice = [
+        f"Move SP, or OP in manual, a few times up and down by clearly more than {bill.tolerance:.2g} of OP (the "
+        f"tolerance): {reason}. `lostmotion design` plans such a test."
+    ]
     if np.isfinite(more) and 1.0 < more <= MOST_RECORDS:
         advice.append(f"Or give about {np.ceil(more):.0f} times as much of the same operation.")
     return tuple(advice)
