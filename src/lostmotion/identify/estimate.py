@@ -188,7 +188,7 @@ class _Identification:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
-        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in largest_sizes(linear).items()}
+        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in largest_sizes(linear, fits).items()}
         return replace(linear_result, kinds=replace(kinds, excluded=sizes))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:

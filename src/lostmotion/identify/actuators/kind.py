@@ -89,6 +89,8 @@ class Kind(ABC):
         of the number of places.
     nests : str
         Kind that it becomes where its last parameter is 0; the fits of both begin at each other as well.
+    slides : tuple of tuple of float
+        Directions of its own parameters that leave its size, along which its likelihood is smooth.
     looks_like : str
         Kind with more local maxima that has the same shape seen from one side, and is sought wherever this one is.
     always_tried : bool
@@ -109,6 +111,7 @@ class Kind(ABC):
     anywhere: ClassVar[tuple[str, ...]] = ()
     searched: ClassVar[float] = 0.0
     nests: ClassVar[str] = ""
+    slides: ClassVar[tuple[tuple[float, ...], ...]] = ()
     looks_like: ClassVar[str] = ""
     always_tried: ClassVar[bool] = False
     begins_alone: ClassVar[bool] = False
@@ -135,6 +138,10 @@ class Kind(ABC):
     def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:  # noqa: ARG002
         """Forms with own parameters that have this size, in scaled units of OP, wherever else they may lie."""
         return iter(())
+
+    def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Nearest own parameters of the same size with which the actuator lies where OP goes."""
+        return own
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:  # noqa: ARG002
         """Model with these parameters, in units of OP."""
