@@ -69,4 +69,6 @@ def variant(verdict: str, kind: str, **changes: object) -> lm.Diagnosis:
     """The same with another verdict; only lost motion has a size."""
     sized = verdict in ("dead zone", "backlash", "stiction")
     nothing = {"size": np.nan, "interval": (np.nan, np.nan), "size_percent": np.nan, "severity": "none"}
+    if verdict in ("none", "other oscillation"):
+        nothing |= {"excluded": {"dead zone": 0.6, "backlash": 0.2, "stiction": 0.31}, "tolerance": 1.0}
     return replace(example(), verdict=verdict, kind=kind, **({} if sized else nothing) | changes)

@@ -34,6 +34,9 @@ Integrating = Annotated[
     number("--integrating/--self-regulating", "Whether the process integrates (a level); default: as identified."),
 ]
 Type = Annotated[LoopType | None, number("--loop-type", "What PV measures: the class of performance depends on it.")]
+Tolerance = Annotated[
+    float, number("--tolerance", "Lost motion that does not matter, as a share of the span of OP: 0.01 is 1 %.")
+]
 Out = Annotated[Path | None, number("--out", "Write the result as JSON; of several files: a list.")]
 
 
@@ -41,6 +44,7 @@ def diagnose(
     files: Files,
     integrating: Integrating = None,
     loop_type: Type = None,
+    tolerance: Tolerance = 0.01,
     figure: Figures = None,
     out: Out = None,
     *,
@@ -63,7 +67,7 @@ def diagnose(
 
     def work(file: Path) -> Diagnosis:
         kind = None if loop_type is None else loop_type.value
-        found = lm.diagnose(columns.read(file), integrating=integrating, loop_type=kind)
+        found = lm.diagnose(columns.read(file), integrating=integrating, loop_type=kind, tolerance=tolerance)
         output.write_figure(figures.get(file), found)
         return found
 

@@ -7,11 +7,12 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
+from lostmotion.diagnose.clean_bill import TOLERANCE, CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
-from lostmotion.diagnose.evidence_words import LABEL, looks_percent
+from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
-from lostmotion.diagnose.movement import PERCENT
+from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
@@ -26,7 +27,13 @@ COARSE = 0.35  # step of PV over its deviation, from which on the record is most
 
 
 @one_thread
-def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: str | None = None) -> Diagnosis:
+def diagnose(
+    record: LoopRecord,
+    *,
+    integrating: bool | None = None,
+    loop_type: str | None = None,
+    tolerance: float = TOLERANCE,
+) -> Diagnosis:
     """Say what is wrong with a loop, from its routine record.
 
     Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
@@ -40,6 +47,9 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
         Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
         What PV measures: the classes of performance depend on it.
+    tolerance : float
+        Lost motion that does not matter, as a share of the span of OP. The actuator is cleared only where the record
+        excludes larger ones.
 
     Returns
     -------
@@ -50,7 +60,7 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     DataError
         The record is refused, with the reason.
     ParameterError
-        Unknown loop type.
+        Unknown loop type, a tolerance outside (0, 1).
 
     Examples
     --------
@@ -75,8 +85,11 @@ def diagnose(record: LoopRecord, *, integrating: bool | None = None, loop_type: 
     measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
+    span = op_span(record)
+    bill = clean_bill(fit, tolerance, span)
     verdict = decide(fit, measured, stability, quantised, _limited(record))
-    return _package(record, fit, sp, measured, stability, verdict, prepared.notes, loop_type)
+    verdict = bill.weigh(verdict, measured, float(np.std(fit.data.u)))
+    return _package(record, fit, sp, measured, stability, verdict, bill, prepared.notes, loop_type)
 
 
 def _set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:
@@ -94,17 +107,17 @@ def _package(
     measured: Measured,
     stability: LoopStability | None,
     verdict: Verdict,
+    bill: CleanBill,
     notes: tuple[str, ...],
     loop_type: str | None,
 ) -> Diagnosis:
-    span, assumed = _span(record)
+    span = bill.span
     size, interval, about_size = _size(verdict.verdict, fit, measured)
-    percent = 100.0 * size / (span[1] - span[0])
-    known = record.op_span is not None or span == PERCENT
-    severity = severity_of(percent if known else np.nan) if verdict.kind == "actuator" else "none"
+    percent = size / span.percent
+    severity = severity_of(percent if span.known else np.nan) if verdict.kind == "actuator" else "none"
     pv_stronger = measured.pv.share >= measured.op.share
     performance = measure_performance(
-        fit.data, sp, fit.chosen.delay, span, measured.pv if pv_stronger else measured.op,
+        fit.data, sp, fit.chosen.delay, span.ends, measured.pv if pv_stronger else measured.op,
         _manual(record), loop_type or ("level" if measured.integrating else "other"),
     )  # fmt: skip
     return Diagnosis(
@@ -117,31 +130,31 @@ def _package(
         confidence=verdict.confidence,
         probabilities=verdict.probabilities,
         evidence=_items(verdict),
-        advice=advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings),
-        notes=(*notes, *assumed, *about_size),
+        advice=_advice(verdict, severity, measured, bill, sp),
+        notes=(*notes, *([span.note] if span.note else []), *about_size),
         measured=measured,
         stability=stability,
         performance=performance,
         fit=fit,
         record=record,
+        excluded={} if verdict.kind == "actuator" else bill.excluded,
+        tolerance=bill.tolerance,
+        why=verdict.why,
     )
+
+
+def _advice(
+    verdict: Verdict, severity: str, measured: Measured, bill: CleanBill, sp: FloatArray | None
+) -> tuple[str, ...]:
+    if verdict.why:
+        return how_to_tell(bill, sp is None or not bool(np.ptp(sp) > 0.0))
+    return advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings)
 
 
 def _limited(record: LoopRecord) -> float:
     """Share of the rows in which OP stands at the lower or upper end of its range or span."""
     loop = check(record).loop
     return 0.0 if loop is None else loop.saturated_low + loop.saturated_high
-
-
-def _span(record: LoopRecord) -> tuple[tuple[float, float], tuple[str, ...]]:
-    if record.op_span is not None:
-        return record.op_span, ()
-    if looks_percent(record):
-        return PERCENT, ("The OP span was taken as 0 .. 100; give op_span where it is not.",)
-    low, high = float(np.nanmin(record.op)), float(np.nanmax(record.op))
-    return (low, high), (
-        f"The OP span is unknown and not 0 .. 100: % are of the range seen, {low:.4g} .. {high:.4g}; give op_span.",
-    )
 
 
 def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float, tuple[float, float], tuple[str, ...]]:

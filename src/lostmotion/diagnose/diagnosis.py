@@ -72,6 +72,13 @@ class Diagnosis:
         What to do.
     notes : tuple of str
         What was assumed or left out.
+    excluded : dict of float
+        Where no fault of the actuator is named: the largest dead zone, backlash and stiction that the record does not
+        exclude (95 %), in units of OP; inf where a valve that never moves would look the same.
+    tolerance : float
+        Lost motion that does not matter, in units of OP: "none" is said only where all of `excluded` is smaller.
+    why : str
+        Why it cannot be told, in words.
     """
 
     verdict: str
@@ -90,6 +97,9 @@ class Diagnosis:
     performance: Performance
     fit: HammersteinFit = field(repr=False)
     record: LoopRecord = field(repr=False)
+    excluded: dict[str, float] = field(default_factory=dict)
+    tolerance: float = float("nan")
+    why: str = ""
 
     def summary(self) -> str:
         """Report as text: verdict, evidence, advice."""
@@ -113,6 +123,9 @@ class Diagnosis:
             "evidence": [{**vars(item), "value": _finite(item.value)} for item in self.evidence],
             "advice": list(self.advice),
             "notes": list(self.notes),
+            "excluded": {kind: _finite(size) for kind, size in self.excluded.items()},
+            "tolerance": _finite(self.tolerance),
+            "why": self.why,
             "oscillation": {
                 name: {key: _finite(value) for key, value in vars(one).items()}
                 for name, one in (("op", self.measured.op), ("pv", self.measured.pv))

@@ -7,11 +7,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import numpy as np
-
-from lostmotion.diagnose.movement import PERCENT
-from lostmotion.records import LoopRecord
-
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
     {
         "dead_zone": ("dead zone predicts", "log(1 + gain / 3), in likelihood over a linear process"),
@@ -66,14 +61,3 @@ def balance(probabilities: Mapping[str, float], weights: Iterable[float]) -> Bal
     fault = max((name for name in probabilities if name != "none"), key=probabilities.__getitem__)
     total = math.log(max(probabilities[fault], 1e-300) / max(probabilities["none"], 1e-300))
     return Balance(cause(fault), total - sum(weights), total)
-
-
-def of_what(record: LoopRecord) -> str:
-    """What the percentages of OP refer to: its span, or the range seen where that is unknown and not 0 .. 100."""
-    return "of span" if record.op_span is not None or looks_percent(record) else "of the OP range seen"
-
-
-def looks_percent(record: LoopRecord) -> bool:
-    """Whether all of OP lies in 0 .. 100, so that this is taken as its span where none is given."""
-    low, high = PERCENT
-    return bool(np.nanmin(record.op) >= low and np.nanmax(record.op) <= high)

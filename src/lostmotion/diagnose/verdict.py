@@ -34,6 +34,8 @@ class Verdict:
         Of "none" and "actuator".
     contributions : dict of (float, float)
         Value of each feature and what it adds to the log-odds of a fault.
+    why : str
+        Why it cannot be told, where the record leaves open what the verdict would deny.
     """
 
     verdict: str
@@ -41,6 +43,7 @@ class Verdict:
     confidence: float
     probabilities: dict[str, float]
     contributions: dict[str, tuple[float, float]]
+    why: str = ""
 
 
 def fault_probability(features: Features) -> float:

@@ -15,6 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import EveryKind, is_open
+from lostmotion.identify.actuators.excluded import largest_sizes
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
@@ -183,12 +184,12 @@ class _Identification:
         linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
-        if kinds.best == NO_FAULT:
-            return replace(linear_result, kinds=kinds)
-        chosen = self._packed(fits[kinds.best], linear)
-        if chosen.status in (Status.NOT_SEEN, Status.CANNOT_TELL):
-            return replace(linear_result, kinds=kinds)
-        return replace(chosen, linear_alternative=linear_result, kinds=kinds)
+        if kinds.best != NO_FAULT:
+            chosen = self._packed(fits[kinds.best], linear)
+            if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
+                return replace(chosen, linear_alternative=linear_result, kinds=kinds)
+        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in largest_sizes(linear, fits).items()}
+        return replace(linear_result, kinds=replace(kinds, excluded=sizes))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:
         """Result in engineering units with status."""

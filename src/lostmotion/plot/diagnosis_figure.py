@@ -9,7 +9,8 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause
+from lostmotion.diagnose.op_span import op_span
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
 from lostmotion.records import LoopRecord, prepare
@@ -74,7 +75,7 @@ def _heading(diagnosis: Diagnosis) -> str:
     if np.isfinite(diagnosis.size_percent):
         ends = np.array(diagnosis.interval) * diagnosis.size_percent / diagnosis.size
         between = f" ({ends[0]:.3g} .. {ends[1]:.3g})" if np.isfinite(ends).all() else " (apparent)"
-        said += f", {diagnosis.size_percent:.3g} % {of_what(diagnosis.record)}{between}"
+        said += f", {diagnosis.size_percent:.3g} % {op_span(diagnosis.record).words}{between}"
         said += "" if diagnosis.severity == "unknown" else f", {diagnosis.severity}"
     if diagnosis.verdict == "cannot tell":
         first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)

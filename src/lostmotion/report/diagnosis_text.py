@@ -6,8 +6,9 @@ import math
 
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import Item
-from lostmotion.diagnose.evidence_words import LABEL, balance, cause, of_what
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
+from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
@@ -36,6 +37,7 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
         _evidence(diagnosis),
         _oscillation(diagnosis),
         _kinds(diagnosis),
+        _not_excluded(diagnosis),
         _stability(diagnosis),
         _performance(diagnosis),
         _last(diagnosis),
@@ -47,14 +49,40 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     """What is wrong, how much, how bad, how sure: one sentence."""
     verdict, sure = diagnosis.verdict, probability(diagnosis.confidence)
     if verdict == NO_FAULT:
-        return f"NOTHING WRONG with the actuator that this record would show, confidence {sure}."
+        return f"NOTHING WRONG with the actuator: no lost motion over {_cleared(diagnosis)}, confidence {sure}."
     if verdict == "other oscillation":
         return f"OTHER OSCILLATION: the loop swings, but not because of the actuator, confidence {sure}."
     if verdict == "cannot tell":
+        if diagnosis.why:
+            return f"CANNOT TELL: {diagnosis.why}."
         if diagnosis.confidence >= SURE:
             return "CANNOT TELL: the record does not show how OP moves PV."
         return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
     return f"{verdict.upper()}{_size(diagnosis)}, severity {diagnosis.severity}, confidence {sure}."
+
+
+def _cleared(diagnosis: Diagnosis) -> str:
+    """Largest size that is not excluded, in % of span."""
+    largest = max(diagnosis.excluded.values(), default=math.nan)
+    return f"{_percent(diagnosis, largest):.2g} % {op_span(diagnosis.record).words}"
+
+
+def _percent(diagnosis: Diagnosis, size: float) -> float:
+    """Of the span."""
+    return size / op_span(diagnosis.record).percent
+
+
+def _not_excluded(diagnosis: Diagnosis) -> str:
+    """What the record leaves open, kind by kind."""
+    if not diagnosis.excluded:
+        return ""
+    rows = [
+        f"  {kind:12} {plain(size):>8} of OP, {_percent(diagnosis, size):.2g} % {op_span(diagnosis.record).words}"
+        if math.isfinite(size)
+        else f"  {kind:12} of any size: a valve that never moves would look the same"
+        for kind, size in diagnosis.excluded.items()
+    ]
+    return "\n".join(["", "Largest lost motion that this record does not exclude (95 %)", *rows])
 
 
 def where_from(diagnosis: Diagnosis) -> str:
@@ -68,7 +96,7 @@ def size_text(diagnosis: Diagnosis) -> str:
     """Size in % of span with its 95 % interval, or as apparent where there is none; "" where there is no size."""
     if not math.isfinite(diagnosis.size_percent):
         return ""
-    whole = of_what(diagnosis.record)
+    whole = op_span(diagnosis.record).words
     percent = diagnosis.size_percent / diagnosis.size if diagnosis.size else 0.0
     low, high = (percent * end for end in diagnosis.interval)
     if not (math.isfinite(low) and math.isfinite(high)):
@@ -207,6 +235,7 @@ def _performance(diagnosis: Diagnosis) -> str:
     found = diagnosis.performance
     low, high = sorted(found.harris)
     harris = f"{low:.2g} .. {high:.2g}" if math.isfinite(low) and math.isfinite(high) else "unknown"
+    whole = op_span(diagnosis.record).words
     about = "SP" if diagnosis.record.sp is not None else "its mean"
     rows = [
         ("class", f"{found.audit_class} (limits for: {found.loop_type})"),
@@ -214,7 +243,7 @@ def _performance(diagnosis: Diagnosis) -> str:
         ("PV about " + about, f"deviation {plain(math.sqrt(found.variance))}"),
         (
             "travel of OP",
-            f"{plain(found.travel)} % {of_what(diagnosis.record)} an hour, {plain(found.reversals)} reversals an hour",
+            f"{plain(found.travel)} % {whole} an hour, {plain(found.reversals)} reversals an hour",
         ),
         (
             "open loop",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,8 +10,9 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily
+from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily, rests_of
 from lostmotion.identify.likelihood.family import Family, Grid
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import backlash as kernel
 from lostmotion.models import Backlash
@@ -73,6 +75,11 @@ class BacklashKind(Kind):
     def forms(self, data: ScaledData) -> list[Family]:
         """One, up to the range of OP."""
         return [BacklashFamily(float(np.ptp(data.u)), data.segments)]
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:
+        """From several places in the band."""
+        for rests in rests_of(problem):
+            yield BacklashFamily(size, problem.segments, rests=rests), np.array([size])
 
 
 BACKLASH = register(BacklashKind())

@@ -8,7 +8,7 @@ more of them rightly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -48,6 +48,9 @@ class KindChoice:
     confidence : float
         Probability that `best` is right rather than the runner-up.
     runner_up : str
+    excluded : dict of float
+        Where the linear model is best: the largest size of every kind that the record does not exclude (95 %), in units
+        of OP; inf where a valve that never moves is as likely.
     """
 
     best: str
@@ -56,6 +59,7 @@ class KindChoice:
     firm: dict[str, float]
     confidence: float
     runner_up: str
+    excluded: dict[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -66,6 +70,7 @@ class KindChoice:
             "firm": dict(self.firm),
             "confidence": self.confidence,
             "runner_up": self.runner_up,
+            "excluded": {kind: float(size) if np.isfinite(size) else None for kind, size in self.excluded.items()},
         }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -23,6 +23,7 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.offset import settle_offset
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models import DeadZone, Nonlinearity
@@ -33,6 +34,7 @@ OUTER_SHARE = 0.01  # break points are sought where this share of the samples li
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
 LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
+PLACES = (4, 16)  # at which a dead zone of a given size is tried, fewest and most
 UNMOVED = 1e-9  # of a direction: a part of it below this is rounding
 
 
@@ -120,6 +122,7 @@ class DeadZoneKind(Kind):
     has_slopes = True
     break_points = ("left", "right")
     dead_between = True
+    slides = ((1.0, 1.0, 0.0),)
     anywhere = ("left", "right", "slope_ratio", "left_slope")
     always_tried = True
     begins_alone = True
@@ -142,8 +145,22 @@ class DeadZoneKind(Kind):
 
     def forms(self, data: ScaledData) -> list[Family]:
         """One, with some samples beyond either end."""
-        low, high = (float(value) for value in np.quantile(data.u, [OUTER_SHARE, 1 - OUTER_SHARE]))
-        return [DeadZoneFamily(low, high)]
+        return [DeadZoneFamily(*_visited(data.u))]
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:
+        """At places a third of the size apart, with equal slopes."""
+        low, high = _visited(problem.u)
+        ends = float(problem.u.min()) - size, float(problem.u.max()) + size
+        first, last = min(low + 0.5 * size, 0.5 * (low + high)), max(high - 0.5 * size, 0.5 * (low + high))
+        for middle in np.linspace(first, last, int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1):
+            yield DeadZoneFamily(*ends), np.array([middle - 0.5 * size, middle + 0.5 * size, 0.0])
+
+    def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:
+        """With both ends where OP goes, or all of that inside."""
+        low, high = _visited(u)
+        half, middle = 0.5 * (own[1] - own[0]), 0.5 * (own[0] + own[1])
+        inside = min(max(middle, low + half), high - half) if 2.0 * half <= high - low else 0.5 * (low + high)
+        return own if abs(inside - middle) <= UNMOVED * half else np.array([inside - half, inside + half, own[2]])
 
     def sought(self, data: ScaledData, asked: Asked) -> Sought:
         """By the profile over both break points, which share one Gram matrix."""
@@ -196,6 +213,12 @@ class DeadZoneKind(Kind):
         if evidence.samples_left < evidence.samples_right:
             return ("left", "left_slope", "slope_ratio", "width")
         return ("right", "slope_ratio", "width")
+
+
+def _visited(u: FloatArray) -> tuple[float, float]:
+    """Range of OP with some samples beyond either end."""
+    low, high = (float(value) for value in np.quantile(u, [OUTER_SHARE, 1 - OUTER_SHARE]))
+    return low, high
 
 
 def _ends(family: Family) -> tuple[float, float]:

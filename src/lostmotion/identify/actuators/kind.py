@@ -7,7 +7,7 @@ and registers it; nothing else names kinds. What is forgotten raises at registra
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -20,6 +20,7 @@ from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity
 
@@ -88,6 +89,8 @@ class Kind(ABC):
         of the number of places.
     nests : str
         Kind that it becomes where its last parameter is 0; the fits of both begin at each other as well.
+    slides : tuple of tuple of float
+        Directions of its own parameters that leave its size, along which its likelihood is smooth.
     looks_like : str
         Kind with more local maxima that has the same shape seen from one side, and is sought wherever this one is.
     always_tried : bool
@@ -108,6 +111,7 @@ class Kind(ABC):
     anywhere: ClassVar[tuple[str, ...]] = ()
     searched: ClassVar[float] = 0.0
     nests: ClassVar[str] = ""
+    slides: ClassVar[tuple[tuple[float, ...], ...]] = ()
     looks_like: ClassVar[str] = ""
     always_tried: ClassVar[bool] = False
     begins_alone: ClassVar[bool] = False
@@ -130,6 +134,14 @@ class Kind(ABC):
     def sought(self, data: ScaledData, asked: Asked) -> Sought:
         """Global search for the actuator by its profile: over the grid of every form, if there is no better way."""
         return seek(data, asked, self.forms(data))
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:  # noqa: ARG002
+        """Forms with own parameters that have this size, in scaled units of OP, wherever else they may lie."""
+        return iter(())
+
+    def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Nearest own parameters of the same size with which the actuator lies where OP goes."""
+        return own
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:  # noqa: ARG002
         """Model with these parameters, in units of OP."""

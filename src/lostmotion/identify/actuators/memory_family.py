@@ -14,7 +14,9 @@ from typing import ClassVar
 
 from lostmotion.arrays import IntArray
 from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.problem import Problem
 
+FIRST_RESTS = (0.0, -0.6, 0.6)  # of half the band, where a valve may begin, of a size that is held
 SMALLEST, LARGEST = 0.01, 0.95  # of the range of OP: sizes that are sought
 
 
@@ -35,3 +37,8 @@ class MemoryFamily(Family):
         """Start, stop and rest of every segment."""
         for index, (start, stop) in enumerate(self.segments.tolist()):
             yield start, stop, self.rests[index] if index < len(self.rests) else 0.0
+
+
+def rests_of(problem: Problem) -> list[tuple[float, ...]]:
+    """Places in the band where a valve of a given size may begin, the same in all segments."""
+    return [(rest,) * len(problem.segments) for rest in FIRST_RESTS]

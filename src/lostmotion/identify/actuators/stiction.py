@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
 from lostmotion.identify.actuators.kind import Kind, Words, register
+from lostmotion.identify.actuators.memory_family import rests_of
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.actuators.slip_profile import fine_slips_of, slips_of
@@ -60,6 +62,13 @@ class StictionKind(Kind):
         """Both models, up to the range of OP."""
         widest = float(np.ptp(data.u))
         return [StictionFamily(widest, data.segments, model) for model in STICTION_MODELS]
+
+    def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:
+        """With jumps of several sizes, from several places in the band."""
+        for rests in rests_of(problem):
+            for share in (*JUMPS, 1.0):
+                family = StictionFamily(size, problem.segments, STICTION_MODELS[0], rests=rests)
+                yield family, np.array([size, share * size])
 
     def sought(self, data: ScaledData, asked: Asked) -> Sought:
         """Global search over band, jump and first position."""

@@ -1,0 +1,107 @@
+"""Whether a record clears the actuator: only sizes that it excludes are not there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lostmotion.diagnose.features import Measured
+from lostmotion.diagnose.op_span import OpSpan
+from lostmotion.diagnose.verdict import Verdict
+from lostmotion.errors import ParameterError
+from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.kind import NO_FAULT
+
+TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
+# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
+# so what is much smaller does not carry the swing
+CARRIES = 0.2
+MOST_RECORDS = 30  # times as much of the same record: more is not worth telling
+
+
+@dataclass(frozen=True)
+class CleanBill:
+    """What a record leaves open.
+
+    Attributes
+    ----------
+    excluded : dict of float
+        Largest size of every kind that the record does not exclude (95 %), in units of OP; inf where a valve that never
+        moves would look the same. Of a fault that was found the upper end of its interval, and of no other kind.
+    tolerance : float
+        Largest size that does not matter, in units of OP.
+    span : OpSpan
+    """
+
+    excluded: dict[str, float]
+    tolerance: float
+    span: OpSpan
+
+    @property
+    def largest(self) -> tuple[str, float]:
+        """Kind and size of the largest; inf where none was looked for."""
+        if not self.excluded:
+            return "a lost motion", float(np.inf)
+        kind = max(self.excluded, key=lambda name: self.excluded[name])
+        return kind, self.excluded[kind]
+
+    def weigh(self, verdict: Verdict, measured: Measured, op: float) -> Verdict:
+        """The verdict, or "cannot tell" where it clears an actuator that the record does not clear.
+
+        Parameters
+        ----------
+        op : float
+            Deviation of OP.
+        """
+        if verdict.verdict not in (NO_FAULT, "other oscillation") or _commanded(verdict, measured):
+            return verdict
+        kind, size = self.largest
+        unit = self.span.percent
+        limit, what = self.tolerance, f"the tolerance is {self.tolerance / unit:.2g} %"
+        if verdict.verdict != NO_FAULT:
+            swing = 2.0 * op * float(np.sqrt(2.0 * max(measured.op.share, 0.0)))
+            limit = CARRIES * swing
+            what = f"one of {limit / unit:.2g} % could carry this swing"
+        if size < limit:
+            return verdict
+        said = f"up to {size / unit:.2g} % {self.span.words}" if np.isfinite(size) else "of any size"
+        return replace(verdict, verdict="cannot tell", kind="unknown", why=f"{kind} {said} is not excluded; {what}")
+
+
+def _commanded(verdict: Verdict, measured: Measured) -> bool:
+    """Whether SP swings so: the actuator follows it."""
+    return verdict.verdict != NO_FAULT and measured.driven
+
+
+def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan) -> CleanBill:
+    """What the record of a fit of all kinds leaves open.
+
+    Raises
+    ------
+    ParameterError
+        A tolerance outside (0, 1).
+    """
+    if not 0.0 < tolerance < 1.0:
+        raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
+    return CleanBill(_excluded(fit), 100.0 * tolerance * span.percent, span)
+
+
+def _excluded(fit: HammersteinFit) -> dict[str, float]:
+    if fit.kinds is not None and fit.kinds.excluded:
+        return dict(fit.kinds.excluded)
+    size = fit.kind.size
+    return {} if size is None else {fit.kind.name: float(fit.interval(size)[1])}
+
+
+def how_to_tell(bill: CleanBill, still: bool) -> tuple[str, ...]:
+    """What would settle it, most useful first; `still`: SP did not move."""
+    more = (bill.largest[1] / bill.tolerance) ** 2
+    reason = "SP does not move in this record" if still else "the moves in this record do not tell"
+    advice = [
+        f"Move SP, or OP in manual, a few times up and down by clearly more than {bill.tolerance:.2g} of OP (the "
+        f"tolerance): {reason}. `lostmotion design` plans such a test."
+    ]
+    if np.isfinite(more) and 1.0 < more <= MOST_RECORDS:
+        advice.append(f"Or give about {np.ceil(more):.0f} times as much of the same operation.")
+    return tuple(advice)

@@ -1,0 +1,60 @@
+"""What percentages of OP refer to: the span given, 0 .. 100 or 0 .. 1 where it looks so, else the range seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.diagnose.movement import PERCENT
+from lostmotion.records import LoopRecord
+
+FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
+
+
+@dataclass(frozen=True)
+class OpSpan:
+    """Span of OP.
+
+    Attributes
+    ----------
+    low, high : float
+        In units of OP.
+    known : bool
+        Whether it is a span; otherwise the range seen stands for it.
+    note : str
+        What was assumed; "" where it was given.
+    """
+
+    low: float
+    high: float
+    known: bool
+    note: str = ""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Both."""
+        return self.low, self.high
+
+    @property
+    def percent(self) -> float:
+        """1 % of it, in units of OP."""
+        return 0.01 * (self.high - self.low)
+
+    @property
+    def words(self) -> str:
+        """Of what a percentage is."""
+        return "of span" if self.known else "of the OP range seen"
+
+
+def op_span(record: LoopRecord) -> OpSpan:
+    """Span of the OP of a record."""
+    if record.op_span is not None:
+        return OpSpan(*record.op_span, known=True)
+    low, high = float(np.nanmin(record.op)), float(np.nanmax(record.op))
+    for ends in (FRACTION, PERCENT):
+        if ends[0] <= low and high <= ends[1]:
+            said = f"The OP span was taken as {ends[0]:g} .. {ends[1]:g}; give op_span where it is not."
+            return OpSpan(*ends, known=True, note=said)
+    said = f"The OP span is unknown and not 0 .. 100: % are of the range seen, {low:.4g} .. {high:.4g}; give op_span."
+    return OpSpan(low, high, known=False, note=said)

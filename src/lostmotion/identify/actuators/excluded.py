@@ -1,0 +1,122 @@
+"""The largest size of every kind of lost motion that a record does not exclude.
+
+A size is excluded where the best model with it, everything else refitted, is less likely than the linear one by what a
+one-sided test of 5 % asks for (limits of this kind: Cowan, Cranmer, Gross and Vitells, Eur. Phys. J. C 71 (2011) 1554).
+Sizes are tried from the range of OP downwards, and the first that is not excluded is the answer, even where smaller
+ones are: the likelihood of a memory has many hills.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.kind import Kind, faults
+from lostmotion.identify.likelihood.criterion import cost_of_parameters
+from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.refinement import refine, settled
+
+FALL = 0.5 * 1.645**2  # of log-likelihood
+STEP = 0.8  # of one size to the next
+SMALLEST = 1e-3  # of the range of OP
+HALVINGS = 3  # of the last step
+STEPS = 40  # of the refinement at each size
+REFINED = 2  # forms of a size: the best before the refinement
+
+Fits = dict[str, Fitted]
+
+
+def largest_sizes(linear: Fitted, fits: Fits) -> dict[str, float]:
+    """Largest size of every kind that has one, in scaled units of OP; inf where a valve that never moves is as likely.
+
+    Parameters
+    ----------
+    linear : Fitted
+        The linear model, with its loads.
+    fits : dict of Fitted
+        Of the kinds, where there are some: the process that belongs to a fault may have another structure.
+    """
+    kinds = [kind for kind in faults() if kind.size is not None]
+    return {kind.name: _Sizes(linear, kind, fits.get(kind.name)).largest() for kind in kinds}
+
+
+class _Sizes:
+    """Sizes of one kind."""
+
+    def __init__(self, linear: Fitted, kind: Kind, found: Fitted | None) -> None:
+        self.linear, self.kind = linear, kind
+        self.bases = [linear] if found is None else [linear, found]
+        self.span = float(np.ptp(linear.problem.u))
+
+    def largest(self) -> float:
+        """From the range of OP downwards, then between the last two."""
+        size, above, smallest = self.span, np.inf, SMALLEST * self.span
+        while size > smallest and self._excluded(size):
+            size, above = STEP * size, size
+        if size == self.span:
+            return float(np.inf)
+        for _ in range(HALVINGS if size > smallest else 0):
+            middle = float(np.sqrt(size * above))
+            if self._excluded(middle):
+                above = middle
+            else:
+                size = middle
+        return size
+
+    def _excluded(self, size: float) -> bool:
+        """Whether no form of this size is as likely."""
+        return all(self._behind(base, size) for base in self.bases)
+
+    def _behind(self, base: Fitted, size: float) -> bool:
+        """The same, beside the process, noise and loads of one fit."""
+        forms = [_Held.on(base, self.kind, family, own) for family, own in self.kind.of_size(base.problem, size)]
+        forms.sort(key=lambda form: form.cost)
+        limit = self._limit(base)
+        return all(form.refined(limit) > limit for form in forms[:REFINED])
+
+    def _limit(self, base: Fitted) -> float:
+        """Sum of squares beside a fit that is FALL behind the linear model; its own structure is paid for (BIC)."""
+        linear, n = self.linear, base.problem.errors
+        own = len(base.problem.family.own) * float(np.log(n))
+        paid = cost_of_parameters(base, n) - own - cost_of_parameters(linear, n)
+        return n * linear.fit.cost / linear.problem.errors * float(np.exp((2.0 * FALL - paid) / n))
+
+
+class _Held:
+    """A model with the size of its actuator held, begun at a fit with the best gain and level."""
+
+    def __init__(self, kind: Kind, problem: Problem, theta: FloatArray, basis: FloatArray | None) -> None:
+        self.kind, self.problem, self.held = kind, problem, problem.free_but(problem.own, basis)
+        self.theta = settled(problem, theta, self.held)
+        self.cost = problem.evaluate(self.theta)[0]
+
+    @classmethod
+    def on(cls, base: Fitted, kind: Kind, family: Family, own: FloatArray) -> _Held:
+        """With this actuator in the place of its own."""
+        mine, beside = list(base.problem.own), base.problem.family
+        problem = replace(base.problem, family=replace(family, load=beside.load, loads=beside.loads))
+        basis, theta = base.basis, np.delete(base.fit.theta, mine)
+        if basis is not None:
+            rest = np.delete(basis[:, ~np.any(basis[mine] != 0.0, axis=0)], mine, axis=0)
+            basis = np.insert(rest, [base.problem.eta_at] * own.size, 0.0, axis=0)
+        return cls(kind, problem, np.insert(theta, base.problem.eta_at, own), basis)
+
+    def refined(self, limit: float) -> float:
+        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it."""
+        if self.cost <= limit:
+            return self.cost
+        problem, own = self.problem, list(self.problem.own)
+        along = np.zeros((self.theta.size, len(self.kind.slides)))
+        for column, slide in enumerate(self.kind.slides):
+            along[own, column] = slide
+        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True)
+        met = self.kind.met_by(problem.u, fit.theta[own])
+        if np.array_equal(met, fit.theta[own]):
+            return fit.cost
+        theta = fit.theta.copy()
+        theta[own] = met
+        return refine(problem, theta, self.held, STEPS, tied=True).cost
