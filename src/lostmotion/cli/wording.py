@@ -10,8 +10,10 @@ from contextvars import ContextVar
 
 # Settings of the library that errors name -> options; a command that lacks the option cannot follow the advice.
 OPTIONS = {
+    "accept": "--accept",
     "automatic": "--auto-value",
     "dt": "--dt",
+    "diagnosis": "--diagnosis",
     "duration": "--duration",
     "gain": "--gain",
     "loop": "--loop",
@@ -25,6 +27,7 @@ OPTIONS = {
     "orders": "--orders",
     "position": "--position",
     "pv": "--pv",
+    "pv_limits": "--pv-limits",
     "pv_span": "--pv-span",
     "raw": "--raw",
     "sp": "--sp",

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
+from lostmotion.compensate.gate import Said
 from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
@@ -72,6 +73,8 @@ def compensation_study(
     draws: int = 20,
     cycle_samples: int = 6000,
     seed: int = 0,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
     **options: Any,
 ) -> CompensationStudy:
     """Simulate the identified loop without, with, and with mis-estimated compensation, and say what is worth it.
@@ -105,6 +108,10 @@ def compensation_study(
         Plants drawn from the covariance of the fit.
     cycle_samples : int
         Length of the noise-free runs in which limit cycles are sought.
+    diagnosis : Diagnosis, its dictionary or its verdict, optional
+        Of the same loop, beside a fit: it must name the kind that was fitted.
+    accept : str, optional
+        Reason for which a closed gate is passed all the same; study and block keep it.
 
     Returns
     -------
@@ -114,8 +121,10 @@ def compensation_study(
     ------
     ParameterError
         An actuator without a block, no controller, a span that does not hold OP, a block with another scan time.
+    GateError
+        A fit that shows no lost motion, or a diagnosis that says something else, and no reason to accept it.
     DataError
-        A fit that shows no lost motion, a record whose OP no PI explains.
+        A record whose OP no PI explains.
 
     Examples
     --------
@@ -127,7 +136,7 @@ def compensation_study(
     >>> study.cases["with"].ratio < 0.5, len(study.mistakes)
     (True, 2)
     """
-    found = known(model, noise)
+    found = known(model, noise, diagnosis, accept)
     span = _span(span, record)
     gains, source = _controller(controller, record)
     if op_now is not None:
@@ -141,6 +150,8 @@ def compensation_study(
         block = _block(found, span, op_noise, options)
     elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
         raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
+    if found.accepted:
+        block = replace(block, accepted=found.accepted)
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = _settle(block, swing.period / linear.dt)
@@ -244,7 +255,7 @@ def _block(found: Known, span: tuple[float, float], op_noise: float, options: di
     """What the rules of ``fit.block()`` make, with the noise of OP that the controller makes of that of PV."""
     given = {"op_noise": op_noise, **options}
     if found.facts is not None:
-        return block_from_fit(found.facts, span=span, **given)
+        return block_from_fit(found.facts, span=span, accept=found.accepted or None, **given)
     linear = found.plant.model.linear
     given = {"process_time": linear.process_time, **given}
     return block_from_model(found.plant.valve, linear.dt, span=span, **given)
