@@ -93,13 +93,20 @@ class GoalOptions:
         return goal | {"wanted": None if interval is None else dict.fromkeys(parameters, interval)}
 
 
+@dataclass(frozen=True)
+class WrittenOptions:
+    """Files to write."""
+
+    out: Out = None
+    steps: Steps = False
+    figure: Figure = None
+
+
 def design(
     fit: Fit = None,
     achievable: At = None,
-    out: Out = None,
-    steps: Steps = False,
-    figure: Figure = None,
     *,
+    written: WrittenOptions,
     guess: GuessOptions,
     rough: RoughModel,
     pi: ControllerOptions,
@@ -122,7 +129,7 @@ def design(
     does not show one (give your guess with --left and --right, or --accept REASON). A process that integrates needs
     --pv-limits.
     """
-    output.refuse(out, figures=(figure,))
+    output.refuse(written.out, figures=(written.figure,))
     opened = gate.given()
     if fit is not None:
         model, noise = _from_fit(fit, guess.left, guess.right, guess.slope_ratio, opened["accept"])
@@ -136,9 +143,9 @@ def design(
         model, noise, op_now=guess.op_now, controller=pi.controller, progress=_progress,
         **limits.given(), **goal.given(), **opened,
     )  # fmt: skip
-    if out is not None:
-        write_columns(out, test.columns(every_sample=not steps), output.force)
-    output.write_figure(figure, test)
+    if written.out is not None:
+        write_columns(written.out, test.columns(every_sample=not written.steps), output.force)
+    output.write_figure(written.figure, test)
     output.show(test.summary(), test.to_dict())
     raise typer.Exit(0 if test.reached else 1)
 

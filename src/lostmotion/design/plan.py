@@ -77,7 +77,7 @@ def design(
         OP at which the plant rests before the test. Default: the middle of its limits (open loop), the bias of the
         controller, or the middle of the dead zone; said in the result.
     pv_limits : (float, float), optional
-        What PV must not leave, noise included (three deviations in open loop).
+        What PV must not leave, noise included (three deviations in open loop); required where the process integrates.
     sp_limits : (float, float)
         Range of SP; required in closed loop.
     rate_limit : float, optional

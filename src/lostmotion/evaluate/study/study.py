@@ -29,6 +29,7 @@ from lostmotion.evaluate.study.cycles import (
 from lostmotion.evaluate.study.faults import fault_of
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
+from lostmotion.evaluate.study.reproduced import require_reproduction
 from lostmotion.evaluate.study.scenario import NAMES, Scenario, started_in_cycle, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
@@ -122,7 +123,8 @@ def compensation_study(
     ParameterError
         An actuator without a block, no controller, a span that does not hold OP, a block with another scan time.
     GateError
-        A fit that shows no lost motion, or a diagnosis that says something else, and no reason to accept it.
+        A fit that shows no lost motion, a diagnosis that says something else, or a model that does not reproduce the
+        record, and no reason to accept it.
     DataError
         A record whose OP no PI explains.
 
@@ -145,6 +147,8 @@ def compensation_study(
     linear = found.plant.model.linear
     reference, described = _reference(found, record, reference, sp_step, hold, op_now, span, samples)
     deviation = _deviation(found.noise, linear.process_time / linear.dt)
+    test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
+    found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
     if block is None:
         block = _block(found, span, op_noise, options)
@@ -152,7 +156,6 @@ def compensation_study(
         raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
     if found.accepted:
         block = replace(block, accepted=found.accepted)
-    test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = _settle(block, swing.period / linear.dt)
     started = started_in_cycle(reference, settle, test.kick)
@@ -167,13 +170,13 @@ def compensation_study(
         for group, what, plant in mistakes(found, whole("draws", draws, 0), seed)
     ]
     wrong, wrong_retuned = (tuple(pair[number] for pair in pairs) for number in (0, 1))
-    decision = decide(cases, wrong, wrong_retuned, block)
+    decision = decide(cases, wrong, wrong_retuned, block, deviation)
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
         recommendation=decision.word, reasons=decision.reasons, safe=decision.safe, cases=cases, mistakes=wrong,
         mistakes_retuned=wrong_retuned, block=block, controller=gains, controller_source=source,
         model=found.plant.model, model_source=found.source, described=described, settle=settle, responses=responses,
-        settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise},
+        settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise}, reproduction=compared,
     )  # fmt: skip
 
 
