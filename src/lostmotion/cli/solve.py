@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -84,5 +85,5 @@ def _next(found: Solution, file: Path, out: Path | None) -> list[str]:
         return []
     saved: Any = out if out is not None else "BLOCK.json"
     tag = "".join(sign if sign.isalnum() else "_" for sign in file.stem).strip("_") or "FY_1"
-    export = f"lostmotion export {saved} --to st --name FY_{tag} --date YYYY-MM-DD --out fy"
+    export = f"lostmotion export {saved} --to st --name FY_{tag} --date {dt.date.today()} --out fy"
     return [export] if out is not None else [f"(nothing written; --out BLOCK.json keeps the block, then: {export})"]

@@ -39,7 +39,7 @@ def command_lines(solution: Solution, file: Path, columns: RecordOptions, asked:
         lines.append(_line("solve", *words, *_flags({**asked, **step.settings})))
     elif step.name == "check":
         lines.append(_line("check", *words))
-    elif step.name == "simulate" and "span" in step.remedy and columns.op_span is None:
+    elif step.name == "simulate" and "span=(" in step.remedy and columns.op_span is None:
         lines.append(f"{_line('solve', *words, *_flags(asked))} --op-span LOW HIGH")
     elif step.name == "simulate" and solution.study is None and asked.get("kp") is None:
         lines.append(f"{_line('solve', *words, *_flags(asked))} --kp KP --ki KI")
@@ -47,7 +47,7 @@ def command_lines(solution: Solution, file: Path, columns: RecordOptions, asked:
         lines += _test(solution, file, words)
     if step.name == "diagnose":
         lines.append(_line("diagnose", *words))
-    if solution.can_be_accepted:
+    if step.acceptable:
         lines.append(f'{_line("solve", *words, *_flags(asked))} --accept "{PLACE}"')
     return lines
 

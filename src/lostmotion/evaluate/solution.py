@@ -32,6 +32,8 @@ class Step:
         Where it is closed: what opens it.
     settings : dict
         Where other arguments of ``solve`` open it: these.
+    acceptable : bool
+        Whether a reason opens it as well.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Step:
     said: str
     remedy: str = ""
     settings: Mapping[str, float] = field(default_factory=dict)
+    acceptable: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -48,6 +51,7 @@ class Step:
             "said": self.said,
             "remedy": self.remedy,
             "settings": dict(self.settings),
+            "acceptable": self.acceptable,
         }
 
 
@@ -76,12 +80,6 @@ class Solution:
     def closed(self) -> Step | None:
         """The gate at which the way ended; None where it did not."""
         return self.steps[-1] if self.outcome == "closed" else None
-
-    @property
-    def can_be_accepted(self) -> bool:
-        """Whether a reason can open the gate: there must be a size to compensate."""
-        sized = self.fit is not None and self.fit.kind.size is not None
-        return self.closed is not None and sized and self.fit is not None and self.fit.kind.name != "none"
 
     def summary(self) -> str:
         """Report as text."""

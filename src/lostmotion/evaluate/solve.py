@@ -10,7 +10,7 @@ import numpy as np
 
 from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
 from lostmotion.diagnose import Diagnosis, diagnose
-from lostmotion.errors import InputError
+from lostmotion.errors import GateError, InputError
 from lostmotion.evaluate.solution import Solution, Step
 from lostmotion.evaluate.study import CompensationStudy, compensation_study
 from lostmotion.identify import HammersteinFit, identify
@@ -122,15 +122,15 @@ class _Way:
     def _pass(self, name: str, said: str) -> None:
         self.steps.append(Step(name, True, said))
 
-    def _stop(self, name: str, said: str, remedy: str, settings: Mapping[str, float] | None = None) -> None:
-        self.steps.append(Step(name, False, said, remedy, settings or {}))
+    def _stop(self, name: str, said: str, remedy: str) -> None:
+        self.steps.append(Step(name, False, said, remedy))
 
     def _gate(self, name: str, gate: Closed, said: str = "", settings: Mapping[str, float] | None = None) -> None:
         """Stop at a closed gate, or pass it for the reason that was given."""
         said = said or f"Expected {gate.expected}, got {gate.got}."
         reason, size = reason_of(self.accept), None if self.fit is None else self.fit.kind.size
         if reason is None or size is None:
-            self._stop(name, said, gate.remedy, settings)
+            self.steps.append(Step(name, False, said, gate.remedy, settings or {}, size is not None))
             return
         self.accepted = (*self.accepted, accepted(gate, reason))
         self._pass(name, f"{said} ACCEPTED: {reason}.")
@@ -190,7 +190,8 @@ class _Way:
             found = compensation_study(self.fit, controller, **given)
         except InputError as error:
             expected, got, remedy = error.said or ("a loop that can be simulated", str(error), "see there")
-            self._stop("simulate", f"Expected {expected}, got {got}.", remedy)
+            said = f"Expected {expected}, got {got}."
+            self.steps.append(Step("simulate", False, said, remedy, acceptable=isinstance(error, GateError)))
             return
         self.study = found
         more = found.block.accepted
