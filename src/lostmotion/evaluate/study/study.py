@@ -26,16 +26,15 @@ from lostmotion.evaluate.study.cycles import (
     predicted_cycle,
     simulated_cycle,
 )
-from lostmotion.evaluate.study.faults import fault_of
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.reproduced import require_reproduction
+from lostmotion.evaluate.study.retuning import FEW_RUNS, retuned
 from lostmotion.evaluate.study.scenario import NAMES, Scenario, started_in_cycle, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
 from lostmotion.evaluate.study.worth import decide
-from lostmotion.evaluate.tuning import simc
 from lostmotion.identify import RatedEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
@@ -47,12 +46,7 @@ SAMPLES = 4000  # of a scenario made up here, where no record is given
 MOST_SAMPLES = 20_000  # of a record's set point
 FEWEST_SETTLE, MOST_SETTLE = 600, 4000
 PERIODS = 4.0  # of a limit cycle until it has set in
-SLOWNESS = (1.0, 2.0, 4.0, 8.0)  # of the controllers tried, in dead times
-MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve harder
 BAND_IN_DEVIATIONS = 3.0  # of the noise in OP: one sample in 370 of Gaussian noise is outside
-FEW_RUNS = 2  # on each plant that the estimate may be wrong about
-# times the cycle without block: a retuned loop may not cycle more, but for the reading of the amplitude
-TOLERANCE = 1.02
 Model = Hammerstein | RatedEstimate | Mapping[str, Any]
 
 
@@ -150,12 +144,8 @@ def compensation_study(
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
-    if block is None:
-        block = _block(found, span, op_noise, options)
-    elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
-        raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
-    if found.accepted:
-        block = replace(block, accepted=found.accepted)
+    block = _block(found, span, op_noise, options) if block is None else _checked(block, linear.dt)
+    block = replace(block, accepted=found.accepted) if found.accepted else block
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = _settle(block, swing.period / linear.dt)
     started = started_in_cycle(reference, settle, test.kick)
@@ -264,6 +254,13 @@ def _block(found: Known, span: tuple[float, float], op_noise: float, options: di
     return block_from_model(found.plant.valve, linear.dt, span=span, **given)
 
 
+def _checked(block: CompensatorBlock, dt: float) -> CompensatorBlock:
+    """A block that was given, for this sampling time."""
+    if not abs(block.scan_time - dt) <= 1e-9 * dt:
+        raise ParameterError.expected(f"a block with scan_time={dt}", block.scan_time, "make it for this dt")
+    return block
+
+
 def _settle(block: CompensatorBlock, period: float) -> int:
     """Rows until the offset is in force and a limit cycle has set in."""
     scans = block.settings["cap"] / max(block.settings["ramp_step"], 1e-12)
@@ -278,8 +275,8 @@ def _cases(
     loops = {
         "without": (plant, controller, None),
         "with": (plant, controller, block),
-        "retuned": (plant, _retuned(plant, controller, None, scenario, test), None),
-        "with, retuned": (plant, _retuned(plant, controller, block, scenario, test), block),
+        "retuned": (plant, retuned(plant, controller, None, scenario, test), None),
+        "with, retuned": (plant, retuned(plant, controller, block, scenario, test), block),
         "no fault": (repaired, controller, None),
     }
     cases, responses, now = {}, {}, None
@@ -301,28 +298,6 @@ def _case(
     ratio = float(figures[:, iae].mean() / max(now[:, iae].mean(), 1e-300))
     means = dict(zip(NAMES, figures.mean(axis=0).tolist(), strict=True))
     return LoopCase(**means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller)
-
-
-def _retuned(
-    plant: StudyPlant, controller: PI, block: CompensatorBlock | None, scenario: Scenario, test: CycleTest
-) -> PI:
-    """The SIMC controller that does best, of those that neither cycle more than now nor wear the valve."""
-    iae, travel = NAMES.index("iae"), NAMES.index("travel")
-    now = scenario.run(plant, controller, None, FEW_RUNS)[0].mean(axis=0)
-    cycle = simulated_cycle(plant, controller, None, test, predicted_cycle(plant, controller, None)).amplitude
-    best, least = controller, np.inf
-    linear = plant.model.linear
-    slope = (plant.fault if block is None else fault_of(plant.fault.repaired(block))).slope
-    for slowness in SLOWNESS:
-        rule = simc(linear.scaled(slope), slowness)
-        tried = replace(controller, kp=rule.kp, ki=rule.ki)
-        figures = scenario.run(plant, tried, block, FEW_RUNS)[0].mean(axis=0)
-        if not figures[iae] < least or figures[travel] > MOST_TRAVEL * now[travel]:
-            continue
-        swing = simulated_cycle(plant, tried, block, test, predicted_cycle(plant, tried, block))
-        if swing.amplitude <= max(TOLERANCE * cycle, test.floor):
-            best, least = tried, figures[iae]
-    return best
 
 
 def _long_enough(test: CycleTest, cases: Mapping[str, LoopCase], dt: float) -> CycleTest:
