@@ -18,7 +18,7 @@ from lostmotion.identify import FitFacts
 # COLOURED: kind and size hold, only the intervals are too narrow. MISFIT: of all kinds this one is the nearest.
 SIZED = (Status.OK, Status.COLOURED, Status.MISFIT)
 SHOWN = (*SIZED, Status.WIDE)  # the kind is seen, its size hardly: enough to ask for a test, or to watch
-UNKNOWN_PROCESS = (Status.CANNOT_TELL, Status.NOT_CONVERGED, Status.WRONG_GAIN)  # nothing of the model can be used
+PROCESS = (*SHOWN, Status.ONE_SIDED, Status.NOT_SEEN)  # of any other nothing of the model can be used
 OPEN_DIAGNOSIS = "cannot tell"
 OVERRIDE = "give accept='<reason>'"
 
@@ -149,7 +149,7 @@ def pass_process(facts: FitFacts, accept: str | None) -> str:
         The fit knows no process, and there is no reason to accept it.
     """
     reason = reason_of(accept)
-    if facts.status not in UNKNOWN_PROCESS:
+    if facts.status in PROCESS:
         return ""
     found = Closed("a fit that knows the process", f"status {facts.status.name}", facts.status.value)
     if reason is None:
