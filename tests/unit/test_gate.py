@@ -13,6 +13,7 @@ from lostmotion.design.prior import known as known_before_test
 from lostmotion.errors import DataError, GateError, ParameterError, Status
 from lostmotion.evaluate.study.studied_loop import known
 from lostmotion.export import export
+from lostmotion.identify.actuators.choice import KindChoice
 from tests.fits import made_fit
 from tests.refusals import refusal
 
@@ -115,6 +116,32 @@ def test_a_test_or_a_watch_asks_for_the_kind_only():
     assert "guess" in refusal(GateError, pass_dead_zone, made_fit("backlash").facts, None, WHY, "guess")
     assert "process" in refusal(GateError, pass_process, made_fit("backlash", Status.NOT_CONVERGED).facts, None)
     assert pass_process(made_fit("backlash", Status.NOT_SEEN).facts, None) == ""
+
+
+def compared(confidence, runner_up="stiction"):
+    """Fit of a backlash that was compared with the other kinds."""
+    likelihoods = {"none": 0.0, "backlash": 20.0, "stiction": 18.0}
+    return replace(
+        made_fit("backlash"), kinds=KindChoice("backlash", likelihoods, likelihoods, likelihoods, confidence, runner_up)
+    )
+
+
+def test_a_kind_that_may_be_another_is_no_ground_for_a_block(tmp_path):
+    assert closed(compared(0.9).facts) is None
+    for form in (compared(0.89), lm.read_fit(compared(0.89).save(tmp_path / "fit.json"))):
+        assert "89 % that it is a backlash; it may be a stiction" in refusal(GateError, form.block)
+        assert "89 %" in form.block(accept=WHY).accepted
+    assert "at all" in refusal(GateError, compared(0.6, "none").block)
+    assert closed(compared(0.6).facts, sized=False) is None
+
+
+def test_the_comparison_of_kinds_is_saved(tmp_path):
+    fit = compared(0.97)
+    read = lm.read_fit(fit.save(tmp_path / "fit.json"))
+    assert read.kinds == fit.kinds == fit.facts.kinds
+    assert read.to_dict()["kinds"] == fit.to_dict()["kinds"]
+    assert lm.FitFacts.from_dict({k: v for k, v in fit.to_dict().items() if k != "kinds"}).kinds is None
+    assert "kinds" in refusal(DataError, lm.FitFacts.from_dict, fit.to_dict() | {"kinds": {"best": "backlash"}})
 
 
 def test_the_study_keeps_the_reason():
