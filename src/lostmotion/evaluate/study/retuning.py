@@ -16,6 +16,7 @@ from lostmotion.simulate import PI
 
 SLOWNESS = (1.0, 2.0, 4.0, 8.0)  # of the controllers tried, in dead times
 MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve harder
+MOST_CHANGE = 10.0  # times the present gains, either way: SIMC of a pole near 1 switched a controller off
 FEW_RUNS = 2  # on each controller, and on each plant that the estimate may be wrong about
 # times the cycle without block: a retuned loop may not cycle more, but for the reading of the amplitude
 TOLERANCE = 1.02
@@ -34,6 +35,8 @@ def retuned(
     for slowness in SLOWNESS:
         rule = simc(linear.scaled(slope), slowness)
         tried = replace(controller, kp=rule.kp, ki=rule.ki)
+        if not _like(tried, controller):
+            continue
         figures = scenario.run(plant, tried, block, FEW_RUNS)[0].mean(axis=0)
         if not figures[iae] < least or figures[travel] > MOST_TRAVEL * now[travel]:
             continue
@@ -41,3 +44,12 @@ def retuned(
         if swing.amplitude <= max(TOLERANCE * cycle, test.floor):
             best, least = tried, figures[iae]
     return best
+
+
+def _like(tried: PI, controller: PI) -> bool:
+    """Whether it is a retuned controller, and not another or none.
+
+    One that hardly acts looks good here, where the plant rests at its set point and few disturbances come.
+    """
+    gains = ((tried.kp, controller.kp), (tried.ki, controller.ki))
+    return all(abs(now) <= MOST_CHANGE * abs(new) <= MOST_CHANGE**2 * abs(now) for new, now in gains if now != 0.0)
