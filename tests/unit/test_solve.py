@@ -40,7 +40,7 @@ def studied(recommendation="compensate", safe=True):
 
     class Study:
         reasons = ("It is worth it.", "The block: better.")
-        cases = {"with, retuned": type("Case", (), {"controller": lm.PI(1.23456, 0.0345678)})()}  # noqa: RUF012
+        cases = dict.fromkeys(("retuned", "with, retuned"), type("Case", (), {"controller": lm.PI(1.23456, 0.0345678)}))
 
         def to_dict(self):
             return {}
@@ -111,6 +111,9 @@ def test_gains_that_open_it_are_said(steps):
     lines = command_lines(found, Path("FIC 1.csv"), RecordOptions(op="CO", dt=0.5), {"kp": 9.0, "loop_type": "flow"})
     assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 1.235 --loop-type flow --ki 0.03457"
     assert lines[-1].endswith('--accept "REASON"')
+    alone = steps(study=studied("retune")).closed
+    assert "to Kp 1.235, Ki 0.03457 1/s" in alone.remedy
+    assert not alone.settings
 
 
 def test_no_reason_helps_where_the_loop_cannot_be_simulated(steps):

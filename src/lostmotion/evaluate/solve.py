@@ -216,12 +216,17 @@ def _way_out(study: CompensationStudy) -> tuple[str, dict[str, float]]:
     """What to do instead of the block as it is; gains with which the way may go on."""
     word = study.recommendation
     if word == "compensate and retune":
-        tuned = study.cases["with, retuned"].controller
-        gains = {"kp": float(f"{tuned.kp:.4g}"), "ki": float(f"{tuned.ki:.4g}")}
-        return f"retune to Kp {gains['kp']:g}, Ki {gains['ki']:g} 1/s first, and give these gains", gains
-    ways = {
-        "retune": "retune instead of compensating",
-        "maintain": "mend the actuator",
-        "leave": "leave the loop as it is",
-    }
+        gains = _gains(study.cases["with, retuned"].controller)
+        return f"retune to {_said(gains)} first, and give these gains", gains
+    if word == "retune":
+        return f"retune instead of compensating, to {_said(_gains(study.cases['retuned'].controller))}", {}
+    ways = {"maintain": "mend the actuator", "leave": "leave the loop as it is"}
     return ways.get(word, "look at the study, or compensate a smaller share"), {}
+
+
+def _gains(controller: PI) -> dict[str, float]:
+    return {"kp": float(f"{controller.kp:.4g}"), "ki": float(f"{controller.ki:.4g}")}
+
+
+def _said(gains: Mapping[str, float]) -> str:
+    return f"Kp {gains['kp']:g}, Ki {gains['ki']:g} 1/s"
