@@ -13,13 +13,14 @@ from .errors import (
     ColumnError,
     DataError,
     FileAccessError,
+    GateError,
     InputError,
     LostMotionError,
     ParameterError,
     Status,
     TimeError,
 )
-from .evaluate import CompensationStudy, compensation_study, control_variance, mean_absolute_error
+from .evaluate import CompensationStudy, Solution, compensation_study, control_variance, mean_absolute_error, solve
 from .files import read_loop
 from .identify import ChangeEvent, FitFacts, HammersteinFit, RecursiveIV, RecursiveML, identify, read_fit, run_many
 from .models import (
@@ -55,6 +56,7 @@ __all__ = [
     "Diagnosis",
     "FileAccessError",
     "FitFacts",
+    "GateError",
     "Hammerstein",
     "HammersteinFit",
     "Identity",
@@ -69,6 +71,7 @@ __all__ = [
     "RecursiveML",
     "Saturation",
     "Series",
+    "Solution",
     "Status",
     "Stiction",
     "TestDesign",
@@ -91,4 +94,5 @@ __all__ = [
     "run_many",
     "signals",
     "simulate_loop",
+    "solve",
 ]

@@ -8,6 +8,7 @@ failure is a value: a :class:`Status`, whose text says what was found, why, and 
     LostMotionError
     ├── InputError (ValueError)       something handed in cannot be used
     │   ├── ParameterError            a model parameter or a setting outside its domain
+    │   │   └── GateError             a result that must not go on towards the valve (a DataError too)
     │   └── DataError                 a record that cannot be used: too short, constant, NaN, gaps
     │       ├── ColumnError           a column is missing, unknown or not numeric
     │       └── TimeError             a time column that is unsorted, repeated or contradicts dt
@@ -76,6 +77,10 @@ class ColumnError(DataError):
 
 class TimeError(DataError):
     """A time column is unsorted, repeats, has gaps, or contradicts the sampling time."""
+
+
+class GateError(ParameterError, DataError):
+    """A result that must not go on towards the valve, unless a reason is given."""
 
 
 class FileAccessError(LostMotionError, OSError):

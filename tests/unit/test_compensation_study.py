@@ -7,6 +7,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.evaluate.study import retuning
 from lostmotion.evaluate.study.mistakes import GROUPS, mistakes
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
@@ -166,6 +167,22 @@ def test_plants_that_the_estimate_may_be_wrong_about():
 def test_refusals(kind, arguments, said):
     plant = lm.Hammerstein(lm.Backlash(1.0), LAG)
     assert said in refusal(kind, lm.compensation_study, plant, **arguments)
+
+
+@pytest.mark.parametrize(
+    ("kp", "ki", "alike"),
+    [
+        (1.0, 0.1, True),
+        (0.11, 0.011, True),
+        (9.0, 0.9, True),
+        (0.09, 0.1, False),
+        (1.0, 0.009, False),
+        (11.0, 0.1, False),
+    ],
+)
+def test_a_controller_that_is_switched_off_is_not_a_retuned_one(kp, ki, alike):
+    assert retuning._like(lm.PI(kp, ki), lm.PI(1.0, 0.1)) is alike
+    assert retuning._like(lm.PI(-kp, ki), lm.PI(-1.0, 0.0)) is (0.1 <= kp <= 10.0)
 
 
 def test_refuses_other_faults_and_other_data():

@@ -5,7 +5,6 @@ Exit codes: 0 done, 1 a finding that needs you or a failure, 2 wrong usage.
 
 from __future__ import annotations
 
-import json
 import sys
 from typing import Annotated, Any
 
@@ -13,8 +12,7 @@ import typer
 
 import lostmotion
 from lostmotion.cli.commands import PLAIN, Commands
-from lostmotion.cli.progress import progress
-from lostmotion.cli.wording import message
+from lostmotion.cli.failure import say_error
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -46,14 +44,5 @@ def main(arguments: list[str] | None = None) -> Any:
     try:
         return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
-        _say_error(error, words)
+        say_error(error, "--json" in words)
         sys.exit(1)
-
-
-def _say_error(error: LostMotionError | ImportError, words: list[str]) -> None:
-    """One line on standard error, and with --json an object on standard output."""
-    progress("")
-    said = message(error)
-    if isinstance(error, LostMotionError) and "--json" in words:
-        typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
-    typer.echo(f"error: {said}", err=True)

@@ -23,6 +23,7 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "design": "Design the test that tells most about the dead zone, or say what a record can at best tell.",
     "export": "Write the compensating block as code for a PLC, with test vectors and a page for commissioning.",
     "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
+    "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }
 PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import ColumnOptions, File, number
 from lostmotion.cli.output import OutputOptions
 from lostmotion.errors import ParameterError
@@ -50,6 +51,7 @@ def compensate(
     centre: Centre = None,
     *,
     zone: ZoneOptions,
+    gate: GateOptions,
     columns: ColumnOptions,
     output: OutputOptions,
 ) -> None:
@@ -62,7 +64,8 @@ def compensate(
     import numpy as np
 
     output.refuse(out)
-    block = lm.DeadZoneCompensator.from_dead_zone(_zone(**asdict(zone)), centre)
+    valve, accepted = _zone(**asdict(zone), gate=gate)
+    block = lm.DeadZoneCompensator.from_dead_zone(valve, centre)
     record = columns.read(file, sp=None)
     command = np.asarray(block(record.op))
     table = {"t_s": np.arange(len(record)) * record.dt, "OP": record.op, "OP_compensated": command}
@@ -75,21 +78,37 @@ def compensate(
         f"(slopes {undone.left_slope:.4g}, {undone.right_slope:.4g}) around OP = {block.centre:.5g}; "
         f"largest move {move:.4g}."
     )
-    output.show(text, {"out": str(out), "rows": len(record), "largest_move": move, **block.to_dict()})
+    text += f"\nACCEPTED behind a closed gate: {accepted}." if accepted else ""
+    told = {"accepted": accepted} if accepted else {}
+    output.show(text, {"out": str(out), "rows": len(record), "largest_move": move, **block.to_dict(), **told})
 
 
-def _zone(fit: Path | None, left: float | None, right: float | None, left_slope: float, right_slope: float) -> DeadZone:
+def _zone(
+    fit: Path | None,
+    left: float | None,
+    right: float | None,
+    left_slope: float,
+    right_slope: float,
+    gate: GateOptions,
+) -> tuple[DeadZone, str]:
+    """Dead zone, and what was accepted to get it."""
+    from lostmotion.compensate.gate import pass_gate
+    from lostmotion.compensate.slopes import compensated_valve
+
     if (fit is None) == (left is None or right is None):
         raise ParameterError.expected("either --fit or both --left and --right", "neither or both", "give one")
     if fit is None:
         assert left is not None  # noqa: S101
         assert right is not None  # noqa: S101
-        return lm.DeadZone(left, right, left_slope, right_slope)
+        return lm.DeadZone(left, right, left_slope, right_slope), ""
     found = lm.read_fit(fit)
-    if found.preferred != "dead zone" or not isinstance(found.nonlinearity, lm.DeadZone):
+    if found.kind.name != "dead zone":
         raise ParameterError.expected(
             "a fit that shows a dead zone",
             f"{found.preferred} (status {found.status.name})",
             "for backlash and stiction `lostmotion simulate` and `export` make the block",
         )
-    return found.nonlinearity
+    accepted = pass_gate(found, **gate.given())
+    valve = compensated_valve(found)
+    assert isinstance(valve, lm.DeadZone)  # noqa: S101  it is of this kind
+    return valve, accepted

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import ColumnOptions, number
 from lostmotion.cli.output import Figure, OutputOptions
 from lostmotion.cli.progress import progress
@@ -92,18 +93,26 @@ class GoalOptions:
         return goal | {"wanted": None if interval is None else dict.fromkeys(parameters, interval)}
 
 
+@dataclass(frozen=True)
+class WrittenOptions:
+    """Files to write."""
+
+    out: Out = None
+    steps: Steps = False
+    figure: Figure = None
+
+
 def design(
     fit: Fit = None,
     achievable: At = None,
-    out: Out = None,
-    steps: Steps = False,
-    figure: Figure = None,
     *,
+    written: WrittenOptions,
     guess: GuessOptions,
     rough: RoughModel,
     pi: ControllerOptions,
     limits: LimitOptions,
     goal: GoalOptions,
+    gate: GateOptions,
     columns: ColumnOptions,
     output: OutputOptions,
 ) -> None:
@@ -116,24 +125,27 @@ def design(
 
     Example: lostmotion design --fit fic101.json --achievable FIC-101.csv
 
-    Exit code 1 where the wanted interval cannot be reached, or the record cannot tell a dead zone from none.
+    Exit code 1 where the wanted interval cannot be reached, the record cannot tell a dead zone from none, or the fit
+    does not show one (give your guess with --left and --right, or --accept REASON). A process that integrates needs
+    --pv-limits.
     """
-    output.refuse(out, figures=(figure,))
+    output.refuse(written.out, figures=(written.figure,))
+    opened = gate.given()
     if fit is not None:
-        model, noise = _from_fit(fit, guess.left, guess.right, guess.slope_ratio)
+        model, noise = _from_fit(fit, guess.left, guess.right, guess.slope_ratio, opened["accept"])
     else:
         model, noise = _of_numbers(guess, rough)
     if achievable is not None:
-        answer = lm.achievable(columns.read(achievable), model, noise, spread=goal.spread, seed=goal.seed)
+        answer = lm.achievable(columns.read(achievable), model, noise, spread=goal.spread, seed=goal.seed, **opened)
         output.show(answer.summary(), answer.to_dict())
         raise typer.Exit(0 if answer.sees else 1)
     test = lm.design(
         model, noise, op_now=guess.op_now, controller=pi.controller, progress=_progress,
-        **limits.given(), **goal.given(),
+        **limits.given(), **goal.given(), **opened,
     )  # fmt: skip
-    if out is not None:
-        write_columns(out, test.columns(every_sample=not steps), output.force)
-    output.write_figure(figure, test)
+    if written.out is not None:
+        write_columns(written.out, test.columns(every_sample=not written.steps), output.force)
+    output.write_figure(written.figure, test)
     output.show(test.summary(), test.to_dict())
     raise typer.Exit(0 if test.reached else 1)
 
@@ -148,12 +160,15 @@ def _of_numbers(guess: GuessOptions, rough: RoughModel) -> tuple[Hammerstein, No
 
 
 def _from_fit(
-    path: Path, left: float | None, right: float | None, slope_ratio: float
+    path: Path, left: float | None, right: float | None, slope_ratio: float, accept: str | None
 ) -> tuple[FitFacts | Hammerstein, NoiseModel | None]:
     """The fit itself, or its process with break points that were guessed."""
+    from lostmotion.compensate.gate import pass_process
+
     found = lm.read_fit(path)
     if left is None and right is None:
         return found, None
+    pass_process(found, accept)
     return lm.Hammerstein(_zone(left, right, slope_ratio), found.linear, found.model.offset), found.noise
 
 

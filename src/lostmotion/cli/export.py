@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
 from lostmotion.errors import ParameterError
@@ -52,14 +54,16 @@ class BlockOptions:
     method: Method = "knocker"
     settings: Settings = None
 
-    def block(self, source: FitFacts | CompensatorBlock) -> CompensatorBlock:
+    def block(self, source: FitFacts | CompensatorBlock, gate: Mapping[str, Any]) -> CompensatorBlock:
         """Block of a saved fit, or a saved block with other settings."""
         extra = _settings(self.settings or [])
         named = ("op_noise", "ramp", "centre", "factor")
         options: dict[str, Any] = {**{name: getattr(self, name) for name in named}, **extra}
         given = {key: value for key, value in options.items() if value is not None}
         if not isinstance(source, lm.CompensatorBlock):
-            made: CompensatorBlock = source.block(span=self.span, scan_time=self.scan_time, method=self.method, **given)
+            made: CompensatorBlock = source.block(
+                span=self.span, scan_time=self.scan_time, method=self.method, **given, **gate
+            )
             return made
         return source.changed(self.scan_time, **given)
 
@@ -74,6 +78,7 @@ def export(
     replay: Scans = 10_000,
     *,
     asked: BlockOptions,
+    gate: GateOptions,
     output: OutputOptions,
 ) -> None:
     """Write the compensating block as code for a PLC, with test vectors and a page for commissioning.
@@ -81,12 +86,15 @@ def export(
     Example: lostmotion export fic101.json --to scl --name FY_101 --date 2026-01-31 --scan-time 0.5 --out fy101
 
     The written code is executed over random and adversarial scans and compared with the simulated block. Exit code 1,
-    and nothing is written, where they differ. No file has been verified in a vendor's tool.
+    and nothing is written, where they differ, or where the fit does not show the lost motion that the block is for;
+    --accept REASON goes on, and the reason stands in every file. No file has been verified in a vendor's tool.
     """
     source = lm.compensate.read_fit_or_block(saved)
-    block = asked.block(source)
+    opened = gate.given()
+    block = asked.block(source, opened)
     fit = None if isinstance(source, lm.CompensatorBlock) else source
-    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit)
+    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, **opened)
+    block = done.source.block
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
         output.show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()})
@@ -95,6 +103,7 @@ def export(
     notes = "; ".join(block.notes)
     said = "not replayed" if proof is None else f"the code {proof.summary()}"
     text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
+    text += f"\nACCEPTED behind a closed gate: {block.accepted}." if block.accepted else ""
     replayed = None if proof is None else proof.to_dict()
     output.show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed})
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.identify import Noise, read_orders
 from lostmotion.cli.options import ColumnOptions, number
 from lostmotion.cli.output import Json
@@ -79,10 +80,10 @@ class EstimatorOptions:
     forgetting: Forgetting = 0.9998
     start_samples: Start = 1000
 
-    def given(self) -> dict[str, Any]:
-        """Settings of the estimator."""
-        model = _model(self.fit, self.orders, self.gain, self.noise)
-        return model | {"forgetting": self.forgetting, "start_samples": self.start_samples}
+    def given(self, gate: GateOptions) -> tuple[dict[str, Any], str]:
+        """Settings of the estimator; and what was accepted to get them."""
+        model, accepted = _model(self.fit, self.orders, self.gain, self.noise, gate)
+        return model | {"forgetting": self.forgetting, "start_samples": self.start_samples}, accepted
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,7 @@ def online(
     estimator: EstimatorOptions,
     columns: ColumnOptions,
     watched: WatchOptions,
+    gate: GateOptions,
     mode: Mode = None,
     auto_value: Auto = None,
     width_limit: Width = None,
@@ -115,13 +117,14 @@ def online(
     lines since it was last written come again. Standard input: tail -F log.csv | lostmotion online - --orders 2,1,3
 
     At the end of the input the exit code is 1 where a change was found, the width is above its limit, or the record
-    did not tell.
+    did not tell; and before any work where the fit shows no dead zone, unless --accept REASON says why to go on. No
+    other kind is watched.
     """
     from lostmotion.files.follow import Follower
     from lostmotion.files.layout import Asked
     from lostmotion.online.service import Kept, Service
 
-    model, watch = estimator.given(), asdict(watched)
+    (model, accepted), watch = estimator.given(gate), asdict(watched)
     automatic = tuple(auto_value or ())
     asked = Asked(columns.op, columns.pv, columns.time_column, mode, automatic, columns.dt)
     rows = sys.stdin.buffer if source == "-" else Path(source)
@@ -134,27 +137,30 @@ def online(
         def make(layout: Layout) -> OnlineMonitor:
             return _monitor(layout, model, watch, estimator.fit)
 
+        if accepted:
+            _emit({"kind": "note", "line": 0, "message": f"ACCEPTED behind a closed gate: {accepted}."})
         service = Service(follower, kept, make, _emit, width_limit)
         service.run(follow, stop)
         raise typer.Exit(0 if stop.is_set() or service.quiet else 1)
 
 
-def _model(fit: Path | None, orders: str | None, gain: float | None, noise: str) -> dict[str, Any]:
-    """Settings of the estimator, from the options or else from a fit."""
+def _model(
+    fit: Path | None, orders: str | None, gain: float | None, noise: str, gate: GateOptions
+) -> tuple[dict[str, Any], str]:
+    """Settings of the estimator, from the options or else from a fit; and what was accepted to get them."""
+    from lostmotion.online.watched_fit import settings_from_fit
+
     if orders is None and fit is None:
         raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
     model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
+    accepted = ""
     if fit is not None:
-        found = lm.read_fit(fit)
-        linear = found.linear
-        model |= {"na": len(linear.a), "nb": len(linear.b) - 1, "delay": linear.delay}
-        if noise == "auto":
-            model["noise"] = found.noise.order
-        if gain is None:
-            model["gain"] = found.known_gain
+        found, accepted = settings_from_fit(lm.read_fit(fit), **gate.given())
+        known = {name: model[name] for name, given in (("gain", gain is not None), ("noise", noise != "auto")) if given}
+        model = found | known
     if orders is not None:
         model |= dict(zip(("na", "nb", "delay"), read_orders(orders), strict=True))
-    return model
+    return model, accepted
 
 
 def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import RecordOptions, number
 from lostmotion.cli.output import Figure, Out, OutputOptions
 from lostmotion.cli.progress import progress
@@ -115,6 +116,7 @@ def simulate(
     columns: RecordOptions,
     sought: SoughtOptions,
     study: StudyOptions,
+    gate: GateOptions,
     written: WrittenOptions,
     output: OutputOptions,
 ) -> None:
@@ -128,7 +130,8 @@ def simulate(
     --kp 1 --ki 0.03; or with these numbers in a file: lostmotion simulate --model loop.toml
 
     Exit code 1 where the block is not safe with the present controller: on some plant within the uncertainty the loop
-    gets worse, or its limit cycle larger, than without.
+    gets worse, or its limit cycle larger, than without; and where the fit does not show the lost motion, the diagnosis
+    says something else, or the model does not reproduce the record, unless --accept REASON says why to go on.
     """
     output.refuse(written.block_out, written.out, figures=(written.figure,))
     if file is None:
@@ -142,7 +145,7 @@ def simulate(
     progress("simulate: simulating ..")
     answer = lm.compensation_study(
         asked.model, pi.controller, record=asked.record, noise=asked.noise, span=columns.op_span,
-        block=None if block is None else lm.read_block(block), **study.given(),
+        block=None if block is None else lm.read_block(block), **study.given(), **gate.given(),
     )  # fmt: skip
     output.write_figure(written.figure, answer)
     output.write_json(written.block_out, answer.block.to_dict())

@@ -10,8 +10,10 @@ from contextvars import ContextVar
 
 # Settings of the library that errors name -> options; a command that lacks the option cannot follow the advice.
 OPTIONS = {
+    "accept": "--accept",
     "automatic": "--auto-value",
     "dt": "--dt",
+    "diagnosis": "--diagnosis",
     "duration": "--duration",
     "gain": "--gain",
     "loop": "--loop",
@@ -25,6 +27,7 @@ OPTIONS = {
     "orders": "--orders",
     "position": "--position",
     "pv": "--pv",
+    "pv_limits": "--pv-limits",
     "pv_span": "--pv-span",
     "raw": "--raw",
     "sp": "--sp",
@@ -34,6 +37,7 @@ OPTIONS = {
     "wanted": "--interval",
 }
 FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw"}
+OVERRIDE = OPTIONS["accept"]
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
 SETTING = re.compile(rf"(?<![\w-])([a-z]\w*)=({VALUE})?(?!=)")
@@ -75,10 +79,16 @@ def advice(remedy: str, options: Collection[str]) -> str:
     'rename the others'
     >>> advice("rename the others, or say which: sp='SP 1'", ["--op", "--sp"])
     "rename the others, or say which: --sp 'SP 1'"
+
+    To go on without a remedy is none: where nothing else is offered, the options are those of another command.
+
+    >>> advice("identify with nonlinearity='auto', or give accept='<reason>'", ["--accept"])
+    'identify with --nonlinearity auto, or give --accept REASON'
     """
     ways = remedy.split(", or ")
     offered = [way for way in ways if all(option in options for option in named_options(way))]
-    return ", or ".join(as_options(way) for way in offered or ways)
+    remedies = [way for way in offered if named_options(way) != [OVERRIDE]]
+    return ", or ".join(as_options(way) for way in (offered if remedies else ways))
 
 
 def named_options(text: str) -> list[str]:

@@ -5,7 +5,7 @@ from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
 from lostmotion.compensate.backlash_inverse import BacklashCompensator
 from lostmotion.compensate.block import BlockResponse, CompensatorBlock
 from lostmotion.compensate.dead_zone_inverse import DeadZoneCompensator
-from lostmotion.compensate.derive import block_from_fit, block_from_model
+from lostmotion.compensate.derive import block_from_fit, block_from_model, compensator_from_fit
 from lostmotion.compensate.saved_block import read_block, read_fit_or_block
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.variables import Variable
@@ -14,6 +14,7 @@ from lostmotion.models import Backlash, DeadZone
 
 _verbs.compensator.register(DeadZone, DeadZoneCompensator.from_dead_zone)
 _verbs.compensator.register(Backlash, BacklashCompensator)
+_verbs.compensator.register(RatedEstimate, compensator_from_fit)
 _verbs.block.register(RatedEstimate, block_from_fit)
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Variable",
     "block_from_fit",
     "block_from_model",
+    "compensator_from_fit",
     "read_block",
     "read_fit_or_block",
 ]

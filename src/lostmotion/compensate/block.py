@@ -67,6 +67,8 @@ class CompensatorBlock:
         Settings in the order of ``specification.section("parameter")``; :meth:`of` takes them by name.
     notes : tuple of str
         How the settings were found.
+    accepted : str
+        Reason for which a closed gate was passed (:mod:`lostmotion.compensate.gate`); empty where it was open.
 
     Raises
     ------
@@ -84,6 +86,7 @@ class CompensatorBlock:
     scan_time: float
     values: tuple[float, ...]
     notes: tuple[str, ...] = ()
+    accepted: str = ""
     _memory: Reals = field(init=False, repr=False, compare=False)
     _outputs: Reals = field(init=False, repr=False, compare=False)
 
@@ -102,12 +105,14 @@ class CompensatorBlock:
         self._refuse_unusable()
 
     @classmethod
-    def of(cls, kind: str, scan_time: float, settings: Mapping[str, float], notes: tuple[str, ...] = ()) -> Self:
+    def of(
+        cls, kind: str, scan_time: float, settings: Mapping[str, float], notes: tuple[str, ...] = (), accepted: str = ""
+    ) -> Self:
         """Block from settings by name; what is not named has its default."""
         if kind not in SPECIFICATIONS:
             raise ParameterError.expected(f"kind out of {list(SPECIFICATIONS)}", repr(kind), "choose one of them")
         values = SPECIFICATIONS[kind].parameters({name: float(value) for name, value in settings.items()})
-        return cls(kind, scan_time, tuple(values.tolist()), tuple(notes))
+        return cls(kind, scan_time, tuple(values.tolist()), tuple(notes), accepted)
 
     def _refuse_unusable(self) -> None:
         """Ask the kernel itself, on a scratch state."""
@@ -164,7 +169,7 @@ class CompensatorBlock:
     def with_settings(self, **changes: float) -> CompensatorBlock:
         """The same block with other settings; those that run go on from a reset."""
         settings = {**self.settings, **present_names(changes)}
-        return CompensatorBlock.of(self.kind, self.scan_time, settings, self.notes)
+        return CompensatorBlock.of(self.kind, self.scan_time, settings, self.notes, self.accepted)
 
     def step(self, op_in: float, enable: bool = True, good: bool = True, track_value: float | None = None) -> float:
         """Command of one scan.
@@ -240,8 +245,8 @@ class CompensatorBlock:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""
-        settings = self.settings
-        return {"kind": self.kind, "scan_time": self.scan_time, "settings": settings, "notes": list(self.notes)}
+        data = {"kind": self.kind, "scan_time": self.scan_time, "settings": self.settings, "notes": list(self.notes)}
+        return data | ({"accepted": self.accepted} if self.accepted else {})
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
@@ -249,10 +254,12 @@ class CompensatorBlock:
         names = ("kind", "scan_time", "settings")
         if any(name not in data for name in names):
             raise ParameterError.expected(f"keys {list(names)}", sorted(data), "use to_dict()")
-        return cls.of(data["kind"], data["scan_time"], data["settings"], tuple(data.get("notes", ())))
+        return cls.of(
+            data["kind"], data["scan_time"], data["settings"], tuple(data.get("notes", ())), data.get("accepted", "")
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.kind, self.scan_time, self.values, self.notes)
+        return type(self), (self.kind, self.scan_time, self.values, self.notes, self.accepted)
 
 
 def _response(specification: Specification, outputs: Reals) -> BlockResponse:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from lostmotion import _verbs
 from lostmotion.arguments import finite, not_negative, positive
 from lostmotion.compensate.block import CompensatorBlock
+from lostmotion.compensate.gate import Said, pass_gate
 from lostmotion.compensate.rules import Plan, rule
+from lostmotion.compensate.slopes import compensated_valve, slope_bound
 from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate
 from lostmotion.models import Nonlinearity
@@ -26,6 +29,7 @@ def block_from_model(
     centre: float | None = None,
     method: str = "knocker",
     notes: tuple[str, ...] = (),
+    accepted: str = "",
     **settings: float,
 ) -> CompensatorBlock:
     """Block that compensates a known fault.
@@ -55,6 +59,8 @@ def block_from_model(
         Dead zone: OP at which the valve shall rest. None: 0 where the dead zone holds it, else its middle.
     method : {"knocker", "two moves"}
         For stiction. Two moves hold the valve still: only for a self-regulating process under a steady load.
+    notes, accepted : tuple of str and str
+        As in :class:`CompensatorBlock`.
     **settings : float
         Any parameter of the block by name, instead of what the rules give.
 
@@ -88,7 +94,7 @@ def block_from_model(
         per_scan = derived.size / min(max(100.0 if scans is None else scans, RAMP_SCANS[0]), RAMP_SCANS[1])
     cap = settings.get("cap", derived.settings["cap"])
     common = {"factor": plan.factor, "low": low, "high": high, "safe": low, "ramp_step": per_scan, "rate": 2.0 * cap}
-    return CompensatorBlock.of(derived.kind, scan_time, {**common, **derived.settings, **settings}, notes)
+    return CompensatorBlock.of(derived.kind, scan_time, {**common, **derived.settings, **settings}, notes, accepted)
 
 
 def block_from_fit(
@@ -100,6 +106,8 @@ def block_from_fit(
     level: float = 0.95,
     op_noise: float | None = None,
     ramp: float | None = None,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
     **options: Any,
 ) -> CompensatorBlock:
     """Block from a fit and its uncertainty; ``fit.block()`` is this.
@@ -107,7 +115,7 @@ def block_from_fit(
     Parameters
     ----------
     fit : HammersteinFit or FitFacts
-        Must show its kind of lost motion (``fit.preferred``).
+        Must show its kind of lost motion and its size (:mod:`lostmotion.compensate.gate`).
     scan_time : float, optional
         Seconds between two scans. None: the sampling time of the record.
     span : (float, float)
@@ -120,13 +128,19 @@ def block_from_fit(
     op_noise, ramp
         As in :func:`block_from_model`. None: the noise from the record where it is of a closed loop; the process time
         is that of the fitted process.
+    diagnosis : Diagnosis, its dictionary or its verdict, optional
+        Of the same loop: it must name the kind that was fitted.
+    accept : str, optional
+        Reason for which a fit that shows no such thing is built on all the same; the block keeps it.
     **options
         As in :func:`block_from_model`.
 
     Raises
     ------
+    GateError
+        A fit whose status does not carry a compensation, or a diagnosis that says something else, and no reason.
     ParameterError
-        A fit whose status does not carry a compensation, a width that may be nothing, a span that OP leaves.
+        A kind without a block, a width that may be nothing, a span that OP leaves, a reason without a word.
 
     Notes
     -----
@@ -136,10 +150,7 @@ def block_from_fit(
     record it costs little: a width known to 1 % (standard error) is compensated to 98 %.
     """
     facts = fit.facts
-    name = facts.shown_size
-    if name is None:
-        got = f"{facts.preferred} (status {facts.status.name})"
-        raise ParameterError.expected("a fit that shows a lost motion with a block", got, facts.status.value)
+    accepted, name = pass_gate(facts, diagnosis, accept), _size_of(facts)
     notes = [f"from a fit of {facts.samples} samples, status {facts.status.name}"]
     if factor is None:
         factor = _safe_share(facts, name, level)
@@ -151,9 +162,41 @@ def block_from_fit(
     if op_noise is None and facts.closed_loop and facts.op_noise:
         op_noise = facts.op_noise
         notes.append(f"noise of OP {op_noise:.3g}, from the record")
+    valve = compensated_valve(facts, level)
+    if valve != facts.nonlinearity:
+        notes.append(f"slopes equal: the {level:.0%} interval of their ratio holds 1")
     scan = facts.dt if scan_time is None else positive("scan_time", scan_time)
     found = {"factor": factor, "op_noise": op_noise, "ramp": ramp, "process_time": facts.linear.process_time}
-    return block_from_model(facts.nonlinearity, scan, span=span, notes=tuple(notes), **{**found, **options})
+    bound = slope_bound(facts, valve, not_negative("factor", factor), options.get("centre"))
+    if bound and facts.known_gain is None:
+        notes.append("slopes differ, the gain is not known: offset kept within the distance to the break points")
+    return block_from_model(
+        valve, scan, span=span, notes=tuple(notes), accepted=accepted, **{**found, **bound, **options}
+    )
+
+
+def compensator_from_fit(
+    fit: RatedEstimate, *, diagnosis: Said | None = None, accept: str | None = None, **options: Any
+) -> Any:
+    """Ideal inverse of what a fit shows; ``fit.compensator()`` is this.
+
+    Raises
+    ------
+    GateError
+        As in :func:`block_from_fit`.
+    ParameterError
+        A kind without an inverse.
+    """
+    pass_gate(fit.facts, diagnosis, accept)
+    return _verbs.compensator(fit.nonlinearity, **options)
+
+
+def _size_of(facts: FitFacts) -> str:
+    """Parameter that says how much is lost."""
+    if facts.kind.size is None:
+        remedy = "other faults have no block: mend the actuator"
+        raise ParameterError.expected("a dead zone, backlash or stiction", facts.kind.name, remedy)
+    return facts.kind.size
 
 
 def _safe_share(facts: FitFacts, name: str, level: float) -> float:

@@ -75,12 +75,17 @@ def _noise(plan: Plan, width: float) -> float:
     return ASSUMED_NOISE * width if plan.noise is None else plan.noise
 
 
+def centre_of(valve: DeadZone, centre: float | None) -> float:
+    """OP at which a dead zone shall rest: as asked for, else 0 where it holds that, else its middle."""
+    if centre is not None:
+        return centre
+    return 0.0 if valve.left <= 0.0 <= valve.right else 0.5 * (valve.left + valve.right)
+
+
 @rule.register
 def _dead_zone(valve: DeadZone, plan: Plan) -> Derived:
     """Hold variant; the zone scales with the noise of OP."""
-    centre = plan.centre
-    if centre is None:
-        centre = 0.0 if valve.left <= 0.0 <= valve.right else 0.5 * (valve.left + valve.right)
+    centre = centre_of(valve, plan.centre)
     ends = [
         abs((end - centre) / slope + plan.factor * (edge - centre) - (end - centre))
         for end in (*plan.span, centre)

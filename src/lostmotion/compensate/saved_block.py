@@ -13,6 +13,7 @@ from lostmotion.files.results import read_json
 from lostmotion.identify import FitFacts
 
 KEYS = ("kind", "scan_time", "settings")
+OTHER_KEYS = ("notes", "accepted")
 REMEDY = "use what simulate --block-out wrote, or block.to_dict()"
 EITHER = "use what identify --out or simulate --block-out wrote"
 
@@ -51,7 +52,9 @@ def _block(data: Mapping[str, Any]) -> CompensatorBlock:
     saved.number("scan_time")
     if "notes" in saved:
         saved.texts("notes")
+    if "accepted" in saved:
+        saved.text("accepted")
     try:
-        return CompensatorBlock.from_dict({name: data[name] for name in (*KEYS, "notes") if name in saved})
+        return CompensatorBlock.from_dict({name: data[name] for name in (*KEYS, *OTHER_KEYS) if name in saved})
     except InputError as error:
         raise DataError.expected("a block that can run", f"one that cannot ({error})", REMEDY) from error

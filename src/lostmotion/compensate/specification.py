@@ -44,6 +44,11 @@ class Specification:
     variables: tuple[Variable, ...]
     source: str
 
+    @property
+    def fault(self) -> str:
+        """Kind of actuator that it is for."""
+        return "stiction" if self.title.startswith("stiction") else self.title
+
     def section(self, name: str) -> tuple[Variable, ...]:
         """Variables of "parameter", "input", "state" or "output"."""
         return tuple(variable for variable in self.variables if variable.section == name)

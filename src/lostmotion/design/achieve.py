@@ -12,6 +12,7 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.compensate.gate import Said
 from lostmotion.design.bound import half_widths
 from lostmotion.design.plausible_plants import SPREAD
 from lostmotion.design.prior import known
@@ -125,6 +126,8 @@ def achievable(
     y: npt.ArrayLike | None = None,
     spread: float = SPREAD,
     seed: int = 0,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
 ) -> Achievable:
     """What these data can at best tell: the Cramer-Rao bound of a rough model on this very input.
 
@@ -138,6 +141,8 @@ def achievable(
         PV, with arrays only: for coloured noise in closed loop, beside a fit.
     seed : int
         Of the plausible plants.
+    diagnosis, accept
+        As in :func:`design`.
 
     Returns
     -------
@@ -158,7 +163,7 @@ def achievable(
     >>> print(answer.sentence)
     A record of 2000 samples like this one cannot give the width better than +-0.0088 (95 %), 0.44 % of the width.
     """
-    rough = known(model, noise, spread)
+    rough = known(model, noise, spread, diagnosis, accept)
     op, pv, segments = _pieces(u, y, rough.model.linear.dt)
     given = Plant(rough.model, rough.noise, 0.0)
     # a guess does not follow PV closely enough to tell the noise in it, so PV is used with a fit only
@@ -176,7 +181,12 @@ def achievable(
         width=given.zone.width,
         beyond=(left, op.size - left - right, right),
         feedback=pv is not None,
-        settings={"plants": len(several), "roughness": rough.roughness, "pieces": len(segments)},
+        settings={
+            "plants": len(several),
+            "roughness": rough.roughness,
+            "pieces": len(segments),
+            **({"accepted": rough.accepted} if rough.accepted else {}),
+        },
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
+from lostmotion.compensate.gate import Said
 from lostmotion.design.bound import expected
 from lostmotion.design.comparison import prs_by_hold
 from lostmotion.design.design_criterion import Criterion
@@ -54,6 +55,8 @@ def design(
     seed: int = 0,
     effort: float = 1.0,
     progress: Callable[[str], None] | None = None,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
 ) -> TestDesign:
     """Design the test that tells most about the dead zone in the time that the operator gives.
 
@@ -74,7 +77,7 @@ def design(
         OP at which the plant rests before the test. Default: the middle of its limits (open loop), the bias of the
         controller, or the middle of the dead zone; said in the result.
     pv_limits : (float, float), optional
-        What PV must not leave, noise included (three deviations in open loop).
+        What PV must not leave, noise included (three deviations in open loop); required where the process integrates.
     sp_limits : (float, float)
         Range of SP; required in closed loop.
     rate_limit : float, optional
@@ -101,6 +104,10 @@ def design(
         Work of the search, 1 is normal (seconds).
     progress : callable, optional
         Is given a line on what is done next.
+    diagnosis : Diagnosis, its dictionary or its verdict, optional
+        Of the same loop, beside a fit: it must name the dead zone.
+    accept : str, optional
+        Reason for which a fit that shows no dead zone is taken all the same; the result keeps it.
 
     Returns
     -------
@@ -111,8 +118,8 @@ def design(
     ------
     ParameterError
         Limits that contradict each other or the model, a missing noise, neither duration nor wanted.
-    DataError
-        A fit that shows no dead zone.
+    GateError
+        A fit that shows no dead zone, or a diagnosis that says something else, and no reason to accept it.
 
     Notes
     -----
@@ -133,7 +140,7 @@ def design(
     if not finite("effort", effort) > 0:
         raise ParameterError.expected("effort > 0", effort, "1 is normal")
     seed = whole("seed", seed, 0)
-    rough = known(model, noise, spread)
+    rough = known(model, noise, spread, diagnosis, accept)
     asked = check(
         rough, loop=loop, controller=controller, op_limits=op_limits, sp_limits=sp_limits, pv_limits=pv_limits,
         op_now=op_now, rate_limit=rate_limit, shortest_hold=shortest_hold, duration=duration, wanted=wanted,
@@ -148,6 +155,7 @@ def design(
         "plants": len(task.plants) + len(task.fresh),
         "roughness": rough.roughness,
         "assumed": list(asked.assumed),
+        **({"accepted": rough.accepted} if rough.accepted else {}),
     }
     said: tuple[str, ...] = ()
     if not reached:

@@ -10,8 +10,9 @@ import numpy as np
 
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
+from lostmotion.compensate.gate import Said, pass_dead_zone
 from lostmotion.design.plausible_plants import around_guess, drawn, drawn_around_guess, extremes
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate, facts_of
 from lostmotion.models import DeadZone, Hammerstein, NoiseModel
 
@@ -38,6 +39,8 @@ class Known:
         Of a guess.
     load : float or None
         What an integrating process of a fit is given behind its actuator, in units of x.
+    accepted : str
+        Reason for which a closed gate was passed.
     """
 
     model: Hammerstein
@@ -46,6 +49,7 @@ class Known:
     covariance: FloatArray | None = None
     spread: float = 0.3
     load: float | None = None
+    accepted: str = ""
 
     @property
     def roughness(self) -> str:
@@ -75,7 +79,11 @@ class Known:
 
 
 def known(
-    model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseModel | float | None, spread: float
+    model: Hammerstein | RatedEstimate | Mapping[str, Any],
+    noise: NoiseModel | float | None,
+    spread: float,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
 ) -> Known:
     """From what the caller has: a model and its noise, a fit, or the dictionary of a fit.
 
@@ -83,8 +91,8 @@ def known(
     ------
     ParameterError
         No noise beside a model, or noise beside a fit; an actuator that is not a dead zone.
-    DataError
-        A fit that shows no dead zone.
+    GateError
+        A fit that shows no dead zone, or a diagnosis that says something else, and no reason to accept it.
     """
     if isinstance(model, Hammerstein):
         if not isinstance(model.nonlinearity, DeadZone):
@@ -95,7 +103,7 @@ def known(
         return Known(model, _noise(noise), spread=spread)
     if noise is not None:
         raise ParameterError.expected("a fit alone", "a fit and noise", "the fit has its own noise model")
-    return _from_fit(facts_of(model))
+    return _from_fit(facts_of(model), diagnosis, accept)
 
 
 def _noise(noise: NoiseModel | float | None) -> NoiseModel:
@@ -110,14 +118,12 @@ def _noise(noise: NoiseModel | float | None) -> NoiseModel:
     return noise
 
 
-def _from_fit(facts: FitFacts) -> Known:
-    if facts.preferred != "dead zone":
-        remedy = "give a Hammerstein model with your guess of the break points instead of the fit"
-        raise DataError.expected("a fit that shows a dead zone", f"status {facts.status.name}", remedy)
+def _from_fit(facts: FitFacts, diagnosis: Said | None, accept: str | None) -> Known:
+    accepted = pass_dead_zone(facts, diagnosis, accept, "give a model with your guess of the break points instead")
     noise, load = _noise(facts.noise), facts.parameters.get("load")
     covariance = facts.covariance
     known_rows = dict(zip(facts.parameters, np.isfinite(np.diag(covariance)), strict=True))
     if not all(known_rows[name] for name in BREAK_POINTS):
-        return Known(facts.model, noise, load=load)
+        return Known(facts.model, noise, load=load, accepted=accepted)
     covariance = np.where(np.isfinite(covariance), covariance, 0.0)
-    return Known(facts.model, noise, facts.parameters, covariance, load=load)
+    return Known(facts.model, noise, facts.parameters, covariance, load=load, accepted=accepted)

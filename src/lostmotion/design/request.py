@@ -86,7 +86,7 @@ def check(
     if not levels[0] <= now <= levels[1]:
         name = "op_limits" if controller is None else "sp_limits"
         raise ParameterError.expected(f"{name} that hold the present {now:.5g}", levels, "widen them or move op_now")
-    pv = _range("pv_limits", pv_limits) or EVERYTHING
+    pv = _pv_range(plant, pv_limits)
     _check_room(plant, pv)
     dt = known.model.linear.dt
     hold, said = _hold(shortest_hold, plant, dt)
@@ -130,6 +130,14 @@ def _range(name: str, limits: Range | None) -> Range | None:
     if name != "pv_limits" and np.isinf([low, high]).any():
         raise ParameterError.expected(f"finite {name}", limits, "give two numbers")
     return low, high
+
+
+def _pv_range(plant: Plant, limits: Range | None) -> Range:
+    """Limits of PV; a level drifts with every move of OP, so nobody may leave them out there."""
+    if limits is None and plant.integrating:
+        remedy = "say what PV must not leave: pv_limits=(low, high)"
+        raise ParameterError.expected("limits of PV for a process that integrates", "none", remedy)
+    return _range("pv_limits", limits) or EVERYTHING
 
 
 def _op_now(known: Known, op_now: float | None, op: Range, controller: PI | None) -> tuple[float, tuple[str, ...]]:

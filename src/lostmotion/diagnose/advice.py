@@ -6,6 +6,11 @@ import numpy as np
 
 from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
 
+BLOCKS = ("ompensat", "knocker")  # words of advice that mean a block in front of the valve
+STUDY = (
+    "Before any compensation run `lostmotion simulate` on this record: only where the simulated loop gets better, and "
+    "stays safe should the estimate be wrong, is a block worth it; it is not advised before."
+)
 SEVERITIES = ((1.0, "low"), (2.0, "moderate"), (4.0, "high"))  # % of span; the paper's introduction
 
 
@@ -34,7 +39,14 @@ def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bo
     first = words.advice
     if severity == "low" and not swings:
         first = ("It is within the 1 % of span that is recommended for control valves: watch it, do not mend it.",)
-    return (*first, *words.advice_for_levels) if integrating else first
+    return _studied_first((*first, *words.advice_for_levels) if integrating else first)
+
+
+def _studied_first(sentences: tuple[str, ...]) -> tuple[str, ...]:
+    """With the study, where a sentence speaks of a block."""
+    if not any(word in sentence for sentence in sentences for word in BLOCKS):
+        return sentences
+    return (*sentences, STUDY)
 
 
 _OTHER = {

@@ -6,6 +6,8 @@ from lostmotion.evaluate.indices import control_variance, mean_absolute_error
 from lostmotion.evaluate.monte_carlo import MonteCarloResult, monte_carlo
 from lostmotion.evaluate.random_faults import FaultyLoop, random_faulty_loop
 from lostmotion.evaluate.random_loops import RandomLoop, random_loop
+from lostmotion.evaluate.solution import Solution, Step
+from lostmotion.evaluate.solve import solve
 from lostmotion.evaluate.study import CompensationStudy, compensation_study
 from lostmotion.evaluate.tuning import simc
 
@@ -14,6 +16,8 @@ __all__ = [
     "FaultyLoop",
     "MonteCarloResult",
     "RandomLoop",
+    "Solution",
+    "Step",
     "compensation_study",
     "control_variance",
     "cramer_rao",
@@ -23,5 +27,6 @@ __all__ = [
     "random_loop",
     "reversals",
     "simc",
+    "solve",
     "travel",
 ]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.compensate import CompensatorBlock
+from lostmotion.compensate.gate import Said, block_behind_gate
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.export.commissioning import page
 from lostmotion.export.dialects import TARGETS
@@ -79,6 +80,8 @@ def export(
     date: str,
     real: str = "lreal",
     fit: RatedEstimate | Mapping[str, Any] | None = None,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
 ) -> Exported:
     """Code of a block for a PLC.
 
@@ -97,6 +100,11 @@ def export(
         64 or 32 bits.
     fit : HammersteinFit, FitFacts or mapping, optional
         The fit behind the settings (or its ``to_dict()``), for the header.
+    diagnosis : Diagnosis, its dictionary or its verdict, optional
+        Of the same loop: it must name the kind that the block is for.
+    accept : str, optional
+        Reason for which a closed gate is passed all the same; it stands in every header. One that the block brings
+        along counts too.
 
     Returns
     -------
@@ -105,6 +113,8 @@ def export(
 
     Raises
     ------
+    GateError
+        A fit that shows no such lost motion, or a diagnosis that says something else, and no reason to accept it.
     ParameterError
         An unknown target, a name or date that cannot be used, settings that do not fit the types.
 
@@ -119,5 +129,7 @@ def export(
     """
     if to not in TARGETS:
         raise ParameterError.expected(f"to out of {list(TARGETS)}", repr(to), "choose one of them")
-    source = Source(block, name, date, real, **({} if fit is None else provenance(facts_of(fit))))
+    facts = None if fit is None else facts_of(fit)
+    block = block_behind_gate(block, facts, diagnosis, accept)
+    source = Source(block, name, date, real, **({} if facts is None else provenance(facts)))
     return Exported(source, to, TARGETS[to].files(source))

@@ -118,6 +118,7 @@ class Source:
             f"Data: {self.data}",
             f"Fit: {self.fit}",
             f"Interval: {self.interval}",
+            *([f"ACCEPTED behind a closed gate: {self.block.accepted}"] if self.block.accepted else []),
             f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "

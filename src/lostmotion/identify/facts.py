@@ -12,6 +12,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.files.results import read_json
+from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.rated_estimate import RatedEstimate
@@ -46,6 +47,8 @@ class FitFacts(RatedEstimate):
     samples : int
     tag, source, fingerprint : str
         Of the data.
+    kinds : KindChoice or None
+        How the kinds compare, where they were compared.
     """
 
     status: Status
@@ -66,6 +69,7 @@ class FitFacts(RatedEstimate):
     source: str = ""
     fingerprint: str = ""
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
+    kinds: KindChoice | None = None
 
     def __post_init__(self) -> None:
         parameters = {name: float(value) if np.isfinite(value) else np.inf for name, value in self.parameters.items()}
@@ -106,6 +110,7 @@ class FitFacts(RatedEstimate):
             "fit_percent": self.fit_percent,
             "widest": None if self.widest is None else finite(self.widest),
             "evidence": dict(vars(self.evidence)),
+            "kinds": None if self.kinds is None else self.kinds.to_dict(),
             "settings": {"gain": self.known_gain, "chosen": self.chosen.to_dict()},
             "data": {
                 "tag": self.tag,

@@ -90,6 +90,7 @@ class HammersteinFit(RatedEstimate):
             source=data.source,
             fingerprint=data.fingerprint,
             profiled=self.profiled,
+            kinds=self.kinds,
         )
 
     @property
@@ -111,7 +112,6 @@ class HammersteinFit(RatedEstimate):
         return {
             **facts,
             "residual_tests": dict(vars(self.tests)),
-            "kinds": None if self.kinds is None else self.kinds.to_dict(),
             "settings": {**copy.deepcopy(self.settings), "chosen": self.chosen.to_dict()},
             "data": {**facts["data"], **about},
         }

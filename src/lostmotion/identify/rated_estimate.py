@@ -117,11 +117,11 @@ class RatedEstimate(NamedEstimate, ABC):
         return _verbs.summary(self)
 
     def compensator(self, **options: Any) -> Any:
-        """Ideal inverse of the dead zone or backlash; see :class:`lostmotion.compensate.DeadZoneCompensator`.
+        """Ideal inverse of the dead zone or backlash; see :func:`lostmotion.compensate.compensator_from_fit`.
 
         What is fit for a PLC, with the uncertainty of this fit in its settings, is :meth:`block`.
         """
-        return _verbs.compensator(self.nonlinearity, **options)
+        return _verbs.compensator(self, **options)
 
     def block(self, **options: Any) -> Any:
         """Compensating block with safeguards; see :func:`lostmotion.compensate.block_from_fit`."""

@@ -11,6 +11,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, Status
 from lostmotion.files.fields import Fields, as_list, as_number
+from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import Kind, kind_of
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
@@ -49,6 +50,7 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
         "evidence": _evidence(saved.part("evidence")),
         "widest": _widest(saved, status, kind),
         "profiled": _profiled(saved, kind),
+        "kinds": _kinds(saved),
         "chosen": _chosen(settings.part("chosen")),
         "known_gain": settings.number_or_none("gain"),
         "op_range": about.pair("op_range"),
@@ -141,6 +143,23 @@ def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:
     return tuple(
         (left, right, behind) for left, right, behind in (map(as_number, as_list(row)) for row in as_list(rows))
     )
+
+
+def _kinds(saved: Fields) -> KindChoice | None:
+    """Null where only one kind was fitted."""
+    if "kinds" not in saved:
+        return None
+    return saved.made("kinds", "a comparison of kinds", lambda data: None if data is None else _choice(data))
+
+
+def _choice(data: Any) -> KindChoice:
+    """Older files lack what came later."""
+    shares = {
+        name: {str(kind): as_number(value) for kind, value in data.get(name, {}).items()}
+        for name in ("gains", "likelihoods", "firm")
+    }
+    confidence = as_number(data["confidence"])
+    return KindChoice(str(data["best"]), **shares, confidence=confidence, runner_up=str(data["runner_up"]))
 
 
 def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:

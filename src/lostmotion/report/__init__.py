@@ -3,7 +3,7 @@
 from lostmotion import _verbs
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis
-from lostmotion.evaluate import CompensationStudy, MonteCarloResult
+from lostmotion.evaluate import CompensationStudy, MonteCarloResult, Solution
 from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.report.design_text import achievable_summary, design_summary
 from lostmotion.report.diagnosis_table import diagnosis_line, diagnosis_table
@@ -13,9 +13,11 @@ from lostmotion.report.fit_remarks import fit_remarks
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
 from lostmotion.report.recursive_text import recursive_summary
+from lostmotion.report.solution_text import solution_summary
 from lostmotion.report.study_text import study_summary
 
 _verbs.summary.register(CompensationStudy, study_summary)
+_verbs.summary.register(Solution, solution_summary)
 _verbs.summary.register(Achievable, achievable_summary)
 _verbs.summary.register(TestDesign, design_summary)
 _verbs.summary.register(HammersteinFit, fit_summary)
@@ -36,5 +38,6 @@ __all__ = [
     "fit_summary",
     "monte_carlo_summary",
     "recursive_summary",
+    "solution_summary",
     "study_summary",
 ]

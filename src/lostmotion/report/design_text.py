@@ -23,6 +23,7 @@ MEANING = {
 def design_summary(design: TestDesign) -> str:
     """Report of a test design as plain text."""
     lines = [_fill(_headline(design)), "=" * WIDTH, _fill(_answer(design))]
+    lines += [_fill(f"ACCEPTED behind a closed gate: {said}.") for said in _accepted(design)]
     lines += [_fill("To relax: " + sentence) for sentence in design.advice]
     lines += ["", _table(design), "", _fill(_rival(design)), _fill(_moves(design)), _fill(_seen(design))]
     lines += [_fill(_assumed(design)), _fill(NEXT)]
@@ -33,6 +34,11 @@ NEXT = (
     "Then: write the signal with columns() or --out, run it, record OP and PV at the same sampling time, and give the "
     "record to identify. The figures hold if the actuator is a dead zone; identify tests that."
 )
+
+
+def _accepted(result: TestDesign | Achievable) -> list[str]:
+    """What was accepted to get the model."""
+    return [result.settings["accepted"]] if "accepted" in result.settings else []
 
 
 def _headline(design: TestDesign) -> str:
@@ -140,6 +146,7 @@ def achievable_summary(answer: Achievable) -> str:
     lines = [
         f"Best that {answer.samples} samples ({in_words(answer.duration)}) can give",
         "=" * WIDTH,
+        *(_fill(f"ACCEPTED behind a closed gate: {said}.") for said in _accepted(answer)),
         _fill(answer.sentence),
         _fill(_sees(answer)),
         "",

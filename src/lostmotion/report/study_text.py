@@ -26,6 +26,7 @@ def study_summary(study: CompensationStudy) -> str:
     parts = [
         f"Before download: {study.block.kind} block",
         "=" * WIDTH,
+        *([fill(f"ACCEPTED behind a closed gate: {study.block.accepted}.")] if study.block.accepted else []),
         fill(first),
         *(fill(f"- {text}") for text in others),
         "",
@@ -100,6 +101,7 @@ def _assumed(study: CompensationStudy) -> list[str]:
     lines = [
         f"Model: {study.model_source}. Controller: PI with Kp {plain(pi.kp)}, Ki {plain(pi.ki)} 1/s, "
         f"{study.controller_source}; retuned: SIMC (Kp {plain(tuned.kp)}, Ki {plain(tuned.ki)} 1/s with the block).",
+        *_compared(study),
         f"Runs: {study.described}; noise of PV {plain(study.settings['noise_deviation'])} (deviation within the "
         "process time), from the noise model. IAE, variance: of PV about SP; travel: % of span an hour; reversals: an "
         "hour, beyond the noise of OP.",
@@ -111,6 +113,20 @@ def _assumed(study: CompensationStudy) -> list[str]:
     if len(set(study.responses["without"].reference[study.settle :].tolist())) == 1:
         lines.append("The set point rests here: what moves of it would gain or cost is not counted (give sp_step).")
     return [fill(line) for line in lines]
+
+
+def _compared(study: CompensationStudy) -> list[str]:
+    """How the identified loop and the record compare."""
+    found = study.reproduction
+    if found is None:
+        return ["No record was given, so nothing says that this model reproduces one (give it: --record FILE)."]
+    periods = ""
+    if found.recorded_period is not None:
+        simulated = "none" if found.simulated_period is None else f"{plain(found.simulated_period)} s"
+        periods = f", period {plain(found.recorded_period)} s and {simulated}"
+    said = "reproduces the record" if found.closed is None else "does NOT reproduce the record"
+    deviations = f"{plain(found.recorded)}, simulated {plain(found.simulated)}"
+    return [f"The model {said}: deviation of PV about SP {deviations}{periods}."]
 
 
 def _timed(study: CompensationStudy) -> bool:

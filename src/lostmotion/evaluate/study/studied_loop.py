@@ -10,7 +10,8 @@ import numpy as np
 
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.compensate.gate import Said, pass_gate
+from lostmotion.errors import DataError, ParameterError
 from lostmotion.evaluate.study.faults import REMEDY, WANTED, NoFault, fault_of
 from lostmotion.evaluate.study.study_plant import StudyPlant
 from lostmotion.identify import FitFacts, RatedEstimate, facts_of
@@ -33,6 +34,8 @@ class Known:
         Where the model comes from, in words.
     facts : FitFacts or None
         The fit.
+    accepted : str
+        Reason for which a closed gate was passed.
     """
 
     plant: StudyPlant
@@ -42,6 +45,7 @@ class Known:
     op_range: tuple[float, float] | None = None
     source: str = "a model given by numbers"
     facts: FitFacts | None = None
+    accepted: str = ""
 
     @property
     def errors(self) -> dict[str, float]:
@@ -51,15 +55,22 @@ class Known:
         return {name: error for name, error in found if np.isfinite(error)}
 
 
-def known(model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseModel | float | None) -> Known:
+def known(
+    model: Hammerstein | RatedEstimate | Mapping[str, Any],
+    noise: NoiseModel | float | None,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
+) -> Known:
     """From a fit, facts or the dictionary of a fit, or a model with its noise.
 
     Raises
     ------
     ParameterError
         An actuator without lost motion, noise beside a fit, or a model without noise.
+    GateError
+        A fit that shows no lost motion, or a diagnosis that says something else, and no reason to accept it.
     DataError
-        A dictionary of something else, or a fit that shows no lost motion.
+        A dictionary of something else.
     """
     if isinstance(model, Hammerstein):
         if isinstance(fault_of(model.nonlinearity), NoFault):
@@ -70,15 +81,13 @@ def known(model: Hammerstein | RatedEstimate | Mapping[str, Any], noise: NoiseMo
         return Known(StudyPlant(model), made)
     if noise is not None:
         raise ParameterError.expected("a fit alone", "a fit and noise", "the fit has its own noise model")
-    return _from_fit(facts_of(model))
+    return _from_fit(facts_of(model), diagnosis, accept)
 
 
-def _from_fit(facts: FitFacts) -> Known:
-    if facts.shown_size is None:
-        got = f"{facts.preferred} (status {facts.status.name})"
-        sized = facts.preferred == facts.kind.name and facts.status is not Status.WIDE
-        remedy = REMEDY if sized else facts.status.value
-        raise DataError.expected("a fit that shows a lost motion", got, remedy)
+def _from_fit(facts: FitFacts, diagnosis: Said | None, accept: str | None) -> Known:
+    accepted = pass_gate(facts, diagnosis, accept)
+    if facts.kind.size is None:
+        raise DataError.expected(WANTED, facts.kind.name, REMEDY)
     return Known(
         StudyPlant(facts.model, _load(facts)),
         facts.noise,
@@ -87,6 +96,7 @@ def _from_fit(facts: FitFacts) -> Known:
         facts.op_range,
         f"a fit of {facts.samples} samples{' of ' + facts.tag if facts.tag else ''}, status {facts.status.name}",
         facts,
+        accepted,
     )
 
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
+from lostmotion.compensate.gate import Said
 from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
@@ -25,15 +26,15 @@ from lostmotion.evaluate.study.cycles import (
     predicted_cycle,
     simulated_cycle,
 )
-from lostmotion.evaluate.study.faults import fault_of
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
+from lostmotion.evaluate.study.reproduced import require_reproduction
+from lostmotion.evaluate.study.retuning import FEW_RUNS, retuned
 from lostmotion.evaluate.study.scenario import NAMES, Scenario, started_in_cycle, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
 from lostmotion.evaluate.study.worth import decide
-from lostmotion.evaluate.tuning import simc
 from lostmotion.identify import RatedEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
@@ -45,12 +46,7 @@ SAMPLES = 4000  # of a scenario made up here, where no record is given
 MOST_SAMPLES = 20_000  # of a record's set point
 FEWEST_SETTLE, MOST_SETTLE = 600, 4000
 PERIODS = 4.0  # of a limit cycle until it has set in
-SLOWNESS = (1.0, 2.0, 4.0, 8.0)  # of the controllers tried, in dead times
-MOST_TRAVEL = 2.0  # times the present: a retuned loop must not work the valve harder
 BAND_IN_DEVIATIONS = 3.0  # of the noise in OP: one sample in 370 of Gaussian noise is outside
-FEW_RUNS = 2  # on each plant that the estimate may be wrong about
-# times the cycle without block: a retuned loop may not cycle more, but for the reading of the amplitude
-TOLERANCE = 1.02
 Model = Hammerstein | RatedEstimate | Mapping[str, Any]
 
 
@@ -72,6 +68,8 @@ def compensation_study(
     draws: int = 20,
     cycle_samples: int = 6000,
     seed: int = 0,
+    diagnosis: Said | None = None,
+    accept: str | None = None,
     **options: Any,
 ) -> CompensationStudy:
     """Simulate the identified loop without, with, and with mis-estimated compensation, and say what is worth it.
@@ -105,6 +103,10 @@ def compensation_study(
         Plants drawn from the covariance of the fit.
     cycle_samples : int
         Length of the noise-free runs in which limit cycles are sought.
+    diagnosis : Diagnosis, its dictionary or its verdict, optional
+        Of the same loop, beside a fit: it must name the kind that was fitted.
+    accept : str, optional
+        Reason for which a closed gate is passed all the same; study and block keep it.
 
     Returns
     -------
@@ -114,8 +116,11 @@ def compensation_study(
     ------
     ParameterError
         An actuator without a block, no controller, a span that does not hold OP, a block with another scan time.
+    GateError
+        A fit that shows no lost motion, a diagnosis that says something else, or a model that does not reproduce the
+        record, and no reason to accept it.
     DataError
-        A fit that shows no lost motion, a record whose OP no PI explains.
+        A record whose OP no PI explains.
 
     Examples
     --------
@@ -127,7 +132,7 @@ def compensation_study(
     >>> study.cases["with"].ratio < 0.5, len(study.mistakes)
     (True, 2)
     """
-    found = known(model, noise)
+    found = known(model, noise, diagnosis, accept)
     span = _span(span, record)
     gains, source = _controller(controller, record)
     if op_now is not None:
@@ -136,12 +141,11 @@ def compensation_study(
     linear = found.plant.model.linear
     reference, described = _reference(found, record, reference, sp_step, hold, op_now, span, samples)
     deviation = _deviation(found.noise, linear.process_time / linear.dt)
-    op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
-    if block is None:
-        block = _block(found, span, op_noise, options)
-    elif not abs(block.scan_time - linear.dt) <= 1e-9 * linear.dt:
-        raise ParameterError.expected(f"a block with scan_time={linear.dt}", block.scan_time, "make it for this dt")
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
+    found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
+    op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
+    block = _block(found, span, op_noise, options) if block is None else _checked(block, linear.dt)
+    block = replace(block, accepted=found.accepted) if found.accepted else block
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = _settle(block, swing.period / linear.dt)
     started = started_in_cycle(reference, settle, test.kick)
@@ -156,13 +160,13 @@ def compensation_study(
         for group, what, plant in mistakes(found, whole("draws", draws, 0), seed)
     ]
     wrong, wrong_retuned = (tuple(pair[number] for pair in pairs) for number in (0, 1))
-    decision = decide(cases, wrong, wrong_retuned, block)
+    decision = decide(cases, wrong, wrong_retuned, block, deviation)
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
         recommendation=decision.word, reasons=decision.reasons, safe=decision.safe, cases=cases, mistakes=wrong,
         mistakes_retuned=wrong_retuned, block=block, controller=gains, controller_source=source,
         model=found.plant.model, model_source=found.source, described=described, settle=settle, responses=responses,
-        settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise},
+        settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise}, reproduction=compared,
     )  # fmt: skip
 
 
@@ -244,10 +248,17 @@ def _block(found: Known, span: tuple[float, float], op_noise: float, options: di
     """What the rules of ``fit.block()`` make, with the noise of OP that the controller makes of that of PV."""
     given = {"op_noise": op_noise, **options}
     if found.facts is not None:
-        return block_from_fit(found.facts, span=span, **given)
+        return block_from_fit(found.facts, span=span, accept=found.accepted or None, **given)
     linear = found.plant.model.linear
     given = {"process_time": linear.process_time, **given}
     return block_from_model(found.plant.valve, linear.dt, span=span, **given)
+
+
+def _checked(block: CompensatorBlock, dt: float) -> CompensatorBlock:
+    """A block that was given, for this sampling time."""
+    if not abs(block.scan_time - dt) <= 1e-9 * dt:
+        raise ParameterError.expected(f"a block with scan_time={dt}", block.scan_time, "make it for this dt")
+    return block
 
 
 def _settle(block: CompensatorBlock, period: float) -> int:
@@ -264,8 +275,8 @@ def _cases(
     loops = {
         "without": (plant, controller, None),
         "with": (plant, controller, block),
-        "retuned": (plant, _retuned(plant, controller, None, scenario, test), None),
-        "with, retuned": (plant, _retuned(plant, controller, block, scenario, test), block),
+        "retuned": (plant, retuned(plant, controller, None, scenario, test), None),
+        "with, retuned": (plant, retuned(plant, controller, block, scenario, test), block),
         "no fault": (repaired, controller, None),
     }
     cases, responses, now = {}, {}, None
@@ -287,28 +298,6 @@ def _case(
     ratio = float(figures[:, iae].mean() / max(now[:, iae].mean(), 1e-300))
     means = dict(zip(NAMES, figures.mean(axis=0).tolist(), strict=True))
     return LoopCase(**means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller)
-
-
-def _retuned(
-    plant: StudyPlant, controller: PI, block: CompensatorBlock | None, scenario: Scenario, test: CycleTest
-) -> PI:
-    """The SIMC controller that does best, of those that neither cycle more than now nor wear the valve."""
-    iae, travel = NAMES.index("iae"), NAMES.index("travel")
-    now = scenario.run(plant, controller, None, FEW_RUNS)[0].mean(axis=0)
-    cycle = simulated_cycle(plant, controller, None, test, predicted_cycle(plant, controller, None)).amplitude
-    best, least = controller, np.inf
-    linear = plant.model.linear
-    slope = (plant.fault if block is None else fault_of(plant.fault.repaired(block))).slope
-    for slowness in SLOWNESS:
-        rule = simc(linear.scaled(slope), slowness)
-        tried = replace(controller, kp=rule.kp, ki=rule.ki)
-        figures = scenario.run(plant, tried, block, FEW_RUNS)[0].mean(axis=0)
-        if not figures[iae] < least or figures[travel] > MOST_TRAVEL * now[travel]:
-            continue
-        swing = simulated_cycle(plant, tried, block, test, predicted_cycle(plant, tried, block))
-        if swing.amplitude <= max(TOLERANCE * cycle, test.floor):
-            best, least = tried, figures[iae]
-    return best
 
 
 def _long_enough(test: CycleTest, cases: Mapping[str, LoopCase], dt: float) -> CycleTest:

@@ -11,6 +11,7 @@ import numpy as np
 from lostmotion import _verbs
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle
+from lostmotion.evaluate.study.reproduced import Reproduction
 from lostmotion.models import Hammerstein
 from lostmotion.simulate import PI, LoopResponse
 
@@ -126,6 +127,8 @@ class CompensationStudy:
         Set point, noise and length of the runs in words.
     responses : dict of LoopResponse
         First run of each case; the first `settle` rows do not count.
+    reproduction : Reproduction or None
+        How the identified loop compares with the record, where there is one.
     """
 
     recommendation: str
@@ -143,6 +146,7 @@ class CompensationStudy:
     settle: int
     responses: Mapping[str, LoopResponse] = field(repr=False)
     settings: Mapping[str, Any] = field(default_factory=dict)
+    reproduction: Reproduction | None = None
 
     @property
     def worst(self) -> MistakeCase | None:
@@ -172,6 +176,7 @@ class CompensationStudy:
             "model_source": self.model_source,
             "scenario": self.described,
             "settings": dict(self.settings),
+            "reproduction": None if self.reproduction is None else self.reproduction.to_dict(),
         }
 
     def __str__(self) -> str:

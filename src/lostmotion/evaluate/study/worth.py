@@ -15,12 +15,13 @@ WORSE = 1.05  # IAE with over without from which on a wrong estimate does harm
 MUCH_TRAVEL = 3.0  # times the travel without: the valve wears
 SHARE_GROUP = "20 %"
 CALM = 0.25  # of the limit cycle: below it ways are compared by the IAE
+UNFELT = 0.005  # of the IAE: reports say "stays as it is" up to here
 HALF = 0.5  # of the limit cycle: what counts as gone
 HEADINGS = {
     "compensate": "COMPENSATION is worth it.",
-    "retune": "RETUNING is worth it; a block adds nothing that is worth it, or is not safe.",
+    "retune": "RETUNING is worth it; {block}.",
     "compensate and retune": "COMPENSATION is worth it TOGETHER WITH RETUNING, not with the present controller.",
-    "maintain": "MAINTENANCE is what helps: neither block nor tuning does it safely.",
+    "maintain": "MAINTENANCE is what helps: {block}, and tuning alone does not help.",
     "leave": "NOTHING is worth a change in this operation: the fault costs next to nothing.",
 }
 
@@ -48,15 +49,16 @@ def decide(
     mistakes: Sequence[MistakeCase],
     retuned: Sequence[MistakeCase],
     block: CompensatorBlock,
+    noise: float = 0.0,
 ) -> Decision:
-    """Recommendation and the sentences behind it."""
+    """Recommendation and the sentences behind it; `noise` is its deviation in PV."""
     now = cases["without"]
     floor = max((case.floor for case in mistakes), default=0.0)
     harm = {"with": harmful(mistakes), "with, retuned": harmful(retuned)}
     safe = {name: not harm[name] and not _swings_more(cases[name], now, floor) for name in harm}
-    helps = {name: _helps(cases[name], now) for name in cases}
+    helps = {name: _helps(cases[name], now, noise) for name in cases}
     word = _word(cases, helps, safe)
-    heading = HEADINGS[word]
+    heading = HEADINGS[word].format(block=_why_no_block(helps, safe))
     if word == "compensate and retune" and helps["with"] and safe["with"]:
         heading = "COMPENSATION is worth it, and more so TOGETHER WITH RETUNING."
     sentences = [heading, _with(cases, "with", helps), _wrong(harm["with"], mistakes)]
@@ -85,10 +87,25 @@ def _word(cases: Mapping[str, LoopCase], helps: Mapping[str, bool], safe: Mappin
     return next(way for way in calm if cases[names[way]].ratio <= best + WORTH)
 
 
-def _helps(case: LoopCase, now: LoopCase) -> bool:
+def _why_no_block(helps: Mapping[str, bool], safe: Mapping[str, bool]) -> str:
+    """Which of the two keeps the block out, with the present controller and with the retuned one."""
+    words = {"with": "", "with, retuned": " with the retuned controller"}
+    said = []
+    for name, where in words.items():
+        reasons = [text for text, holds in (("adds nothing", helps[name]), ("is not safe", safe[name])) if not holds]
+        said.append((" and ".join(reasons) or "adds nothing to that", where))
+    if said[0][0] == said[1][0]:
+        return f"a block {said[0][0]}"
+    return "a block " + ", and ".join(f"{text}{where}" for text, where in said)
+
+
+def _helps(case: LoopCase, now: LoopCase, noise: float) -> bool:
+    """Less error; or a limit cycle that stands out of the noise is gone, and the error no larger."""
     gained = 1.0 - case.ratio
-    calmer = now.cycle.amplitude > 0.0 and case.cycle.amplitude < HALF * now.cycle.amplitude
-    return (gained > WORTH and gained > SURE * case.ratio_error) or (calmer and case.ratio < 1.0 + WORTH)
+    seen = now.cycle.amplitude > noise
+    calmer = seen and case.cycle.amplitude < HALF * now.cycle.amplitude
+    unhurt = case.ratio <= 1.0 + max(SURE * case.ratio_error, UNFELT)
+    return (gained > WORTH and gained > SURE * case.ratio_error) or (calmer and unhurt)
 
 
 def _swings_more(case: LoopCase, now: LoopCase, floor: float) -> bool:
@@ -125,7 +142,7 @@ def _size(cycle: LimitCycle) -> str:
 
 def _change(case: LoopCase) -> str:
     percent, error = 100.0 * (case.ratio - 1.0), 100.0 * case.ratio_error
-    if abs(percent) <= SURE * error or abs(percent) < 0.5:
+    if abs(percent) <= SURE * error or abs(percent) < 100.0 * UNFELT:
         return f"the error (IAE) stays as it is ({percent:+.1f} %)"
     if percent > 200.0:
         return f"the error (IAE) becomes {case.ratio:.3g} times as large"

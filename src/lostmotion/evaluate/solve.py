@@ -1,0 +1,232 @@
+"""``solve``: the whole way from a record to a compensating block, up to the first closed gate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
+from lostmotion.diagnose import Diagnosis, diagnose
+from lostmotion.errors import GateError, InputError
+from lostmotion.evaluate.solution import Solution, Step
+from lostmotion.evaluate.study import CompensationStudy, compensation_study
+from lostmotion.identify import HammersteinFit, identify
+from lostmotion.identify.actuators.kind import NO_FAULT, faults
+from lostmotion.records import LoopRecord
+from lostmotion.records.checked import CheckedRecord
+from lostmotion.simulate import PI
+
+UPSTREAM = "other oscillation"
+
+
+def solve(
+    record: LoopRecord,
+    *,
+    controller: PI | None = None,
+    gain: float | None = None,
+    span: tuple[float, float] | None = None,
+    loop_type: str | None = None,
+    integrating: bool | None = None,
+    accept: str | None = None,
+    progress: Callable[[str], None] | None = None,
+    **study: Any,
+) -> Solution:
+    """Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.
+
+    It stops at the first closed gate, and the result says what opens it.
+
+    Parameters
+    ----------
+    record : LoopRecord
+    controller : PI, optional
+        Of the plant. None: estimated from the record, where a PI explains the moves of OP.
+    gain : float, optional
+        Known static gain of the process, as in :func:`identify`.
+    span : (float, float), optional
+        Smallest and largest OP. None: that of the record, else 0 .. 100.
+    loop_type, integrating : optional
+        As in :func:`diagnose`.
+    accept : str, optional
+        Reason for which closed gates are passed all the same, where there is a size to compensate; the block keeps it.
+    progress : callable, optional
+        Is given a line on what is done next.
+    **study
+        Further arguments of :func:`compensation_study`, e.g. `runs`, `draws`, `factor`.
+
+    Returns
+    -------
+    Solution
+        `outcome` is "block", "nothing wrong" or "closed".
+
+    Raises
+    ------
+    ParameterError
+        A reason without a word, an unknown loop type.
+    DataError
+        The record cannot be identified at all.
+
+    Examples
+    --------
+    >>> from lostmotion.records import LoopRecord
+    >>> found = solve(LoopRecord(np.full(300, 42.0), np.arange(300) % 7, dt=1.0))
+    >>> found.outcome, found.closed.name, found.closed.said
+    ('closed', 'check', 'OP is constant (42).')
+    """
+    reason_of(accept)
+    way = _Way(record, accept, progress or _silent)
+    way.check()
+    if way.open:
+        way.diagnose(integrating, loop_type)
+    if way.open:
+        way.identify(gain, integrating)
+    if way.open:
+        way.simulate(controller, span, study)
+    if way.open:
+        way.block()
+    return way.solution
+
+
+def _silent(line: str) -> None: ...
+
+
+@dataclass
+class _Way:
+    """How far it went."""
+
+    record: LoopRecord
+    accept: str | None
+    tell: Callable[[str], None]
+    steps: list[Step] = field(default_factory=list)
+    fine: bool = False
+    accepted: tuple[str, ...] = ()
+    diagnosis: Diagnosis | None = None
+    fit: HammersteinFit | None = None
+    study: CompensationStudy | None = None
+
+    @property
+    def open(self) -> bool:
+        """Whether it goes on."""
+        return not self.fine and all(step.passed for step in self.steps)
+
+    @property
+    def solution(self) -> Solution:
+        """What came of it."""
+        ended = self.open and self.study is not None
+        block = replace(self.study.block, accepted="; ".join(self.accepted)) if ended and self.study else None
+        outcome = "block" if ended else "nothing wrong" if self.fine else "closed"
+        return Solution(outcome, tuple(self.steps), self.diagnosis, self.fit, self.study, block)
+
+    def _pass(self, name: str, said: str) -> None:
+        self.steps.append(Step(name, True, said))
+
+    def _stop(self, name: str, said: str, remedy: str) -> None:
+        self.steps.append(Step(name, False, said, remedy))
+
+    def _gate(self, name: str, gate: Closed, said: str = "", settings: Mapping[str, float] | None = None) -> None:
+        """Stop at a closed gate, or pass it for the reason that was given."""
+        said = said or f"Expected {gate.expected}, got {gate.got}."
+        reason, size = reason_of(self.accept), None if self.fit is None else self.fit.kind.size
+        if reason is None or size is None:
+            self.steps.append(Step(name, False, said, gate.remedy, settings or {}, size is not None))
+            return
+        self.accepted = (*self.accepted, accepted(gate, reason))
+        self._pass(name, f"{said} ACCEPTED: {reason}.")
+
+    def check(self) -> None:
+        """Whether an identification can be tried."""
+        found = CheckedRecord.of(self.record)
+        worst = next((one for one in found.report.findings if one.level == "error"), None)
+        if worst is not None:
+            self._stop("check", worst.what, worst.remedy or worst.why)
+        elif found.prepared.refusal is not None:
+            self._stop("check", found.prepared.refusal, "use another record of this loop")
+        else:
+            self._pass("check", f"{100.0 * found.share:.3g} % of {len(self.record)} rows can be used.")
+
+    def diagnose(self, integrating: bool | None, loop_type: str | None) -> None:
+        """Whether it is the actuator, and a fault that has a block."""
+        self.tell("diagnosing")
+        found = diagnose(self.record, integrating=integrating, loop_type=loop_type)
+        self.diagnosis, self.fit = found, found.fit
+        said = f"{found.verdict.capitalize()}, confidence {100.0 * found.confidence:.0f} %."
+        if found.verdict == NO_FAULT:
+            self.fine = True
+            self._pass("diagnose", said)
+        elif found.verdict in [kind.name for kind in faults() if kind.size is not None]:
+            self._pass("diagnose", said)
+        else:
+            gate = Closed("a diagnosis that names a lost motion", repr(found.verdict), " ".join(found.advice))
+            self._gate("diagnose", gate, said)
+
+    def identify(self, gain: float | None, integrating: bool | None) -> None:
+        """Whether the fit shows what the diagnosis says."""
+        if gain is not None:
+            self.tell("identifying")
+            self.fit = identify(self.record, nonlinearity="auto", gain=gain, integrating=True if integrating else None)
+        assert self.fit is not None  # noqa: S101  the diagnosis has one
+        facts, verdict = self.fit.facts, verdict_of(self.diagnosis) if self.diagnosis is not None else ""
+        gate = closed(facts, None if self._accepted_verdict(verdict) else verdict)
+        if gate is not None:
+            self._gate("identify", gate)
+            return
+        size = facts.kind.size
+        low, high = facts.interval(size) if size else (np.nan, np.nan)
+        numbers = f"{size} {facts.parameters[size]:.4g}, 95 % {low:.4g} .. {high:.4g}" if size else ""
+        self._pass("identify", f"{facts.preferred.capitalize()}: {numbers} (status {facts.status.name}).")
+
+    def _accepted_verdict(self, verdict: str) -> bool:
+        """The verdict has been accepted one step before."""
+        return bool(self.accepted) and verdict not in [kind.name for kind in faults()]
+
+    def simulate(self, controller: PI | None, span: tuple[float, float] | None, options: dict[str, Any]) -> None:
+        """Whether the block is worth it, and safe with the present controller."""
+        self.tell("simulating")
+        assert self.fit is not None  # noqa: S101
+        given = {"record": self.record, "span": span, "accept": self.accept, **options}
+        try:
+            found = compensation_study(self.fit, controller, **given)
+        except InputError as error:
+            expected, got, remedy = error.said or ("a loop that can be simulated", str(error), "see there")
+            said = f"Expected {expected}, got {got}."
+            self.steps.append(Step("simulate", False, said, remedy, acceptable=isinstance(error, GateError)))
+            return
+        self.study = found
+        more = found.block.accepted
+        for one in self.accepted:
+            more = more.removeprefix(one).removeprefix("; ")
+        self.accepted = (*self.accepted, more) if more else self.accepted
+        if found.recommendation == "compensate" and found.safe:
+            self._pass("simulate", " ".join(found.reasons[:2]))
+            return
+        remedy, settings = _way_out(found)
+        gate = Closed("a block that is worth it and safe", found.reasons[0], remedy)
+        self._gate("simulate", gate, found.reasons[0], settings)
+
+    def block(self) -> None:
+        """What came out."""
+        assert self.study is not None  # noqa: S101
+        made = self.study.block
+        self._pass("block", f"{made.kind.capitalize()} block, scan time {made.scan_time:g} s.")
+
+
+def _way_out(study: CompensationStudy) -> tuple[str, dict[str, float]]:
+    """What to do instead of the block as it is; gains with which the way may go on."""
+    word = study.recommendation
+    if word == "compensate and retune":
+        gains = _gains(study.cases["with, retuned"].controller)
+        return f"retune to {_said(gains)} first, and give these gains", gains
+    if word == "retune":
+        return f"retune instead of compensating, to {_said(_gains(study.cases['retuned'].controller))}", {}
+    ways = {"maintain": "mend the actuator", "leave": "leave the loop as it is"}
+    return ways.get(word, "look at the study, or compensate a smaller share"), {}
+
+
+def _gains(controller: PI) -> dict[str, float]:
+    return {"kp": float(f"{controller.kp:.4g}"), "ki": float(f"{controller.ki:.4g}")}
+
+
+def _said(gains: Mapping[str, float]) -> str:
+    return f"Kp {gains['kp']:g}, Ki {gains['ki']:g} 1/s"

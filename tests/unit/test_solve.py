@@ -1,0 +1,155 @@
+"""The whole way: each gate closes it, says what opens it, and a reason goes on."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.cli.options import RecordOptions
+from lostmotion.cli.way_out import command_lines
+from lostmotion.errors import GateError, ParameterError
+from lostmotion.evaluate import solve as way
+from lostmotion.evaluate.solution import OUTCOMES, STEPS, Solution, Step
+from tests.diagnoses import example, loop_record
+from tests.fits import made_fit
+from tests.refusals import refusal
+
+solving = __import__("sys").modules["lostmotion.evaluate.solve"]
+RECORD = lm.LoopRecord(50.0 + np.sin(np.arange(400.0) / 9), np.cos(np.arange(400.0) / 9), dt=0.5)
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """The way with a diagnosis and a study made by hand."""
+
+    def go(verdict="backlash", kind="backlash", status=lm.Status.OK, study=None, **options):
+        fit = made_fit(kind, status)
+        found = replace(example(), verdict=verdict, fit=fit)
+        monkeypatch.setattr(solving, "diagnose", lambda *_, **__: found)
+        monkeypatch.setattr(solving, "compensation_study", study or studied())
+        return way(RECORD, **options)
+
+    return go
+
+
+def studied(recommendation="compensate", safe=True):
+    """A study with this result."""
+
+    class Study:
+        reasons = ("It is worth it.", "The block: better.")
+        cases = dict.fromkeys(("retuned", "with, retuned"), type("Case", (), {"controller": lm.PI(1.23456, 0.0345678)}))
+
+        def to_dict(self):
+            return {}
+
+    def run(fit, controller, record, accept, **_):
+        made = Study()
+        made.recommendation, made.safe = recommendation, safe
+        made.block = fit.block(accept=accept)
+        return made
+
+    return run
+
+
+def test_all_gates_open(steps):
+    found = steps()
+    assert (found.outcome, found.closed) == ("block", None)
+    assert [step.name for step in found.steps] == list(STEPS)
+    assert found.block == found.study.block
+    assert not found.block.accepted
+    assert found.summary().startswith("A BLOCK came out")
+    assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["outcome"] in OUTCOMES
+
+
+def test_nothing_wrong_is_an_end_of_its_own(steps):
+    found = steps(verdict="none")
+    assert (found.outcome, found.block, found.closed) == ("nothing wrong", None, None)
+    assert "NOTHING WRONG" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({"verdict": "cannot tell"}, "diagnose"),
+        ({"verdict": "other oscillation"}, "diagnose"),
+        ({"verdict": "saturation", "kind": "saturation"}, "diagnose"),
+        ({"verdict": "stiction"}, "identify"),
+        ({"status": lm.Status.WIDE}, "identify"),
+        ({"status": lm.Status.NOT_CONVERGED}, "identify"),
+        ({"study": studied("leave")}, "simulate"),
+        ({"study": studied("compensate", safe=False)}, "simulate"),
+        ({"study": studied("compensate and retune")}, "simulate"),
+    ],
+)
+def test_the_first_closed_gate_ends_it(steps, settings, name):
+    found = steps(**settings)
+    assert (found.outcome, found.closed.name, found.block) == ("closed", name, None)
+    assert found.closed.remedy
+    assert f"the gate at step {name!r} is closed" in found.summary()
+    sized = settings.get("kind") != "saturation"
+    assert found.closed.acceptable == sized
+    passed = steps(**settings, accept="seen on the bench")
+    assert (passed.outcome == "block") == sized
+    if sized:
+        assert "seen on the bench" in passed.block.accepted
+        assert "seen on the bench" in passed.summary()
+
+
+def test_several_gates_leave_each_reason_once(steps):
+    found = steps(status=lm.Status.WIDE, study=studied("leave"), accept="the stem was seen")
+    assert found.block.accepted.count("the stem was seen") == 2
+    assert "WIDE" in found.block.accepted
+    assert "worth it and safe" in found.block.accepted
+
+
+def test_gains_that_open_it_are_said(steps):
+    found = steps(study=studied("compensate and retune"))
+    assert found.closed.settings == {"kp": 1.235, "ki": 0.03457}
+    lines = command_lines(found, Path("FIC 1.csv"), RecordOptions(op="CO", dt=0.5), {"kp": 9.0, "loop_type": "flow"})
+    assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 1.235 --loop-type flow --ki 0.03457"
+    assert lines[-1].endswith('--accept "REASON"')
+    alone = steps(study=studied("retune")).closed
+    assert "to Kp 1.235, Ki 0.03457 1/s" in alone.remedy
+    assert not alone.settings
+
+
+def test_no_reason_helps_where_the_loop_cannot_be_simulated(steps):
+    def refused(*_, **__):
+        raise ParameterError.expected("a span that holds the OP", "(0, 1)", "give span=(low, high)")
+
+    found = steps(study=refused, accept="why not")
+    assert not found.closed.acceptable
+    lines = command_lines(found, Path("a.csv"), RecordOptions(), {})
+    assert lines == ["lostmotion solve a.csv --op-span LOW HIGH"]
+
+    def gate(*_, **__):
+        raise GateError.expected("a model that reproduces the record", "another", "identify again")
+
+    assert steps(study=gate).closed.acceptable
+
+
+@pytest.mark.parametrize("kind", ["dead zone", "backlash"])
+@pytest.mark.parametrize("verdict", ["cannot tell", "backlash"])
+def test_where_the_record_does_not_tell_a_test_is_named(steps, kind, verdict):
+    found = steps(verdict=verdict, kind=kind, status=lm.Status.WIDE)
+    lines = command_lines(found, Path("a.csv"), RecordOptions(), {})
+    assert lines[0].startswith("lostmotion identify a.csv")
+    assert lines[1].startswith("lostmotion design --fit a.fit.json")
+    assert ("--left" in lines[1]) == (kind != "dead zone")
+
+
+def test_a_level_is_tested_within_limits_of_pv():
+    fit = made_fit("dead zone", lm.Status.WIDE, integrating=True)
+    diagnosis = replace(example(), verdict="cannot tell", fit=fit)
+    found = Solution("closed", (Step("diagnose", False, "no", "test"),), diagnosis, fit)
+    assert "--pv-limits" in command_lines(found, Path("a.csv"), RecordOptions(), {})[1]
+
+
+def test_a_record_that_cannot_be_used_ends_at_the_check():
+    found = way(lm.LoopRecord(np.full(300, 42.0), np.arange(300.0) % 7, dt=1.0))
+    assert found.closed.name == "check"
+    assert command_lines(found, Path("a.csv"), RecordOptions(), {}) == ["lostmotion check a.csv"]
+    assert "reason in words" in refusal(ParameterError, way, loop_record(), accept=" ")
