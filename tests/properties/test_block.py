@@ -99,7 +99,7 @@ def test_offset_moves_by_the_ramp_while_anything_is_switched(kind, dtype, inputs
         if tracked[now]:
             continue
         moved = abs(outputs[now, k.OFFSET] - outputs[now - 1, k.OFFSET])
-        switched = not active[now] or not active[now - 1] or scans[now][0] is not scans[now - 1][0]
+        switched = not active[now] or not active[now - 1] or scans[now][0] != scans[now - 1][0]
         if switched or outputs[now, k.RAMPING] or outputs[now - 1, k.RAMPING]:
             assert moved <= scans[now][0]["ramp_step"] + eps
         held = np.clip(

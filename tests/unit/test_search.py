@@ -63,3 +63,14 @@ def test_simpler_polynomials_keep_pairs_and_the_integrator():
 def test_a_pole_next_to_an_integrator_is_tried_as_one():
     found = simpler(np.array([-0.9995]), integrating=False)
     assert [float(a[0]) for a in found] == [-0.9995, -1.0]
+
+
+def test_a_pole_slower_than_the_record_is_no_process():
+    """Drift of PV may be a pole at 1 or noise; with a known gain such a pole makes any slope of it."""
+    loop = lm.routine_operation(2000, drift="mild", seed=6)
+    record = lm.LoopRecord(loop.command, loop.measured, loop.reference, dt=0.1)
+    fit = lm.identify(record, nonlinearity="dead zone", orders=(3, 2, 3), gain=2.2222)
+    assert fit.status.ok
+    assert np.abs(fit.linear.poles).max() < 1.0 - 1.0 / 2000
+    assert fit.parameters["right_slope"] == pytest.approx(3.0, abs=1.0)
+    assert (fit.parameters["left"], fit.parameters["right"]) == (pytest.approx(-1, abs=0.1), pytest.approx(1, abs=0.1))

@@ -65,3 +65,8 @@ class ScaledData:
     def shortest(self) -> int:
         """Samples of the shortest segment."""
         return int((self.segments[:, 1] - self.segments[:, 0]).min())
+
+    @property
+    def longest(self) -> int:
+        """Samples of the longest segment."""
+        return int((self.segments[:, 1] - self.segments[:, 0]).max())

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.plausible import plausible
+from lostmotion.identify.likelihood.plausible import plausible, slowest
 from lostmotion.identify.likelihood.problem import Parts, Problem
 from lostmotion.identify.likelihood.refinement import LocalFit
 
@@ -50,6 +52,12 @@ class Fitted:
     def possible(self) -> bool:
         """Whether a sampled process can have these poles, and be what is known of this one."""
         return plausible(self.parts.a) and self.problem.admissible(self.fit.theta)
+
+    @cached_property
+    def slowest(self) -> float:
+        """Largest radius of the poles, beside that of an integrating process."""
+        a = self.parts.a
+        return slowest(1.0 + np.cumsum(a)[:-1] if self.problem.structure.integrating else a)
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""

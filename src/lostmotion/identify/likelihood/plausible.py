@@ -71,3 +71,9 @@ def plausible(a: FloatArray) -> bool:
     if a.size <= kernel.FEW:
         return not bool(kernel.rings(np.ascontiguousarray(a), LEAST_DAMPING, SLOWEST_RINGING))
     return not any(kernel.pole_rings(pole, LEAST_DAMPING, SLOWEST_RINGING) for pole in np.roots(np.append(1.0, a)))
+
+
+def slowest(a: FloatArray) -> float:
+    """Largest radius of the poles; 0 where there are none."""
+    poles = kernel.few_poles(np.ascontiguousarray(a)) if a.size <= kernel.FEW else np.roots(np.append(1.0, a))
+    return float(np.abs(poles).max(initial=0.0))

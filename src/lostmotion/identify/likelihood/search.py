@@ -47,7 +47,6 @@ MOST_CLOSE = 6  # of these
 WORTH_A_GRID = 10.0  # gain of a turn, from which on the actuator has moved and the whole grid is looked at again
 NEAR = 3  # samples of delay about that of another fit
 REACH = 8  # the same about the best so far
-AUTO_LAGS = 30  # past inputs of the profile where the delay is unknown
 
 
 def best_fit(
@@ -201,10 +200,12 @@ class _Search:
         return (*_from(fitted, fitted.actuator)[:2], d)
 
     def like(self, near: list[Fitted], eta: FloatArray) -> list[_Attempt]:
-        """The process and noise of other fits, and the best on the grid with that noise and about these delays."""
-        d, delays = near[0].parts.d, [one.problem.structure.delay for one in near]
-        about = (max(min(delays) - NEAR, self.delays[0]), min(max(delays) + NEAR, self.delays[1]))
-        starts = self._grid(self._internal(eta), d, about)
+        """The process and noise of other fits, and the best on the grid with that noise.
+
+        Over all delays: the process beside another kind may be as wrong as that kind.
+        """
+        d = near[0].parts.d
+        starts = self._grid(self._internal(eta), d, self.delays)
         return [_from(one, eta) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
 
     def improve(self, best: Fitted) -> Fitted:
@@ -254,11 +255,9 @@ class _Search:
         """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
         if not self.seen or not self.seen[0][0].size:
             return ()
-        ordered = sorted(self.seen, key=lambda item: item[1])
-        best = ordered[0][1]
-        kept = [ordered[0][0]]
-        found = []
-        for eta, score in ordered[1:]:
+        (first, best), *others = sorted(self.seen, key=lambda item: item[1])
+        kept, found = [first], []
+        for eta, score in others:
             if score - best > RIVAL:
                 break
             if all(np.abs(eta[:2] - other[:2]).max() > APART for other in kept):
@@ -267,8 +266,13 @@ class _Search:
         return tuple(found)
 
     def score(self, fitted: Fitted) -> float:
-        """Information criterion; orders that were chosen here, not given, must also be plausible."""
-        possible = self.asked.orders is not None or fitted.possible
+        """Information criterion; orders that were chosen here, not given, must also be plausible.
+
+        A pole slower than the record is no process but a drift, which a long model of the noise explains as well; a
+        known gain then makes any slope of it.
+        """
+        drifts = fitted.slowest > 1.0 - 1.0 / self.data.longest
+        possible = not drifts and (self.asked.orders is not None or fitted.possible)
         return self._misfit(fitted) + (0.0 if possible else IMPLAUSIBLE)
 
     def _misfit(self, fitted: Fitted) -> float:
