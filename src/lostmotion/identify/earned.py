@@ -74,15 +74,6 @@ def _off_a_line(values: FloatArray, along: npt.NDArray[Any]) -> float:
     return max(float(values @ values - (along @ values) ** 2 / max(float(along @ along), 1e-300)), 0.0)
 
 
-def slowest_samples(fitted: Fitted) -> float:
-    """Largest time constant in samples; the root of an integrating process is none."""
-    poles = np.roots(np.append(1.0, fitted.parts.a))
-    if fitted.problem.structure.integrating:
-        poles = np.delete(poles, np.argmin(np.abs(poles - 1.0)))
-    size = float(np.abs(poles).max(initial=0.0))
-    return np.inf if size >= 1.0 else -1.0 / np.log(size) if size > 0.0 else 0.0
-
-
 def inverse_of_controller(fitted: Fitted, evidence: Evidence) -> bool:
     """Whether nothing but an exact controller moves OP, and the model leaves nothing over: either explains the record.
 
@@ -115,7 +106,7 @@ def earned(
     kind = kind_of(fitted.problem.family.kind)
     if kind.size is not None and values[kind.size] > kind.largest_share * float(np.ptp(data.u)):
         return Status.NEAR_RANGE
-    if slowest_samples(fitted) > float(np.diff(data.segments).max()):
+    if fitted.drifts:
         return Status.NO_PROCESS
     if fit_percent <= 0.0 and fit_without_drift(data.y, simulated, data.segments) <= 0.0:
         return Status.NOT_REPRODUCED
