@@ -115,6 +115,31 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
+    return _asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating).run()
+
+
+@one_thread
+def identify_alone(
+    records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
+) -> HammersteinFit:
+    """A kind without a look at the others, from records as they are: for estimators that follow this kind."""
+    asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
+    return replace(asked_for, compared=False).run()
+
+
+def _asked_for(
+    u: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
+    y: npt.ArrayLike | None,
+    dt: float | None,
+    nonlinearity: str,
+    orders: str | tuple[int, int, int],
+    noise: str | int,
+    gain: float | None,
+    offset: str,
+    raw: bool,
+    integrating: bool | None,
+) -> _Identification:
+    """What was handed to ``identify``, checked."""
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
     asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain))
     if gain is not None:
@@ -132,16 +157,17 @@ def identify(
         "offset": offset,
         "integrating": integrating,
     }
-    return _Identification(data, asked, settings).run()
+    return _Identification(data, asked, settings)
 
 
 @dataclass(frozen=True)
 class _Identification:
-    """One call of ``identify``: checked data, what is asked, settings as they were given."""
+    """One call of ``identify``: checked data, what is asked, settings as given, and whether kinds are compared."""
 
     data: IdentificationData
     asked: Asked
     settings: dict[str, Any]
+    compared: bool = True
 
     @cached_property
     def scaled(self) -> ScaledData:
@@ -165,7 +191,7 @@ class _Identification:
 
     def _compared(self, packed: HammersteinFit, found: Fitted, linear: Fitted) -> HammersteinFit:
         """The result of the kind asked for, with another status where another kind is likelier."""
-        if packed.status in (Status.SAME_SIGNAL, Status.CANNOT_TELL):
+        if not self.compared or packed.status in (Status.SAME_SIGNAL, Status.CANNOT_TELL):
             return packed
         other = AskedKind(self.scaled, self.asked, partial(self._fitted, linear)).likelier(found, linear)
         if other is None:
