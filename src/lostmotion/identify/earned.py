@@ -104,6 +104,8 @@ def earned(
     if claimed not in CLAIMS:
         return claimed
     kind = kind_of(fitted.problem.family.kind)
+    if not kind.met(fitted):
+        return Status.CANNOT_TELL
     if kind.size is not None and values[kind.size] > kind.largest_share * float(np.ptp(data.u)):
         return Status.NEAR_RANGE
     if fitted.drifts:
