@@ -79,6 +79,12 @@ def test_one_signal_is_no_loop(kind, y):
     assert "one signal" in fit.summary()
 
 
+def test_a_static_characteristic_can_be_asked_for():
+    u = prs()
+    fit = lm.identify(u, lm.DeadZone(-1, 1)(u), 1.0, nonlinearity="dead zone", orders=(0, 0, 0), noise="white")
+    assert fit.status is Status.OK
+
+
 @given(seed=st.integers(0, 10_000), slow=st.floats(0.0, 0.98), deviation=st.sampled_from([0.0, 1e-3, 0.3]))
 @settings(max_examples=60, deadline=None)
 def test_a_process_is_never_one_signal(seed, slow, deviation):

@@ -95,9 +95,11 @@ def earned(
     """The status that is claimed, or why it is not earned.
 
     A process slower than the record is not seen to settle, so neither its gain nor that it settles at all is known;
-    one that integrates is called so. `simulated` (n,) is in units of PV.
+    one that integrates is called so. Who gives orders of 0 has asked for a static characteristic. `simulated` (n,) is
+    in units of PV.
     """
-    if same_signal(data.u, data.y):
+    s = fitted.problem.structure
+    if s.na + s.nb + s.delay > 0 and same_signal(data.u, data.y):
         return Status.SAME_SIGNAL
     if inverse_of_controller(fitted, evidence):
         return Status.CANNOT_TELL

@@ -66,7 +66,9 @@ def profile(data: ScaledData, lags: Lags, low: float, high: float) -> list[Candi
             found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
     found.sort(key=lambda candidate: candidate.rss)
     limit = found[0].rss * (1.0 + 2.0 * START_MARGIN / samples)
-    return _apart([candidate for candidate in found if candidate.rss <= limit], max(0.5 * spacing, SMALLEST_SPACING))[:MOST_STARTS]
+    return _apart([candidate for candidate in found if candidate.rss <= limit], max(0.5 * spacing, SMALLEST_SPACING))[
+        :MOST_STARTS
+    ]
 
 
 def _apart(candidates: list[Candidate], distance: float) -> list[Candidate]:
