@@ -93,7 +93,7 @@ def one(name: str, seed: int) -> dict[str, np.ndarray | str]:
     experiment = EXPERIMENTS[name]
     u, y = experiment.record(seed)
     try:
-        fit = lm.identify(u, y, 0.1, **experiment.options)
+        fit = lm.identify(u, y, 0.1, **experiment.options, nonlinearity="dead zone")
     except lm.InputError:
         if not experiment.wrong:
             raise
@@ -159,7 +159,7 @@ def says_none(seed: int, drift: str | None) -> bool:
     else:
         loop = lm.routine_operation(6000, drift, seed, actuator=lm.Identity())
         u, y = loop.command, loop.measured
-    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
     low, _ = fit.interval("width")
     return fit.preferred == "none" and low <= 0.0
 

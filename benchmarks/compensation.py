@@ -111,7 +111,7 @@ def errors_table(seeds: int) -> str:
 def tank_fit() -> lm.HammersteinFit:
     u = lm.signals.prs(2000, -5, 5, hold=10, seed=1)
     y = TANK.simulate(u) + np.random.default_rng(1).normal(scale=NOISE_VARIANCE**0.5, size=2000)
-    return lm.identify(u, y, dt=DT, orders=(3, 2, 3), gain=TANK.linear.gain)
+    return lm.identify(u, y, dt=DT, orders=(3, 2, 3), gain=TANK.linear.gain, nonlinearity="dead zone")
 
 
 def swing(block: Any, variance: float) -> str:

@@ -88,7 +88,9 @@ def staircase(test: lm.TestDesign, hold: float, seed: int) -> lm.TestDesign:
 def fitted(test: lm.TestDesign, plant: lm.Hammerstein, seed: int, names: tuple[str, ...]) -> np.ndarray:
     """Error and half-width of the interval of each name, shape (2, names); not a number where there is none."""
     linear = plant.linear
-    fit = lm.identify(test.simulate(seed, plant), orders=(len(linear.a), len(linear.b) - 1, linear.delay))
+    fit = lm.identify(
+        test.simulate(seed, plant), orders=(len(linear.a), len(linear.b) - 1, linear.delay), nonlinearity="dead zone"
+    )
     if fit.status is not lm.Status.OK:
         return np.full((2, len(names)), np.nan)
     truth = {"left": plant.nonlinearity.left, "right": plant.nonlinearity.right, "width": plant.nonlinearity.width}
@@ -147,7 +149,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=None)
     parser.add_argument("--only", choices=list(CASES), default=None)
     arguments = parser.parse_args()
-    lm.identify(made(CASES["tank-600"], "width").simulate(0))  # compiles
+    lm.identify(made(CASES["tank-600"], "width").simulate(0), nonlinearity="dead zone")  # compiles
     lines = []
     for name in [arguments.only] if arguments.only else CASES:
         for target in TARGETS:

@@ -126,7 +126,7 @@ def run(entry: Entry) -> Outcome:
         record = lm.read_loop(entry.path, **entry.options)
         assert lm.check(record).summary()
         prepared = prepare(record)
-        fit = lm.identify(prepared)
+        fit = lm.identify(prepared, nonlinearity="dead zone")
     except lm.InputError as refused:
         reason = str(refused)
     return Outcome(entry, record, prepared, fit, reason, time.perf_counter() - begun)

@@ -35,7 +35,7 @@ def row(levels: int, seeds: int) -> str:
     held, usable, widths = [], 0, []
     for seed in range(seeds):
         u, y, zone = record(levels, seed)
-        fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+        fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
         if not fit.status.ok:
             continue
         usable += 1

@@ -154,7 +154,7 @@ def run(what: str, n: int) -> Callable[[], object]:
         return lambda: lm.diagnose(whole)
     u, y = record(n)
     options = {"orders": (3, 2, 3), "noise": "white"} if what == "white" else {}
-    return lambda: lm.identify(u, y, 0.1, **options)
+    return lambda: lm.identify(u, y, 0.1, **options, nonlinearity="dead zone")
 
 
 def peak(what: str, n: int) -> int:
@@ -182,9 +182,11 @@ def doubles_per_sample(what: str) -> float:
 def main() -> None:
     u, y = record(N)
     works: dict[str, Callable[[], object]] = {
-        "whole `identify`, orders given, noise white": lambda: lm.identify(u, y, 0.1, orders=(3, 2, 3), noise="white"),
-        "whole `identify`, orders given": lambda: lm.identify(u, y, 0.1, orders=(3, 2, 3)),
-        "whole `identify`, everything auto": lambda: lm.identify(u, y, 0.1),
+        "whole `identify`, orders given, noise white": lambda: lm.identify(
+            u, y, 0.1, orders=(3, 2, 3), noise="white", nonlinearity="dead zone"
+        ),
+        "whole `identify`, orders given": lambda: lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone"),
+        "whole `identify`, everything auto": lambda: lm.identify(u, y, 0.1, nonlinearity="dead zone"),
         PLAIN: lambda: plain_fit(u, y, GENERIC),
         "plain `least_squares`, started near the truth": lambda: plain_fit(u, y, NEAR),
     }

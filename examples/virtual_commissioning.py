@@ -95,7 +95,7 @@ def main() -> None:
     idle = lm.block_from_model(lm.DeadZone(50.0, 50.0), SCAN)
     before = operate(plc(idle, CONTROLLER, 50.0), sp, 1, never(sp.size), never(sp.size), never(sp.size))
     record = lm.LoopRecord(before["op_out"], before["pv"], before["sp"], dt=SCAN, op_span=SPAN, tag="LIC-101")
-    fit = lm.identify(record, gain=KNOWN_GAIN)
+    fit = lm.identify(record, gain=KNOWN_GAIN, nonlinearity="dead zone")
     study = lm.compensation_study(fit, record=record)
     print(study.summary())
     after = operate(plc(study.block, CONTROLLER, 50.0), sp, 1, ~never(sp.size), never(sp.size), never(sp.size))

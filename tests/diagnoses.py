@@ -39,7 +39,7 @@ def loop_record(samples: int = 400, **known: object) -> lm.LoopRecord:
 def example() -> lm.Diagnosis:
     """Dead zone of a fit with given orders; evidence and probabilities are made up."""
     record = loop_record()
-    fit = lm.identify(record, raw=True, orders=(1, 0, 1), noise="white")
+    fit = lm.identify(record, raw=True, orders=(1, 0, 1), noise="white", nonlinearity="dead zone")
     fit = replace(fit, kinds=KindChoice("stiction", GAINS, GAINS, GAINS, 0.99, "backlash"))
     width = fit.parameters["width"]
     return lm.Diagnosis(

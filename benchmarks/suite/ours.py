@@ -40,7 +40,7 @@ def online(make: Callable[[], Any]) -> Callable[[Array, Array], Any]:
 
 
 def batch(u: Array, y: Array) -> Any:
-    return lm.identify(u, y, DT, orders=ORDERS, gain=GAIN)
+    return lm.identify(u, y, DT, orders=ORDERS, gain=GAIN, nonlinearity="dead zone")
 
 
 def answers(work: Callable[[Array, Array], Any], records: list[tuple[Array, Array]]) -> Answers:

@@ -116,6 +116,27 @@ class Status(Enum):
         "The record does not tell: OP hardly moves the measurement, or the feedback is an exact function of it. "
         "Use a longer record with set-point moves, or a test."
     )
+    OTHER_KIND = (
+        "Converged, but another kind of actuator fits the record better than the one that was asked for. "
+        "Use nonlinearity='auto'."
+    )
+    SAME_SIGNAL = (
+        "PV is an exact function of OP in the same sample: both are one signal, and there is no process between them. "
+        "Check which columns were read; PV is what is measured behind the process."
+    )
+    NEAR_RANGE = (
+        "What was found is nearly as wide as the range in which OP moved: such a size is not excluded, but not shown. "
+        "Record larger moves of OP, well beyond it on either side, or make a test."
+    )
+    NO_PROCESS = (
+        "Converged to a process whose time constant is longer than the record, which cannot show it. "
+        "Record longer, say integrating=True where the process is a level, try fewer orders, or make a test."
+    )
+    NOT_REPRODUCED = (
+        "Converged, but simulated from OP alone the model is farther from PV than the mean of PV is, without slow "
+        "drift as well: the numbers rest on the prediction from sample to sample only. "
+        "Record set-point moves, or make a test."
+    )
     WRONG_GAIN = (
         "The known gain has the other sign than the record: the slopes of the actuator would be negative. "
         "Turn the sign of the gain."

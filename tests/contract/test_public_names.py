@@ -30,7 +30,7 @@ def fit(data, request):
 
 @pytest.fixture(scope="module")
 def zone_fit(data):
-    return lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise=1)
+    return lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise=1, nonlinearity="dead zone")
 
 
 def check_signature(call, expected):
@@ -64,7 +64,7 @@ def check_signature(call, expected):
                 "u": EMPTY,
                 "y": None,
                 "dt": None,
-                "nonlinearity": "dead zone",
+                "nonlinearity": "auto",
                 "orders": "auto",
                 "noise": "auto",
                 "gain": None,
@@ -214,7 +214,7 @@ def test_to_dict_is_json(fit):
 
 
 def test_to_dict_is_a_copy(data):
-    fit = lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise="white")
+    fit = lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise="white", nonlinearity="dead zone")
     description = fit.to_dict()
     description["parameters"]["left"] = 99.0
     description["settings"]["chosen"]["na"] = 99
@@ -231,10 +231,10 @@ def test_fit_is_frozen(fit, name):
 
 
 def test_same_data_same_fingerprint(data, zone_fit):
-    again = lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise=1)
+    again = lm.identify(*data, dt=1.0, orders=(1, 0, 1), noise=1, nonlinearity="dead zone")
     assert again.data.fingerprint == zone_fit.data.fingerprint
     assert again.to_dict() == zone_fit.to_dict()
-    other = lm.identify(data[0], data[1] + 1e-9, dt=1.0, orders=(1, 0, 1), noise=1)
+    other = lm.identify(data[0], data[1] + 1e-9, dt=1.0, orders=(1, 0, 1), noise=1, nonlinearity="dead zone")
     assert other.data.fingerprint != zone_fit.data.fingerprint
 
 
@@ -246,7 +246,7 @@ def test_settings_are_kept(zone_fit):
 def test_records_are_welcome(data, zone_fit):
     record = lm.LoopRecord(*data, dt=1.0, tag="FIC-101")
     for argument in (record, [record]):
-        fit = lm.identify(argument, orders=(1, 0, 1), noise=1)
+        fit = lm.identify(argument, orders=(1, 0, 1), noise=1, nonlinearity="dead zone")
         assert fit.parameters == zone_fit.parameters
 
 

@@ -24,7 +24,7 @@ def run(capsys, *words):
 def fit(tmp_path_factory):
     loop = lm.routine_operation(3000, drift="none", seed=3)
     record = lm.LoopRecord(loop.command, loop.measured, loop.reference, dt=0.1, source="LIC-7.csv")
-    found = lm.identify(record, orders=(3, 2, 3))
+    found = lm.identify(record, orders=(3, 2, 3), nonlinearity="dead zone")
     path = tmp_path_factory.mktemp("fit") / "fit.json"
     return found, found.save(path)
 

@@ -212,7 +212,9 @@ def test_a_record_that_does_not_tell_exits_with_1(capsys, tmp_path, lines):
 
 def test_orders_from_a_fit(capsys, tmp_path):
     loop = lm.routine_operation(3000, drift="none", seed=3)
-    fit = lm.identify(loop.command, loop.measured, 0.1, orders=(3, 2, 3), noise="white", gain=2.2222)
+    fit = lm.identify(
+        loop.command, loop.measured, 0.1, orders=(3, 2, 3), noise="white", gain=2.2222, nonlinearity="dead zone"
+    )
     (tmp_path / "fit.json").write_text(json.dumps(fit.to_dict()))
     table = {"t_s": loop.time, "OP": loop.command, "PV": loop.measured}
     path = lm.files.write_columns(tmp_path / "a.csv", table)

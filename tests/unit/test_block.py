@@ -30,7 +30,7 @@ def fit():
     model = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel([-0.8], [0.2], 1, 0.5))
     u = lm.signals.prs(600, -5, 5, 7, seed=0)
     y = model.simulate(u) + np.random.default_rng(0).normal(scale=0.1, size=600)
-    return lm.identify(u, y, dt=0.5, orders=(1, 0, 1), noise="white", offset="zero")
+    return lm.identify(u, y, dt=0.5, orders=(1, 0, 1), noise="white", offset="zero", nonlinearity="dead zone")
 
 
 @pytest.mark.parametrize("kind", KINDS)

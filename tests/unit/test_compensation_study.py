@@ -23,7 +23,7 @@ SPAN = (-50.0, 50.0)
 def tank_fit(n=2000, seed=3, gain=2.2222):
     loop = lm.routine_operation(n, drift="mild", seed=seed)
     record = lm.LoopRecord(loop.command, loop.measured, loop.reference, dt=0.1, op_span=SPAN, tag="LIC-7")
-    return lm.identify(record, orders=(3, 2, 3), gain=gain), record
+    return lm.identify(record, orders=(3, 2, 3), gain=gain, nonlinearity="dead zone"), record
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +117,7 @@ def test_dictionary_of_a_fit_gives_the_same_study():
     u = lm.signals.prs(400, 44.0, 56.0, 8, seed=1)
     model = lm.Hammerstein(lm.DeadZone(49.0, 51.0), LAG, 20.0)
     y = model.simulate(u) + np.random.default_rng(0).normal(scale=0.02, size=400)
-    fit = lm.identify(u[50:], y[50:], dt=1.0, orders=(1, 0, 3), noise="white")
+    fit = lm.identify(u[50:], y[50:], dt=1.0, orders=(1, 0, 3), noise="white", nonlinearity="dead zone")
     one, other = (
         lm.compensation_study(saved, lm.PI(2.0, 0.1), sp_step=1.0, **SMALL)
         for saved in (fit, json.loads(json.dumps(fit.to_dict())))

@@ -154,7 +154,8 @@ def test_simulation_confirms_that_it_is_narrower():
         prs = lm.signals.prs(600, -5, 5, hold=10, seed=seed)
         noise = np.random.default_rng(seed).normal(scale=0.03**0.5, size=600)
         for found, record in ((own, test.simulate(seed, plant)), (rival, (prs, plant.simulate(prs) + noise, 0.1))):
-            fit = lm.identify(*record if isinstance(record, tuple) else (record,), orders=(3, 2, 3))
+            given = record if isinstance(record, tuple) else (record,)
+            fit = lm.identify(*given, orders=(3, 2, 3), nonlinearity="dead zone")
             low, high = fit.interval("width")
             found.append((fit.parameters["width"] - plant.nonlinearity.width, 0.5 * (high - low)))
     (error, half), (rival_error, rival_half) = np.array(own).T, np.array(rival).T
@@ -214,7 +215,11 @@ def test_integrating_process_in_open_loop_starts_where_its_load_is():
 def test_from_a_fit_and_from_its_json():
     u = lm.signals.prs(1500, -5, 5, hold=10, seed=0)
     fit = lm.identify(
-        u, TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.2, size=1500), 0.1, orders=(3, 2, 3)
+        u,
+        TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.2, size=1500),
+        0.1,
+        orders=(3, 2, 3),
+        nonlinearity="dead zone",
     )
     read = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
     one, two = lm.design(fit, **QUICK), lm.design(read, **QUICK)
@@ -228,7 +233,7 @@ def test_from_a_fit_and_from_its_json():
 def test_a_fit_without_dead_zone_is_refused():
     u = lm.signals.prs(1500, -5, 5, hold=10, seed=0)
     noise = np.random.default_rng(1).normal(scale=0.2, size=1500)
-    fit = lm.identify(u, TANK.linear.simulate(u) + noise, 0.1, orders=(3, 2, 3))
+    fit = lm.identify(u, TANK.linear.simulate(u) + noise, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
     assert "dead zone" in refusal(DataError, lm.design, fit, **QUICK)
 
 

@@ -19,7 +19,9 @@ def test_open_loop_reaches_the_bound():
     ratios, covered = [], []
     for seed in range(SEEDS):
         u = lm.signals.prs(2000, -5, 5, hold=10, seed=seed)
-        fit = lm.identify(u, noisy(TANK, u, seed), 0.1, orders=(3, 2, 3), gain=TANK.linear.gain)
+        fit = lm.identify(
+            u, noisy(TANK, u, seed), 0.1, orders=(3, 2, 3), gain=TANK.linear.gain, nonlinearity="dead zone"
+        )
         assert fit.status.ok
         bound = cramer_rao(TANK, u, 0.03, gain=TANK.linear.gain, offset="zero")
         for name, truth in (("left", -1.0), ("right", 1.0), ("slope_ratio", 1.0)):
@@ -35,7 +37,7 @@ def test_routine_closed_loop_with_drift():
     errors, covered = [], []
     for seed in range(10):
         loop = lm.routine_operation(6000, "mild", seed)
-        fit = lm.identify(loop.command, loop.measured, 0.1, orders=(3, 2, 3))
+        fit = lm.identify(loop.command, loop.measured, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
         for name, truth in (("left", -1.0), ("right", 1.0)):
             errors.append(abs(fit.parameters[name] - truth))
             low, high = fit.interval(name)
@@ -48,7 +50,9 @@ def test_asymmetric_zone_off_centre():
     model = lm.Hammerstein(lm.DeadZone(2.0, 4.3, 4.0, 1.0), TANK.linear, offset=12.0)
     for seed in range(6):
         u = lm.signals.prs(2000, -2, 9, hold=10, seed=seed)
-        fit = lm.identify(u, noisy(model, u, seed), 0.1, orders=(3, 2, 3), gain=TANK.linear.gain)
+        fit = lm.identify(
+            u, noisy(model, u, seed), 0.1, orders=(3, 2, 3), gain=TANK.linear.gain, nonlinearity="dead zone"
+        )
         for name, truth in (("left", 2.0), ("right", 4.3), ("left_slope", 4.0), ("right_slope", 1.0)):
             assert abs(fit.parameters[name] - truth) < 4.0 * fit.standard_errors[name]
 
@@ -58,7 +62,7 @@ def test_no_dead_zone_is_said():
     said = 0
     for seed in range(SEEDS):
         u = lm.signals.prs(2000, -5, 5, hold=10, seed=seed)
-        fit = lm.identify(u, noisy(model, u, seed), 0.1, orders=(3, 2, 3))
+        fit = lm.identify(u, noisy(model, u, seed), 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
         said += fit.status is lm.Status.NOT_SEEN and fit.interval("width")[0] == 0.0
         assert fit.interval("width")[1] < 1.0
     assert said >= SEEDS - 2
@@ -68,7 +72,7 @@ def test_auto_structure_finds_the_delay():
     found = []
     for seed in range(8):
         u = lm.signals.prs(2000, -5, 5, hold=10, seed=seed)
-        fit = lm.identify(u, noisy(TANK, u, seed), 0.1)
+        fit = lm.identify(u, noisy(TANK, u, seed), 0.1, nonlinearity="dead zone")
         found.append(fit.linear.delay == 3 and abs(fit.parameters["right"] - 1) < 4 * fit.standard_errors["right"])
     assert sum(found) >= 7
 

@@ -26,7 +26,7 @@ def truth(model, gain=None):
 def check(model, u, dt, gain=None, **settings):
     """Everything is recovered: parameters, model, output."""
     y = model.simulate(u)
-    fit = lm.identify(u, y, dt, gain=gain, **settings)
+    fit = lm.identify(u, y, dt, gain=gain, **{"nonlinearity": "dead zone", **settings})
     expected = truth(model, gain)
     assert set(fit.parameters) == set(expected)
     for name, value in expected.items():
@@ -78,7 +78,7 @@ def test_narrow_dead_zone_away_from_the_middle(seed, width, deviation):
     u = 48.0 + lm.signals.prs(2000, -5, 5, 10, seed)
     model = lm.Hammerstein(lm.DeadZone(47.6, 47.6 + width), TANK.linear, offset=52.0)
     y = model.simulate(u) + np.random.default_rng(seed).normal(scale=deviation, size=2000)
-    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), noise="white")
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), noise="white", nonlinearity="dead zone")
     assert fit.widest is None or fit.widest >= width  # never exclude the truth
     assert fit.status is lm.Status.OK
     for name, value in {"left": 47.6, "right": 47.6 + width}.items():
@@ -152,7 +152,9 @@ def test_linear_plant_shows_no_dead_zone(noise):
     u = lm.signals.prs(600, -5, 5, 7, seed=6)
     y = FIRST_ORDER.simulate(u)
     settings = {"orders": (1, 0, 1), "noise": noise}
-    assert lm.identify(u, y, 1.0, **settings).parameters["width"] == pytest.approx(0.0, abs=1e-6)
+    assert lm.identify(u, y, 1.0, **settings, nonlinearity="dead zone").parameters["width"] == pytest.approx(
+        0.0, abs=1e-6
+    )
     assert lm.identify(u, y, 1.0, nonlinearity="auto", **settings).nonlinearity == lm.Identity()
 
 
@@ -160,7 +162,7 @@ def test_linear_plant_shows_no_dead_zone(noise):
 @pytest.mark.parametrize("seed", range(4))
 def test_orders_of_the_tank_need_not_be_known(seed):
     u = lm.signals.prs(2000, -5, 5, 10, seed)
-    fit = lm.identify(u, TANK.simulate(u), 0.1, gain=TANK.linear.gain, noise="white")
+    fit = lm.identify(u, TANK.simulate(u), 0.1, gain=TANK.linear.gain, noise="white", nonlinearity="dead zone")
     for name, value in {"left": -1, "right": 1, "left_slope": 3, "right_slope": 3, "offset": 0}.items():
         assert fit.parameters[name] == pytest.approx(value, abs=1e-4), name
     assert fit.linear.delay == 3
@@ -172,6 +174,14 @@ def test_closed_loop_with_set_point_moves(seed):
     """Feedback without noise: set-point moves alone excite the loop."""
     reference = np.repeat(np.random.default_rng(seed).uniform(-2, 2, 40), 50)
     loop = lm.simulate_loop(TANK, lm.PI(0.5, 0.7), reference)
-    fit = lm.identify(loop.command, loop.measured, 0.1, orders=(3, 2, 3), gain=TANK.linear.gain, noise="white")
+    fit = lm.identify(
+        loop.command,
+        loop.measured,
+        0.1,
+        orders=(3, 2, 3),
+        gain=TANK.linear.gain,
+        noise="white",
+        nonlinearity="dead zone",
+    )
     for name, value in truth(TANK, TANK.linear.gain).items():
         assert fit.parameters[name] == pytest.approx(value, rel=1e-5, abs=1e-5), name

@@ -12,7 +12,7 @@ N = 200
 MODEL = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel([-0.8], [0.2], 1))
 U = lm.signals.prs(N, -5, 5, 7, seed=0)
 Y = MODEL.simulate(U) + np.random.default_rng(0).normal(scale=0.05, size=N)
-QUICK = {"orders": (1, 0, 1), "noise": "white"}
+QUICK = {"nonlinearity": "dead zone", "orders": (1, 0, 1), "noise": "white"}
 
 
 def at(row, value, array):
@@ -256,12 +256,12 @@ def test_offset(offset):
 
 def test_unknown_settings():
     with pytest.raises(TypeError, match="order"):
-        lm.identify(U, Y, 1.0, order=(1, 0, 1))
+        lm.identify(U, Y, 1.0, order=(1, 0, 1), nonlinearity="dead zone")
 
 
 @pytest.mark.parametrize("orders", [(0, 0, 0), (0, 0, 1), (0, 2, 1), (1, 0, 0), [1, 0, 1], np.array([1, 0, 1])])
 def test_orders_that_are_allowed(orders):
-    fit = lm.identify(U, Y, 1.0, orders=orders, noise=1)
+    fit = lm.identify(U, Y, 1.0, orders=orders, noise=1, nonlinearity="dead zone")
     assert (len(fit.linear.a), len(fit.linear.b) - 1, fit.linear.delay) == tuple(orders)
     assert fit.noise.order == 1
     assert np.isfinite(list(fit.parameters.values())).all()

@@ -6,7 +6,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.records import prepare
 
-SETTINGS = {"orders": (1, 0, 1), "noise": "white", "offset": "free"}
+SETTINGS = {"nonlinearity": "dead zone", "orders": (1, 0, 1), "noise": "white", "offset": "free"}
 MODEL = lm.Hammerstein(lm.DeadZone(-0.7, 1.2, 2.0, 1.0), lm.LinearModel([-0.8], [0.3], 1), 3.0)
 N = 400
 
@@ -45,7 +45,9 @@ def test_orders_given_ask_for_longer_pieces():
     pv[[90, 180]] = np.nan
     holed = lm.LoopRecord(given.op, pv, dt=1.0)
     assert lm.identify(holed, **SETTINGS).data.segments[0].tolist() == [0, 90]
-    assert lm.identify(holed, orders=(1, 0, 25), noise="white").data.segments.tolist() == [[0, 219]]
+    assert lm.identify(holed, orders=(1, 0, 25), noise="white", nonlinearity="dead zone").data.segments.tolist() == [
+        [0, 219]
+    ]
 
 
 def test_step_of_pv_against_the_noise():
@@ -83,4 +85,4 @@ def test_arrays_are_taken_as_they_are():
     pv[100:140] = pv[100]
     assert lm.identify(given.op, pv, 1.0, **SETTINGS).data.segments.tolist() == [[0, N]]
     with pytest.raises(lm.DataError, match="row 7"):
-        lm.identify(given.op, np.where(np.arange(N) == 7, np.nan, pv), 1.0)
+        lm.identify(given.op, np.where(np.arange(N) == 7, np.nan, pv), 1.0, nonlinearity="dead zone")

@@ -16,7 +16,7 @@ TANK = lm.platforms.level_tank()
 def identified(n, **options):
     u = lm.signals.prs(n, -5, 5, hold=10, seed=1)
     y = TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=n)
-    return lambda: lm.identify(u, y, 0.1, **options)
+    return lambda: lm.identify(u, y, 0.1, **options, nonlinearity="dead zone")
 
 
 def diagnosed(n):

@@ -195,7 +195,11 @@ def test_refusals_are_values_and_errors_at_the_door(settings, part):
     assert not prepared.usable
     assert part in prepared.refusal
     assert prepared.stretches == prepared.rows == ()
-    for attempt in (prepared.require, lambda: lm.identify(given), lambda: lm.identify(prepared)):
+    for attempt in (
+        prepared.require,
+        lambda: lm.identify(given, nonlinearity="dead zone"),
+        lambda: lm.identify(prepared, nonlinearity="dead zone"),
+    ):
         with pytest.raises(DataError, match=r"^FIC-7: expected"):
             attempt()
 

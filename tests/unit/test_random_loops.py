@@ -183,7 +183,15 @@ def test_expected_errors_are_those_of_a_fit_that_knows_the_orders():
             else:
                 u, clean = loop.u, loop.clean
             bound = cramer_rao(loop.model, u, loop.noise, y=clean + noise, clean=clean)
-            fit = lm.identify(u, clean + noise, loop.dt, orders=loop.orders, noise=loop.noise.order, offset="free")
+            fit = lm.identify(
+                u,
+                clean + noise,
+                loop.dt,
+                orders=loop.orders,
+                noise=loop.noise.order,
+                offset="free",
+                nonlinearity="dead zone",
+            )
             misses += [(fit.parameters[name] - loop.truth[name]) / bound[name] for name in ("left", "right")]
     assert 0.8 < np.sqrt(np.mean(np.square(misses))) < 1.25
     assert np.mean(np.abs(misses) < 1.96) > 0.88

@@ -61,6 +61,6 @@ def test_a_held_command_loses_nothing_but_noise():
     model = lm.Hammerstein(lm.DeadZone(-0.7, 1.2), lm.LinearModel([-0.98], [0.02], 1))
     u = lm.signals.prs(4000, -5, 5, hold=20, seed=4)
     y = model.simulate(u)
-    fit = lm.identify(resample(LoopRecord(u, y, dt=1.0), 10), orders=(1, 1, 1), noise="white")
+    fit = lm.identify(resample(LoopRecord(u, y, dt=1.0), 10), orders=(1, 1, 1), noise="white", nonlinearity="dead zone")
     assert fit.parameters["left"] == pytest.approx(-0.7, abs=1e-6)
     assert fit.parameters["right"] == pytest.approx(1.2, abs=1e-6)

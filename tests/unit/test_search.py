@@ -16,7 +16,7 @@ def test_a_delay_that_the_record_tells_is_found(index):
     """Loops in which a longer model with another delay was refined and the true one was not."""
     loop = random_loop(index, 0)
     assert loop.delay_told
-    assert lm.identify(loop.u, loop.y, loop.dt).linear.delay == loop.orders[2]
+    assert lm.identify(loop.u, loop.y, loop.dt, nonlinearity="dead zone").linear.delay == loop.orders[2]
 
 
 def test_a_dead_zone_that_is_asked_for_is_not_behind_the_linear_model():
@@ -31,7 +31,7 @@ def test_a_dead_zone_that_is_asked_for_is_not_behind_the_linear_model():
 def test_a_known_integrator_is_kept(known):
     loop = random_loop(16, 0)
     assert loop.process == "integrating"
-    fit = lm.identify(loop.u, loop.y, loop.dt, integrating=known)
+    fit = lm.identify(loop.u, loop.y, loop.dt, integrating=known, nonlinearity="dead zone")
     assert fit.chosen.integrating is known
     assert fit.settings["integrating"] is known
 
@@ -39,7 +39,7 @@ def test_a_known_integrator_is_kept(known):
 def test_an_integrator_is_found_with_and_without_orders():
     loop = random_loop(16, 0)
     for orders in ("auto", loop.orders):
-        assert lm.identify(loop.u, loop.y, loop.dt, orders=orders).chosen.integrating
+        assert lm.identify(loop.u, loop.y, loop.dt, orders=orders, nonlinearity="dead zone").chosen.integrating
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_an_integrator_is_found_with_and_without_orders():
 def test_what_contradicts_an_integrator_is_refused(options):
     u = lm.signals.prs(300, -5, 5, hold=10, seed=1)
     with pytest.raises(lm.ParameterError, match="expected"):
-        lm.identify(u, TANK.simulate(u), 0.1, **options)
+        lm.identify(u, TANK.simulate(u), 0.1, **options, nonlinearity="dead zone")
 
 
 def test_simpler_polynomials_keep_pairs_and_the_integrator():

@@ -26,7 +26,7 @@ def record(seed, levels=1, noise=0.03**0.5, samples=2000):
 def test_a_zone_about_one_level_is_not_left_between_two(seed):
     """Found between two levels before: a zone that holds none slides there unseen."""
     u, y, (left, right) = record(seed)
-    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
     assert abs(fit.parameters["left"] - left) < 0.05
     assert abs(fit.parameters["right"] - right) < 0.05
     assert {"left", "right", "width"} <= set(fit.profiled)
@@ -37,7 +37,7 @@ def test_a_zone_about_one_level_is_not_left_between_two(seed):
 def test_many_levels_inside_leave_the_interval_to_curvature():
     u = lm.signals.prs(2000, -5, 5, hold=10, seed=1)
     y = TANK.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=2000)
-    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+    fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
     assert not fit.profiled
     low, high = fit.interval("right")
     assert high - low == pytest.approx(2 * 1.96 * fit.standard_errors["right"], rel=1e-3)
@@ -49,7 +49,7 @@ def test_intervals_hold_with_one_level_inside():
     held = 0
     for seed in range(60):
         u, y, (left, right) = record(seed)
-        fit = lm.identify(u, y, 0.1, orders=(3, 2, 3))
+        fit = lm.identify(u, y, 0.1, orders=(3, 2, 3), nonlinearity="dead zone")
         low, high = fit.interval("width")
         held += low <= right - left <= high
     assert held > 50
@@ -59,7 +59,7 @@ def test_intervals_hold_with_one_level_inside():
 def test_a_break_point_known_to_no_better_than_half_the_width_is_no_number_to_build_on(index):
     loop = random_loop(index, 0)
     assert not loop.identifiable
-    fit = lm.identify(loop.u, loop.y, loop.dt)
+    fit = lm.identify(loop.u, loop.y, loop.dt, nonlinearity="dead zone")
     assert fit.status is Status.WIDE
     assert not fit.status.ok
     assert fit.preferred == "dead zone"  # seen it is

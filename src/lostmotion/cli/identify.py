@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Orders = Annotated[str, typer.Option("--orders", help='"auto", or na,nb,delay as in 3,2,3.')]
 Noise = Annotated[str, typer.Option("--noise", help='"auto", "white", or the order of the AR noise.')]
 Kind = Annotated[
-    str, typer.Option("--nonlinearity", help='"dead zone", "backlash", "stiction", "saturation", "none" or "auto".')
+    str, typer.Option("--nonlinearity", help='"auto", "dead zone", "backlash", "stiction", "saturation" or "none".')
 ]
 Gain = Annotated[float | None, number("--gain", "Known static gain of the process behind the valve.")]
 Offset = Annotated[str, typer.Option("--offset", help='"auto", "free", or "zero" for records in deviations.')]
@@ -36,7 +36,7 @@ Out = Annotated[
 class ModelOptions:
     """What is sought, and what is known of it."""
 
-    nonlinearity: Kind = "dead zone"
+    nonlinearity: Kind = "auto"
     orders: Orders = "auto"
     noise: Noise = "auto"
     gain: Gain = None
@@ -66,14 +66,14 @@ def identify(
     columns: RecordOptions,
     output: OutputOptions,
 ) -> None:
-    """Find the dead zone of the actuator and the process behind it, with intervals.
+    """Find the lost motion of the actuator, of whichever kind, and the process behind it, with intervals.
 
     Example: lostmotion identify FIC-101.csv --figure fic101.png --out fic101.json
 
     The record is prepared first: rows that cannot be used are left out, and the report says which and why. Several
     files give one line each, then a table with the largest lost motion first; --json gives a list.
 
-    Exit code 1 where a record does not tell or a fit failed.
+    Exit code 1 where a record does not tell, a fit failed, or another kind is likelier than the one asked for.
     """
     from lostmotion.report.fit_table import fit_line, fit_table
 

@@ -7,7 +7,7 @@ from lostmotion.kernels.stamps import count_samples
 
 if __name__ == "__main__":
     loop = lm.routine_operation(600, seed=0)
-    lm.identify(loop.command, loop.measured, 0.1)
+    lm.identify(loop.command, loop.measured, 0.1, nonlinearity="dead zone")
     for kind in ("backlash", "stiction", "saturation", "auto"):
         lm.identify(loop.command, loop.measured, 0.1, nonlinearity=kind)
     for valve in (lm.Backlash(0.5), lm.Stiction(0.5, 0.3), lm.Saturation(-1.0, 1.0)):

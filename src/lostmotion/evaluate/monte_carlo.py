@@ -122,7 +122,7 @@ def monte_carlo(
     Examples
     --------
     >>> def white(u, y, dt):
-    ...     return identify(u, y, dt, orders=(1, 0, 1), noise="white")
+    ...     return identify(u, y, dt, nonlinearity="dead zone", orders=(1, 0, 1), noise="white")
     >>> result = monte_carlo(estimator=white, cases=2, samples=200, workers=1)
     >>> [case.error for case in result.cases]
     [None, None]

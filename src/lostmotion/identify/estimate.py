@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import EveryKind, is_open
 from lostmotion.identify.actuators.excluded import largest_sizes
@@ -22,6 +23,7 @@ from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
+from lostmotion.identify.earned import earned
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
@@ -41,7 +43,7 @@ def identify(
     y: npt.ArrayLike | None = None,
     dt: float | None = None,
     *,
-    nonlinearity: str = "dead zone",
+    nonlinearity: str = "auto",
     orders: str | tuple[int, int, int] = "auto",
     noise: str | int = "auto",
     gain: float | None = None,
@@ -64,9 +66,10 @@ def identify(
         Measurement (PV), with arrays only.
     dt : float, optional
         Sampling time in seconds, required with arrays.
-    nonlinearity : {"dead zone", "backlash", "stiction", "saturation", "none", "auto"}
+    nonlinearity : {"auto", "dead zone", "backlash", "stiction", "saturation", "none"}
         Kind of actuator. "auto" fits all and returns the one that predicts best what it was not fitted to, or the
-        linear model; `fit.kinds` says how sure that is.
+        linear model; `fit.kinds` says how sure that is. A kind that is named is fitted alone, which takes less time,
+        and compared with the others: where one of them is likelier, the status is OTHER_KIND.
     orders : "auto" or (na, nb, delay)
         Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
         and delays from 1.
@@ -109,10 +112,35 @@ def identify(
     >>> tank = lm.platforms.level_tank()
     >>> u = lm.signals.prs(2000, -5, 5, hold=10, seed=1)
     >>> y = tank.simulate(u) + np.random.default_rng(1).normal(scale=0.03**0.5, size=2000)
-    >>> fit = lm.identify(u, y, dt=0.1, orders=(3, 2, 3), gain=tank.linear.gain)
+    >>> fit = lm.identify(u, y, dt=0.1, nonlinearity="dead zone", orders=(3, 2, 3), gain=tank.linear.gain)
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
+    return _asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating).run()
+
+
+@one_thread
+def identify_alone(
+    records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
+) -> HammersteinFit:
+    """A kind without a look at the others, from records as they are: for estimators that follow this kind."""
+    asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
+    return replace(asked_for, compared=False).run()
+
+
+def _asked_for(
+    u: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
+    y: npt.ArrayLike | None,
+    dt: float | None,
+    nonlinearity: str,
+    orders: str | tuple[int, int, int],
+    noise: str | int,
+    gain: float | None,
+    offset: str,
+    raw: bool,
+    integrating: bool | None,
+) -> _Identification:
+    """What was handed to ``identify``, checked."""
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
     asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain))
     if gain is not None:
@@ -130,16 +158,17 @@ def identify(
         "offset": offset,
         "integrating": integrating,
     }
-    return _Identification(data, asked, settings).run()
+    return _Identification(data, asked, settings)
 
 
 @dataclass(frozen=True)
 class _Identification:
-    """One call of ``identify``: checked data, what is asked, settings as they were given."""
+    """One call of ``identify``: checked data, what is asked, settings as given, and whether kinds are compared."""
 
     data: IdentificationData
     asked: Asked
     settings: dict[str, Any]
+    compared: bool = True
 
     @cached_property
     def scaled(self) -> ScaledData:
@@ -158,7 +187,18 @@ class _Identification:
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
         found = self._beside_nested(kind, found, linear)
         linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
-        return replace(self._packed(found, linear), linear_alternative=self._packed(linear, linear))
+        packed = self._compared(self._packed(found, linear), found, linear)
+        return replace(packed, linear_alternative=self._packed(linear, linear))
+
+    def _compared(self, packed: HammersteinFit, found: Fitted, linear: Fitted) -> HammersteinFit:
+        """The result of the kind asked for, with another status where another kind is likelier."""
+        if not self.compared or packed.status in (Status.SAME_SIGNAL, Status.CANNOT_TELL):
+            return packed
+        other = AskedKind(self.scaled, self.asked, partial(self._fitted, linear)).likelier(found, linear)
+        if other is None:
+            return packed
+        evidence = replace(packed.evidence, other_kind=other)
+        return replace(packed, status=Status.OTHER_KIND, evidence=evidence, widest=None)
 
     def _beside_nested(self, kind: Kind, found: Fitted, linear: Fitted) -> Fitted:
         """The kind also begun at the one that it nests, where that is seen as well: as beside all other kinds."""
@@ -201,7 +241,9 @@ class _Identification:
         simulated, errors = fitted.problem.predict(fitted.fit.theta)
         evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
         tests = residual_tests(fitted, errors)
+        rows, percent = _on_rows(simulated, scaled, s.first), _fit_percent(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
+        status = earned(status, fitted, evidence, data, named.values, rows, percent)
         return HammersteinFit(
             status=status,
             model=_model(named.values, fitted, data),
@@ -209,8 +251,8 @@ class _Identification:
             parameters=named.values,
             covariance=covariance,
             residuals=np.concatenate(errors) * scaling.y_scale,
-            simulated=_on_rows(simulated, scaled, s.first),
-            fit_percent=_fit_percent(scaled, simulated, s.first),
+            simulated=rows,
+            fit_percent=percent,
             tests=tests,
             evidence=evidence,
             widest=kind.widest(fitted, profiled, scaling) if status is Status.NOT_SEEN else None,

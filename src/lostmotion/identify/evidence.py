@@ -23,6 +23,8 @@ class Evidence:
         OP answers PV.
     free_moves : float
         Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
+    other_kind : (str, float) or None
+        Kind that is likelier than the one asked for, and by how much log-likelihood, less what parameters cost.
     """
 
     gain_over_linear: float
@@ -32,3 +34,4 @@ class Evidence:
     rivals: tuple[tuple[float, float, float], ...] = ()
     closed_loop: bool = False
     free_moves: float = 1.0
+    other_kind: tuple[str, float] | None = None

@@ -13,12 +13,12 @@ from lostmotion import _verbs
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
-from lostmotion.identify.actuators.kind import Kind, kind_of
+from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
-HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL)  # no number is given for the fault, only a bound
+HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL)  # no number is given for the fault, only a bound
 SEEN = (Status.COLOURED, Status.WIDE)  # not as it should be, but the kind is what the record shows
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
@@ -47,9 +47,16 @@ class RatedEstimate(NamedEstimate, ABC):
 
     @property
     def preferred(self) -> str:
-        """What the record supports: this kind, "none" (a linear model does as well), or "cannot tell"."""
+        """What the record supports: this kind or a likelier one, "none" (linear does as well), or "cannot tell".
+
+        A linear model whose errors depend on OP has not shown that there is no fault.
+        """
         if self.status is Status.NOT_SEEN:
             return "none"
+        if self.status is Status.MISFIT and self.kind.name == NO_FAULT:
+            return "cannot tell"
+        if self.status is Status.OTHER_KIND and self.evidence.other_kind is not None:
+            return self.evidence.other_kind[0]
         return self.nonlinearity.kind if self.status.ok or self.status in SEEN else "cannot tell"
 
     @property

@@ -136,7 +136,14 @@ def _evidence(saved: Fields) -> Evidence:
     }
     if "rivals" in saved:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
+    if "other_kind" in saved:
+        given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
     return replace(found, **given)
+
+
+def _other_kind(pair: object) -> tuple[str, float]:
+    name, ahead = as_list(pair)
+    return kind_of(str(name)).name, as_number(ahead)
 
 
 def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:

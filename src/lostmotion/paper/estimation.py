@@ -139,7 +139,7 @@ def _one(job: tuple[str, int, int]) -> Run:
         )  # fmt: skip
     if method == "voros":
         return Run(method, seed, voros(u, y, (3, 2, 3), GAIN, DT).parameters, {}, nothing, nothing, nothing)
-    fit = identify(u, y, DT, orders=(3, 2, 3), noise="white", gain=GAIN)
+    fit = identify(u, y, DT, orders=(3, 2, 3), noise="white", gain=GAIN, nonlinearity="dead zone")
     return Run(method, seed, fit.parameters, fit.standard_errors, nothing, nothing, nothing)
 
 

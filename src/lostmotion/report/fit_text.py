@@ -9,9 +9,15 @@ import numpy as np
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
+from lostmotion.identify.earned import fit_without_drift
+from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report.digits import digits, span
 
 WIDTH = 96
+UNEARNED = (
+    Status.CANNOT_TELL, Status.SAME_SIGNAL, Status.OTHER_KIND, Status.NEAR_RANGE, Status.NO_PROCESS,
+    Status.NOT_REPRODUCED,
+)  # fmt: skip
 MEANING = {
     "gain": "static gain of the linear part",
     "offset": "PV at rest inside the dead zone",
@@ -45,7 +51,12 @@ def _finding(fit: HammersteinFit) -> str:
 
 def _sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
-    kind, compared = fit.kind, fit.kinds is not None
+    kind, compared, other = fit.kind, fit.kinds is not None, fit.evidence.other_kind
+    if fit.status is Status.OTHER_KIND and other is not None:
+        return (
+            f"Converged, but {other[0]} fits better by {other[1]:.0f} (log-likelihood, less what parameters cost) than "
+            f"the {kind.name} that was asked for; use nonlinearity='auto'."
+        )
     if fit.status is Status.MISFIT and (not kind.dead_between or compared):
         rest = "no other kind did better" if compared else 'compare the other kinds (nonlinearity="auto")'
         linear = kind.name == NO_FAULT
@@ -67,11 +78,13 @@ def _sentence(fit: HammersteinFit) -> str:
 def finding(fit: HammersteinFit) -> str:
     """What was found, in one sentence with its number."""
     kind = fit.nonlinearity.kind
-    if kind == NO_FAULT:
+    if fit.status in UNEARNED:
+        return _unearned(fit)
+    if kind == NO_FAULT and fit.preferred == "none":
         return "Linear model, no actuator fault in it." + _choice(fit)
+    if kind == NO_FAULT:
+        return "Linear model: a fault is neither shown nor excluded." + _choice(fit)
     span_op = _op_span(fit)
-    if fit.status is Status.CANNOT_TELL:
-        return f"No number is given for the {kind}."
     if fit.status is Status.NOT_SEEN:
         return _unseen(fit, span_op)
     if fit.status is Status.ONE_SIDED and fit.kind.dead_between:
@@ -80,6 +93,14 @@ def finding(fit: HammersteinFit) -> str:
         return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
     gain = f"{fit.evidence.gain_over_linear:.0f}"
     return f"{_size(fit, span_op)}; preferred to the linear model by {gain} (BIC; 10 is strong)." + _choice(fit)
+
+
+def _unearned(fit: HammersteinFit) -> str:
+    """What is not to be read into the numbers."""
+    kind = fit.kind.name
+    if kind == NO_FAULT:
+        return "A fault is neither shown nor excluded."
+    return f"No number is given for the {kind}." if fit.status in HIDDEN else f"Build nothing on this {kind}."
 
 
 def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
@@ -121,6 +142,9 @@ def _choice(fit: HammersteinFit) -> str:
     if kinds is None or kinds.best == kinds.runner_up:
         return ""
     sure = f"confidence {100 * kinds.confidence:.0f} %"
+    if kinds.best not in (NO_FAULT, fit.kind.name):
+        ahead = kinds.likelihoods[kinds.best]
+        return f" The likeliest of the kinds, {kinds.best}, gains {ahead:.0f} in log-likelihood, but shows no size."
     if kinds.best == NO_FAULT:
         return f" The nearest fault, {kinds.runner_up}, does not pay for its parameters ({sure})."
     ahead = kinds.likelihoods[kinds.best] - kinds.likelihoods[kinds.runner_up]
@@ -138,7 +162,7 @@ def _choice(fit: HammersteinFit) -> str:
 def _table(fit: HammersteinFit) -> str:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}"]
     lines.append("-" * WIDTH)
-    hidden = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
+    hidden = fit.status in HIDDEN
     size = fit.kind.size
     for name, meaning in {**fit.kind.words.meanings, **MEANING}.items():
         if name not in fit.parameters or (hidden and name not in (size, "gain")):
@@ -159,6 +183,8 @@ def _table(fit: HammersteinFit) -> str:
 def _dynamics(fit: HammersteinFit) -> str:
     chosen = fit.chosen
     poles = fit.linear.poles
+    if chosen.integrating:
+        poles = np.delete(poles, np.argmin(np.abs(poles - 1.0)))
     constants = [
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
@@ -173,10 +199,15 @@ def _dynamics(fit: HammersteinFit) -> str:
 
 
 def _below_zero(fit: HammersteinFit) -> str:
-    """Why a model can be good and its simulation far from PV."""
-    if fit.fit_percent > 0.0 or not fit.evidence.closed_loop:
+    """Why a model can be good and its simulation far from PV: drift, which OP holds back in a loop."""
+    if fit.fit_percent > 0.0:
         return ""
-    return ": most of what OP does in this loop is to hold back a disturbance, which the simulation does not know"
+    data = fit.data
+    follows = fit_without_drift(data.y, fit.simulated, data.segments)
+    text = f", and {follows:.0f} % where a straight line in every cycle of PV does not count"
+    if follows <= 0.0 or not fit.evidence.closed_loop:
+        return text
+    return text + ": OP holds back a disturbance in this loop that drifts, which the simulation does not know"
 
 
 def _checks(fit: HammersteinFit) -> str:

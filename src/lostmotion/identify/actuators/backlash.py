@@ -12,11 +12,13 @@ from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
 from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST, MemoryFamily, rests_of
 from lostmotion.identify.likelihood.family import Family, Grid
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import backlash as kernel
 from lostmotion.models import Backlash
 
+FEWEST_TURNS = 2  # of the play: with one, a step of load does as well
 GRID, ZOOM = 18, 6  # widths, and steps to either side between two of them: its likelihood has broad hills
 
 
@@ -80,6 +82,16 @@ class BacklashKind(Kind):
         """From several places in the band."""
         for rests in rests_of(problem):
             yield BacklashFamily(size, problem.segments, rests=rests), np.array([size])
+
+    def met(self, fitted: Fitted) -> bool:
+        """The play is taken up in one direction, in the other, and again."""
+        problem = fitted.problem
+        x = problem.internal(fitted.fit.theta)[0]
+        turns = 0
+        for start, stop in problem.segments.tolist():
+            moves = np.sign(np.diff(x[start:stop]))
+            turns += int(np.count_nonzero(np.diff(moves[moves != 0.0])))
+        return turns >= FEWEST_TURNS
 
 
 BACKLASH = register(BacklashKind())

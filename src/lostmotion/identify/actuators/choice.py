@@ -139,7 +139,7 @@ def _confidence(ahead: float) -> float:
 
 
 def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
-    """Log predictive density of every row that is left out once."""
+    """Log predictive density of every row that is left out once; a record too short for that says 0."""
     s = fitted.problem.structure
     structure = Structure(s.na, s.nb, s.delay, s.noise_order, max(start, s.delay + s.noise_order), s.integrating)
     pieces = _pieces(data.segments, structure.start + FEWEST)
@@ -151,6 +151,8 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
         theta, variance = _refitted(fitted, structure, pieces[~mine])
         errors = _predicted(fitted, structure, pieces[mine], theta)
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
+    if not found:
+        return np.zeros(1)
     densities = np.concatenate(found)
     family = fitted.problem.family
     held = len(family.names) - len(family.own) * (not family.kinks)

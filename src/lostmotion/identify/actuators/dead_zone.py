@@ -35,6 +35,7 @@ FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not 
 LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
 LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
 PLACES = (4, 16)  # at which a dead zone of a given size is tried, fewest and most
+GLANCED = 6  # levels of OP between which it is looked for first
 UNMOVED = 1e-9  # of a direction: a part of it below this is rounding
 
 
@@ -126,6 +127,7 @@ class DeadZoneKind(Kind):
     anywhere = ("left", "right", "slope_ratio", "left_slope")
     always_tried = True
     begins_alone = True
+    largest_share = 0.8  # what is left on either side must show two slopes
     words = Words(
         wider="A dead zone wider than",
         plural="dead zones",
@@ -168,6 +170,12 @@ class DeadZoneKind(Kind):
         candidates = profile(data, lags_of(data, asked), *_ends(family))
         etas = [np.array([c.left, c.right, c.log_ratio]) for c in candidates]
         return Sought(family, etas, candidates[0].rss)
+
+    def glance(self, data: ScaledData) -> list[tuple[Family, FloatArray]]:
+        """Equal slopes, between levels that are spread over the range of OP."""
+        (family,) = self.forms(data)
+        levels = np.linspace(*_ends(family), GLANCED)
+        return [(family, np.array([a, b, 0.0])) for i, a in enumerate(levels) for b in levels[i + 1 :]]
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:
         """Break points in order, to rounding."""

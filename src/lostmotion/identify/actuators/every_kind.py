@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
@@ -120,11 +121,18 @@ def _best_linear(linear: Fitted, found: Fits) -> Fitted:
 
 
 def likely_kinds(data: ScaledData, asked: Asked) -> dict[str, Sought]:
-    """Kinds whose profile explains more than a linear model and is not hopelessly behind another, likeliest first."""
+    """Kinds whose profile explains more than a linear model and is not hopelessly behind another, likeliest first.
+
+    Long records are not sought on the same rows by all; there the best places are compared on those of the shortest.
+    """
     lagged = regression(data, asked)
     rows = lagged.samples
+    whole = rows == sum(stop - start for start, stop in lagged.lags.rows(data.segments))
     found = {kind.name: kind.sought(data, asked) for kind in faults()}
-    behind = {kind: 0.5 * rows * np.log(max(sought.squares, 1e-300)) for kind, sought in found.items()}
+    squares = {
+        kind: sought.squares if whole else lagged.squares(path_of(sought, data.u)) for kind, sought in found.items()
+    }
+    behind = {kind: 0.5 * rows * np.log(max(value, 1e-300)) for kind, value in squares.items()}
     linear = 0.5 * rows * np.log(max(lagged.squares(data.u), 1e-300))
     order = sorted(found, key=lambda kind: behind[kind])
     best = behind[order[0]]
@@ -133,6 +141,13 @@ def likely_kinds(data: ScaledData, asked: Asked) -> dict[str, Sought]:
     likely += [kind for kind in dict.fromkeys(alike) if kind in found and kind not in likely]
     kept = {kind: found[kind] for kind in likely if kind_of(kind).always_tried or behind[kind] < linear - WORTHWHILE}
     return kept or {order[0]: found[order[0]]}
+
+
+def path_of(sought: Sought, u: FloatArray) -> FloatArray:
+    """Internal variable (n,) of the best place."""
+    x = np.empty(u.size)
+    sought.family.path(sought.etas[0], u, x)
+    return x
 
 
 def _keep(found: Fits, kind: str, other: Fitted) -> bool:

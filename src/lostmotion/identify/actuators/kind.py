@@ -11,6 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.identify.actuators.operator_profile import seek
@@ -25,6 +27,7 @@ from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Nonlinearity
 
 NEEDED = 3.0  # of log-likelihood, by which a fault must beat the linear model: 20 to 1
+GLANCES = 9  # places of each form of a kind in a first look
 CLASSES = ("dead_zone", "memory", "saturation")  # of evidence, each with a weight of its own in a diagnosis
 SHAPES = ("never", "level", "always")
 
@@ -97,6 +100,8 @@ class Kind(ABC):
         Fitted also where its profile does not beat the linear model.
     begins_alone : bool
         Its search does not begin at the process of another kind.
+    largest_share : float
+        Of the range of OP: a size beyond it is not shown by moves inside that range.
     """
 
     model: ClassVar[type[Any]]
@@ -115,6 +120,7 @@ class Kind(ABC):
     looks_like: ClassVar[str] = ""
     always_tried: ClassVar[bool] = False
     begins_alone: ClassVar[bool] = False
+    largest_share: ClassVar[float] = 0.97
 
     @property
     def name(self) -> str:
@@ -142,6 +148,14 @@ class Kind(ABC):
     def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:  # noqa: ARG002
         """Nearest own parameters of the same size with which the actuator lies where OP goes."""
         return own
+
+    def glance(self, data: ScaledData) -> list[tuple[Family, FloatArray]]:
+        """A few places, spread over all that it can be, where a first look is taken before it is sought."""
+        found = []
+        for form in self.forms(data):
+            places = form.grid(data.u, float(np.ptp(data.u)), data.u.size)[0]
+            found += [(form, eta) for eta in places[:: max(len(places) // GLANCES, 1)]]
+        return found
 
     def actuator(self, values: Mapping[str, float], family: Family) -> Nonlinearity:  # noqa: ARG002
         """Model with these parameters, in units of OP."""

@@ -3,7 +3,8 @@
 Without them a model of the wrong kind fills the gap: the memory of a backlash in front of the inverse of the controller
 is also a filter of PV that keeps steps, and an autoregression of low order does not foretell a sine behind noise. Every
 kind of actuator may have its own loads, and pays for each (information criterion), so that a fault which makes
-slips and swings by itself is cheaper than the loads that would imitate it.
+slips and swings by itself is cheaper than the loads that would imitate it. In a test, where OP is held and moved by
+hand, no steps are sought: at the moves they would imitate any actuator.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from lostmotion.identify.actuators.spectral_lines import (
 from lostmotion.identify.likelihood.courses import Loads, Step, Swing, courses_of, forget
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import LinearFamily
+from lostmotion.identify.likelihood.feedback import held_by_hand
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions
 from lostmotion.identify.likelihood.parameters import information_inverse
@@ -210,6 +212,7 @@ class _Errors:
         self.segments = [(start, start + s.start, stop) for start, stop in problem.segments.tolist()]
         self.dominant: dict[tuple[int, int], float | None] = {}
         self.errors = np.zeros(n)
+        self.by_hand = held_by_hand(problem)
         for (_, first, stop), part in zip(self.segments, problem.predict(fitted.fit.theta)[1], strict=True):
             self.errors[first:stop] = part
 
@@ -278,7 +281,7 @@ class _Errors:
     def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
         """Best step and best swing of a segment."""
         part, skipped = left[start:stop], first - start
-        if part.size - skipped > 4 * EDGE:
+        if part.size - skipped > 4 * EDGE and not self.by_hand:
             w = response[: part.size]
             energy = np.cumsum(w**2)
             norms = energy[::-1].copy()

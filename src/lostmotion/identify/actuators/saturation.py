@@ -10,11 +10,13 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
 from lostmotion.identify.likelihood.family import Family, Grid
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import saturation as kernel
 from lostmotion.models import Saturation
 
 LIMITS = (0.01, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45)  # shares of the samples beyond a limit
+FEWEST_VISITS = 2  # beyond a limit: one step or spike of OP says nothing of its shape
 FINER = 0.03  # of the range of OP: how far about a limit it is looked for once more
 
 
@@ -67,6 +69,12 @@ class SaturationKind(Kind):
     def forms(self, data: ScaledData) -> list[Family]:
         """One, within the range of OP."""
         return [SaturationFamily((float(data.u.min()), float(data.u.max())))]
+
+    def met(self, fitted: Fitted) -> bool:
+        """OP goes beyond one of the limits more than once."""
+        (low, high), u = fitted.actuator, fitted.problem.u
+        visits = (int(np.count_nonzero(np.diff(beyond, prepend=False) & beyond)) for beyond in (u < low, u > high))
+        return max(visits) >= FEWEST_VISITS
 
 
 SATURATION = register(SaturationKind())

@@ -25,6 +25,7 @@ NEAR_RATIO = 0.7  # of the log: slopes nearer than this climb to the same place
 # places of the jump over the range of OP, 1.6 % apart: zones of 2 to 3 % are missed by KNOTS (docs/method.md, "narrow
 # zones")
 NARROW_KNOTS = 60
+SMALLEST_SPACING = 1e-12  # OP may rest nearly always
 MOST_NARROW = 2  # of them, four spacings apart: noise makes the others
 NARROW_ROWS = 8192  # enough to place a narrow zone; the likelihood then takes all rows
 START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
@@ -65,7 +66,9 @@ def profile(data: ScaledData, lags: Lags, low: float, high: float) -> list[Candi
             found.append(Candidate(left[i], right[j], ratio[i, j], rss[i, j]))
     found.sort(key=lambda candidate: candidate.rss)
     limit = found[0].rss * (1.0 + 2.0 * START_MARGIN / samples)
-    return _apart([candidate for candidate in found if candidate.rss <= limit], 0.5 * spacing)[:MOST_STARTS]
+    return _apart([candidate for candidate in found if candidate.rss <= limit], max(0.5 * spacing, SMALLEST_SPACING))[
+        :MOST_STARTS
+    ]
 
 
 def _apart(candidates: list[Candidate], distance: float) -> list[Candidate]:

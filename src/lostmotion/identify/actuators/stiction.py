@@ -9,8 +9,8 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
-from lostmotion.identify.actuators.kind import Kind, Words, register
-from lostmotion.identify.actuators.memory_family import rests_of
+from lostmotion.identify.actuators.kind import GLANCES, Kind, Words, register
+from lostmotion.identify.actuators.memory_family import LARGEST, rests_of
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
 from lostmotion.identify.actuators.slip_profile import fine_slips_of, slips_of
@@ -29,6 +29,7 @@ from lostmotion.models import Nonlinearity, Stiction
 
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
 MANY_LOADS = 3  # beside a backlash: a valve that sticks may have been missed
+SMALLEST_GLANCE, GLANCED_JUMPS = 0.05, (0.2, 0.8)  # of a first look: in ranges of OP, and in bands
 NEEDED_JUMP = 5.0  # by which it must beat backlash: the place of its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
 
@@ -78,6 +79,11 @@ class StictionKind(Kind):
         family = next(form for form in forms if own(form).code == best.model)
         etas = [np.array([one.band, one.jump]) for one in places if one.model == best.model]
         return Sought(family, etas[:MOST_STARTS], best.squares)
+
+    def glance(self, data: ScaledData) -> list[tuple[Family, FloatArray]]:
+        """Bands over the range of OP, with small and large jumps."""
+        form, bands = self.forms(data)[0], float(np.ptp(data.u)) * np.geomspace(SMALLEST_GLANCE, LARGEST, GLANCES)
+        return [(form, np.array([band, share * band])) for band in bands for share in GLANCED_JUMPS]
 
     def finished(self, fitted: Fitted) -> Fitted:
         """The best pattern of slips about a fit."""

@@ -65,6 +65,12 @@ def feedback(signals: Signals) -> Feedback:
     return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0, direction)
 
 
+def held_by_hand(signals: Signals) -> bool:
+    """Whether OP is at rest mostly, and no controller moves it: a test."""
+    moves = np.concatenate([np.diff(signals.u[start:stop]) for start, stop in signals.segments.tolist()])
+    return float(np.mean(moves == 0.0)) > RESTS and not feedback(signals).closed
+
+
 def _left_over(turned: ScaledData) -> tuple[float, float]:
     """Sums of squares of OP that its own past leaves over, and that the past of both and PV now do.
 

@@ -23,6 +23,7 @@ INSTRUMENTS = {"riv": iv.MODEL_OUTPUT, "rls": iv.LEAST_SQUARES, "els": iv.LEAST_
 FORMS = ("convergent", "printed")
 KIND = "RecursiveIV 3"  # of the bytes
 BEFORE = "RecursiveIV 2"  # without what is kept of earlier estimates and of the moves of u
+FEWEST_LEVELS = 5  # of u: a static characteristic through four has as many unknowns, two break points and two slopes
 DENSE = 2000  # weighted samples after which the standard errors are gathered from a part of them
 _STEP: Any = kernel.step  # compiled: no signature that a type checker knows
 _RUN: Any = kernel.run
@@ -116,6 +117,7 @@ class RecursiveIV:
         self._state[[iv.FORGETTING, iv.CONSTANT_FORGETTING]] = forgetting
         self._state[[iv.CONSTANT_FOR, iv.START]] = constant_for, 0 if printed else start_samples
         self._state[iv.SINCE], self._state[iv.DENSE] = 1.0, DENSE
+        self._levels: set[float] = set()
         self._named("zone")[:] = 0.0, 0.0, 1.0, 1.0
         self._named("theta")[:] = 10.0 if printed else 0.0
         np.fill_diagonal(self._named("p"), 1e6 if printed else 1e3)
@@ -153,6 +155,8 @@ class RecursiveIV:
             good = False
         if not good:
             raise DataError.expected("finite u and y", f"u={u!s:.60}, y={y!s:.60}", "leave missing samples out")
+        if len(self._levels) < FEWEST_LEVELS:
+            self._levels.add(float(u))
         return float(_STEP(self._state, self._layout, float(u), float(y)))
 
     def run(self, u: npt.ArrayLike, y: npt.ArrayLike, every: int = 1) -> Trajectory:
@@ -162,10 +166,17 @@ class RecursiveIV:
         every = min(whole("every", every, 1), u.size + 1)
         n = int(self._layout[iv.N])
         begin = self.samples
+        self._take_levels(u)
         trace = np.empty((u.size // every, n + 4))
         errors = _RUN(self._state, self._layout, u, y, every, trace)
         values = {name: trace[:, n + column] for column, name in enumerate(_NAMES)}
         return Trajectory(begin + every * np.arange(1, len(trace) + 1), {**values, "theta": trace[:, :n]}, errors)
+
+    def _take_levels(self, u: FloatArray) -> None:
+        """Remember the first levels."""
+        levels = iter(u.tolist() if len(self._levels) < FEWEST_LEVELS else ())
+        while len(self._levels) < FEWEST_LEVELS and (level := next(levels, None)) is not None:
+            self._levels.add(level)
 
     @property
     def estimate(self) -> RecursiveEstimate:
@@ -182,7 +193,12 @@ class RecursiveIV:
         return RecursiveEstimate(status, Hammerstein(actuator, linear), values, covariance, self.samples)
 
     def _status(self, covariance: FloatArray) -> Status:
-        """Gain of the right sign, both sides visited, break points known to a quarter of the range of u."""
+        """Gain of the right sign, both sides visited, break points known to a quarter of the range of u.
+
+        Between few levels of u, a binary one above all, any break points do.
+        """
+        if len(self._levels) < FEWEST_LEVELS:
+            return Status.CANNOT_TELL
         theta, zone, span = (self._named(name) for name in ("theta", "zone", "span"))
         na, nb = (int(value) for value in self._layout[: iv.DELAY])
         product = theta[na] + zone[3] * theta[na + 4 : na + 4 + nb].sum()
@@ -235,7 +251,8 @@ class RecursiveIV:
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""
         labels = np.array([KIND, self.method, self.form])
-        return pack(labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout)
+        levels = np.array(sorted(self._levels))
+        return pack(labels=labels, dt=np.array(self.dt), state=self._state, layout=self._layout, levels=levels)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -256,6 +273,8 @@ class RecursiveIV:
                 raise ValueError(kind)
             new = cls(na, nb, delay, 1.0, dt=dt, method=method, form=form)
             new._take_over(kind, state, layout)
+            # older bytes do not say: enough then
+            new._levels = {float(level) for level in parts.get("levels", np.arange(float(FEWEST_LEVELS)))}
         return new
 
     def _take_over(self, kind: str, state: FloatArray, layout: IntArray) -> None:

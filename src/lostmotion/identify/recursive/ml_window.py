@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, Status
-from lostmotion.identify.estimate import identify
+from lostmotion.identify.estimate import identify_alone
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.records import LoopRecord
@@ -70,7 +70,7 @@ def fit_window(window: Window, settings: Settings) -> tuple[HammersteinFit, Wind
 
 def _fit(u: FloatArray, y: FloatArray, segments: IntArray, settings: Settings) -> HammersteinFit:
     records = [LoopRecord(op=u[start:stop], pv=y[start:stop], dt=settings.dt) for start, stop in segments]
-    return identify(records, orders=settings.orders, noise=settings.noise, offset=settings.offset, raw=True)
+    return identify_alone(records, "dead zone", settings.orders, settings.noise, settings.offset)
 
 
 def may_begin(fit: HammersteinFit, waited: float) -> bool:
