@@ -99,6 +99,7 @@ def test_report_names_the_largest_size():
     assert "CANNOT TELL: backlash up to 5 % of span is not excluded." in why
 
 
+@pytest.mark.statistics
 def test_a_sound_valve_that_is_moved_is_cleared():
     found = lm.diagnose(loop(lm.Identity(), 3))
     assert found.verdict == "none"
@@ -106,6 +107,7 @@ def test_a_sound_valve_that_is_moved_is_cleared():
     assert lm.diagnose(loop(lm.Identity(), 3), tolerance=1e-4).verdict == "cannot tell"
 
 
+@pytest.mark.statistics
 def test_a_record_in_which_op_does_nothing_excludes_nothing():
     random = np.random.default_rng(1)
     op, pv = np.repeat(random.normal(size=40), 25), random.normal(size=1000)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -165,8 +166,14 @@ def _choice(data: Any) -> KindChoice:
         name: {str(kind): as_number(value) for kind, value in data.get(name, {}).items()}
         for name in ("gains", "likelihoods", "firm")
     }
-    confidence = as_number(data["confidence"])
-    return KindChoice(str(data["best"]), **shares, confidence=confidence, runner_up=str(data["runner_up"]))
+    sizes = data.get("excluded", {}).items()
+    return KindChoice(
+        str(data["best"]),
+        **shares,
+        confidence=as_number(data["confidence"]),
+        runner_up=str(data["runner_up"]),
+        excluded={str(kind): math.inf if size is None else as_number(size) for kind, size in sizes},
+    )
 
 
 def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:
