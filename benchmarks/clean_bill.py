@@ -1,6 +1,6 @@
 """Do the sizes that a record excludes hold, and is the actuator cleared only where nothing hides?
 
-Run: ``.venv/bin/python benchmarks/clean_bill.py`` (about 8 minutes on two cores); writes docs/clean-bill.md.
+Run: ``.venv/bin/python benchmarks/clean_bill.py`` (about 5 minutes on two cores); writes docs/clean-bill.md.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from pages import publish  # noqa: E402
 from verdicts.second_family import CELLS, second_family  # noqa: E402
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "clean-bill.md"
-SMALL = 300  # loops with a fault too small to be seen, a third of each kind
-FAMILY = 200  # of each family
+SMALL = 180  # loops with a fault too small to be seen, a third of each kind
+FAMILY = 80  # of each family
 SEEDS = 90_000
 SPAN = (0.0, 100.0)
 KINDS = ("dead zone", "backlash", "stiction")
