@@ -3,8 +3,8 @@
 Without them a model of the wrong kind fills the gap: the memory of a backlash in front of the inverse of the controller
 is also a filter of PV that keeps steps, and an autoregression of low order does not foretell a sine behind noise. Every
 kind of actuator may have its own loads, and pays for each (information criterion), so that a fault which makes
-slips and swings by itself is cheaper than the loads that would imitate it. In a test, where OP is held long and moved by
-hand, no steps are sought: at the moves they would imitate any actuator.
+slips and swings by itself is cheaper than the loads that would imitate it. In a test, where OP is held long and moved
+by hand, no steps are sought: at the moves they would imitate any actuator.
 """
 
 from __future__ import annotations
