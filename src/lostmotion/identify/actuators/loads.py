@@ -3,8 +3,8 @@
 Without them a model of the wrong kind fills the gap: the memory of a backlash in front of the inverse of the controller
 is also a filter of PV that keeps steps, and an autoregression of low order does not foretell a sine behind noise. Every
 kind of actuator may have its own loads, and pays for each (information criterion), so that a fault which makes
-slips and swings by itself is cheaper than the loads that would imitate it. In a test, where OP is held and moved by
-hand, no steps are sought: at the moves they would imitate any actuator.
+slips and swings by itself is cheaper than the loads that would imitate it. In a test, where OP is held long and moved
+by hand, no steps are sought: at the moves they would imitate any actuator.
 """
 
 from __future__ import annotations
@@ -45,6 +45,7 @@ PROMISING = 0.9  # the same at the noise model of the fit, which has taken over 
 # swings and steps together: one more would be explaining, not cleaning; each pays COST log n all the same
 MOST_EVENTS = 20
 MOST_ROUNDS = 4  # of finding, fitting, finding in what is left; it ends by itself where nothing pays
+MOST_BY_HAND = 0  # steps in a test of few moves
 EDGE = 10  # samples at either end of a segment in which a step cannot be told from what was before, or from noise
 SAME = 0.03  # relative difference of two periods that are one
 LEAST_SHARE = 0.1  # of the variance of PV
@@ -212,7 +213,8 @@ class _Errors:
         self.segments = [(start, start + s.start, stop) for start, stop in problem.segments.tolist()]
         self.dominant: dict[tuple[int, int], float | None] = {}
         self.errors = np.zeros(n)
-        self.by_hand = held_by_hand(problem)
+        steps = sum(isinstance(event, Step) for event in problem.family.loads.events) if problem.family.loads else 0
+        self.steps_left = (MOST_BY_HAND if held_by_hand(problem) else MOST_EVENTS) - steps
         for (_, first, stop), part in zip(self.segments, problem.predict(fitted.fit.theta)[1], strict=True):
             self.errors[first:stop] = part
 
@@ -231,6 +233,7 @@ class _Errors:
             if best is None or not best.gain > self.limit:
                 break
             events.append(best.event)
+            self.steps_left -= isinstance(best.event, Step)
             for course in courses_of(best.event, rows):
                 columns[count] = self._column(course)
                 products = (columns[: count + 1] @ columns[count]).astype(float)
@@ -281,7 +284,7 @@ class _Errors:
     def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
         """Best step and best swing of a segment."""
         part, skipped = left[start:stop], first - start
-        if part.size - skipped > 4 * EDGE and not self.by_hand:
+        if part.size - skipped > 4 * EDGE and self.steps_left > 0:
             w = response[: part.size]
             energy = np.cumsum(w**2)
             norms = energy[::-1].copy()

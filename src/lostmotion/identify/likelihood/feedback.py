@@ -16,6 +16,7 @@ from lostmotion.kernels.triangular import triangular
 LAGS = 10  # past rows of OP and PV: a PI controller needs two, a filter in front of it a few more
 LEVEL = 1e-4  # of the test whether OP answers PV
 RESTS, LEAST_MOVE = 0.5, 0.02  # share of moves of PV at which OP rests, and of the range of OP that a move takes then
+HELD = 0.97  # share of rows at which OP rests in a test: thirty rows and more at a level
 SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
 NORMAL = 1e-7  # share of the variance of OP, of which sums of products still tell seven digits
@@ -66,9 +67,9 @@ def feedback(signals: Signals) -> Feedback:
 
 
 def held_by_hand(signals: Signals) -> bool:
-    """Whether OP is at rest mostly, and no controller moves it: a test."""
+    """Whether OP hardly ever moves, and no controller moves it: a test."""
     moves = np.concatenate([np.diff(signals.u[start:stop]) for start, stop in signals.segments.tolist()])
-    return float(np.mean(moves == 0.0)) > RESTS and not feedback(signals).closed
+    return float(np.mean(moves == 0.0)) > HELD and not feedback(signals).closed
 
 
 def _left_over(turned: ScaledData) -> tuple[float, float]:
