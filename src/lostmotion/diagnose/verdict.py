@@ -78,7 +78,7 @@ def _no_fault(
     if measured.swings and measured.driven:
         return "other oscillation", "disturbance"
     if not measured.swings or stability is None or not own:
-        silent = fit.status is Status.CANNOT_TELL
+        silent = fit.status in (Status.CANNOT_TELL, Status.SAME_SIGNAL)
         return ("cannot tell", "unknown") if silent else ("none", "none")
     if quantised:
         return "other oscillation", "sensor"

@@ -44,7 +44,7 @@ def fit_figure(fit: HammersteinFit, title: str | None = None) -> Figure:
 
 
 def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
-    unseen = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL)
+    unseen = fit.status in (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL)
     u = fit.data.u
     low, high = float(u.min()), float(u.max())
     margin = 0.04 * (high - low)
