@@ -1,6 +1,6 @@
 """Do the sizes that a record excludes hold, and is the actuator cleared only where nothing hides?
 
-Run: ``.venv/bin/python benchmarks/clean_bill.py`` (about 5 minutes on two cores); writes docs/clean-bill.md.
+Run: ``.venv/bin/python benchmarks/clean_bill.py`` (about 5 minutes on two cores); prints tables.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import argparse  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from dataclasses import dataclass  # noqa: E402
-from pathlib import Path  # noqa: E402
 from typing import Any  # noqa: E402
 
 import numpy as np  # noqa: E402
@@ -21,10 +20,8 @@ import numpy as np  # noqa: E402
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate import random_faulty_loop  # noqa: E402
 from lostmotion.evaluate.workers import run_all  # noqa: E402
-from pages import publish  # noqa: E402
 from verdicts.second_family import CELLS, second_family  # noqa: E402
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "clean-bill.md"
 SMALL = 180  # loops with a fault too small to be seen, a third of each kind
 FAMILY = 80  # of each family
 SEEDS = 90_000
@@ -116,7 +113,7 @@ def cleared(rows: list[Told], moves: bool) -> list[bool]:
 
 
 def main() -> None:
-    """Measure, print, write."""
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--small", type=int, default=SMALL)
     parser.add_argument("--family", type=int, default=FAMILY)
@@ -152,8 +149,6 @@ def main() -> None:
         "",
     ]
     print("\n".join(lines))
-    if (given.small, given.family) == (SMALL, FAMILY):
-        publish(PAGE, "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -89,16 +89,16 @@ def test_options_reach_the_reader_and_the_diagnosis(capsys, tmp_path, told):
     path = write_columns(tmp_path / "x.csv", {"t": np.arange(400.0), "A": record.op, "B": record.pv, "C": record.sp})
     asked = told(*[example()] * 3)
     words = ("diagnose", path, "--op", "A", "--pv", "B", "--sp", "C", "--dt", 5, "--ignore-time", "--tag", "FC9")
-    run(capsys, *words, "--op-span", 10, 90, "--integrating", "--loop-type", "level")
+    run(capsys, *words, "--op-span", 10, 90, "--integrating", "--loop-type", "level", "--tolerance", 0.02)
     run(capsys, *words, "--self-regulating")
     run(capsys, *words)
     read = asked[0][0]
     assert (read.tag, read.dt, read.op_span) == ("FC9", 5.0, (10.0, 90.0))
     np.testing.assert_allclose(read.sp, record.sp)
     assert [options for _, options in asked] == [
-        {"integrating": True, "loop_type": "level"},
-        {"integrating": False, "loop_type": None},
-        {"integrating": None, "loop_type": None},
+        {"integrating": True, "loop_type": "level", "tolerance": 0.02},
+        {"integrating": False, "loop_type": None, "tolerance": 0.01},
+        {"integrating": None, "loop_type": None, "tolerance": 0.01},
     ]
 
 

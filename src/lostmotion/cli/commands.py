@@ -17,7 +17,7 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "sampling, gaps, flat stretches, saturation, excitation.",
     "diagnose": "Say what is wrong with a loop: "
     "actuator, tuning, disturbance or sensor, how sure that is, and what to do.",
-    "identify": "Find the dead zone of the actuator and the process behind it, with intervals.",
+    "identify": "Find the lost motion of the actuator, of whichever kind, and the process behind it, with intervals.",
     "compensate": "Apply the plain inverse of a dead zone to the controller output and write it as OP_compensated.",
     "simulate": "Simulate the loop without, with and with mis-estimated compensation, before anything is downloaded.",
     "design": "Design the test that tells most about the dead zone, or say what a record can at best tell.",

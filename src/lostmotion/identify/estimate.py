@@ -224,12 +224,15 @@ class _Identification:
         linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
+        bounds: dict[str, float] = {}
         if kinds.best != NO_FAULT:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
+            if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
+                bounds[kinds.best] = chosen.widest
         sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in largest_sizes(linear, fits).items()}
-        return replace(linear_result, kinds=replace(kinds, excluded=sizes))
+        return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:
         """Result in engineering units with status."""

@@ -34,6 +34,7 @@ OUTER_SHARE = 0.01  # break points are sought where this share of the samples li
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
 LARGEST_RATIO_ERROR = 0.6  # of the slope ratio: above it one side may have no slope at all, so no break point either
 LEAST_BEYOND = 0.02  # of the rows: a dead zone that is never left on one side is a limit
+BOTH_SIDES = 0.05  # of the rows beyond either end of a dead zone of a given size: with fewer it is a limit, or a seat
 PLACES = (4, 16)  # at which a dead zone of a given size is tried, fewest and most
 GLANCED = 6  # levels of OP between which it is looked for first
 UNMOVED = 1e-9  # of a direction: a part of it below this is rounding
@@ -147,11 +148,11 @@ class DeadZoneKind(Kind):
 
     def forms(self, data: ScaledData) -> list[Family]:
         """One, with some samples beyond either end."""
-        return [DeadZoneFamily(*_visited(data.u))]
+        return [DeadZoneFamily(*_visited(data.u, OUTER_SHARE))]
 
     def of_size(self, problem: Problem, size: float) -> Iterator[tuple[Family, FloatArray]]:
         """At places a third of the size apart, with equal slopes."""
-        low, high = _visited(problem.u)
+        low, high = _visited(problem.u, BOTH_SIDES)
         ends = float(problem.u.min()) - size, float(problem.u.max()) + size
         first, last = min(low + 0.5 * size, 0.5 * (low + high)), max(high - 0.5 * size, 0.5 * (low + high))
         for middle in np.linspace(first, last, int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1):
@@ -159,7 +160,7 @@ class DeadZoneKind(Kind):
 
     def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:
         """With both ends where OP goes, or all of that inside."""
-        low, high = _visited(u)
+        low, high = _visited(u, BOTH_SIDES)
         half, middle = 0.5 * (own[1] - own[0]), 0.5 * (own[0] + own[1])
         inside = min(max(middle, low + half), high - half) if 2.0 * half <= high - low else 0.5 * (low + high)
         return own if abs(inside - middle) <= UNMOVED * half else np.array([inside - half, inside + half, own[2]])
@@ -223,9 +224,9 @@ class DeadZoneKind(Kind):
         return ("right", "slope_ratio", "width")
 
 
-def _visited(u: FloatArray) -> tuple[float, float]:
-    """Range of OP with some samples beyond either end."""
-    low, high = (float(value) for value in np.quantile(u, [OUTER_SHARE, 1 - OUTER_SHARE]))
+def _visited(u: FloatArray, beyond: float) -> tuple[float, float]:
+    """Range of OP with this share of the samples beyond either end."""
+    low, high = (float(value) for value in np.quantile(u, [beyond, 1.0 - beyond]))
     return low, high
 
 
