@@ -71,10 +71,10 @@ def test_other_verdicts_stay(verdict):
 
 
 def test_advice_names_the_test_and_how_much_more_of_the_same():
-    test, more = how_to_tell(bill(backlash=2.0), still=True)
+    test, more = how_to_tell(2.0, 1.0, still=True)
     assert "SP does not move" in test
     assert "4 times as much" in more
-    assert len(how_to_tell(bill(backlash=np.inf), still=False)) == 1
+    assert len(how_to_tell(np.inf, 1.0, still=False)) == 1
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1, np.nan])

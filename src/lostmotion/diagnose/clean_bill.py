@@ -66,7 +66,8 @@ class CleanBill:
         if size < limit:
             return verdict
         said = f"up to {size / unit:.2g} % {self.span.words}" if np.isfinite(size) else "of any size"
-        return replace(verdict, verdict="cannot tell", kind="unknown", why=f"{kind} {said} is not excluded; {what}")
+        why = f"{kind} {said} is not excluded; {what}"
+        return replace(verdict, verdict="cannot tell", kind="unknown", why=why, limit=limit)
 
 
 def _commanded(verdict: Verdict, measured: Measured) -> bool:
@@ -94,14 +95,22 @@ def _excluded(fit: HammersteinFit) -> dict[str, float]:
     return {} if size is None else {fit.kind.name: float(fit.interval(size)[1])}
 
 
-def how_to_tell(bill: CleanBill, still: bool) -> tuple[str, ...]:
-    """What would settle it, most useful first; `still`: SP did not move."""
-    more = (bill.largest[1] / bill.tolerance) ** 2
+def how_to_tell(size: float, limit: float, still: bool) -> tuple[str, ...]:
+    """What would settle it, most useful first.
+
+    Parameters
+    ----------
+    size, limit : float
+        Largest size that is not excluded, and that which must be, in units of OP.
+    still : bool
+        Whether SP did not move.
+    """
     reason = "SP does not move in this record" if still else "the moves in this record do not tell"
     advice = [
-        f"Move SP, or OP in manual, a few times up and down by clearly more than {bill.tolerance:.2g} of OP (the "
-        f"tolerance): {reason}. `lostmotion design` plans such a test."
+        f"Move SP, or OP in manual, a few times up and down by clearly more than {limit:.2g} of OP, the size to be "
+        f"excluded: {reason}. `lostmotion design` plans such a test."
     ]
+    more = (size / max(limit, 1e-300)) ** 2
     if np.isfinite(more) and 1.0 < more <= MOST_RECORDS:
         advice.append(f"Or give about {np.ceil(more):.0f} times as much of the same operation.")
     return tuple(advice)

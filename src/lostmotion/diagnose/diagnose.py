@@ -147,7 +147,7 @@ def _advice(
     verdict: Verdict, severity: str, measured: Measured, bill: CleanBill, sp: FloatArray | None
 ) -> tuple[str, ...]:
     if verdict.why:
-        return how_to_tell(bill, sp is None or not bool(np.ptp(sp) > 0.0))
+        return how_to_tell(bill.largest[1], verdict.limit, sp is None or not bool(np.ptp(sp) > 0.0))
     return advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings)
 
 

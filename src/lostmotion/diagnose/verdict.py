@@ -36,6 +36,8 @@ class Verdict:
         Value of each feature and what it adds to the log-odds of a fault.
     why : str
         Why it cannot be told, where the record leaves open what the verdict would deny.
+    limit : float
+        Where `why` is said: the size in units of OP that the record would have to exclude.
     """
 
     verdict: str
@@ -44,6 +46,7 @@ class Verdict:
     probabilities: dict[str, float]
     contributions: dict[str, tuple[float, float]]
     why: str = ""
+    limit: float = float("nan")
 
 
 def fault_probability(features: Features) -> float:

@@ -110,7 +110,7 @@ def earned(
         return Status.CANNOT_TELL
     if kind.size is not None and values[kind.size] > kind.largest_share * float(np.ptp(data.u)):
         return Status.NEAR_RANGE
-    if fitted.drifts:
+    if fitted.drifts(int(np.diff(data.segments).max())):
         return Status.NO_PROCESS
     if fit_percent <= 0.0 and fit_without_drift(data.y, simulated, data.segments) <= 0.0:
         return Status.NOT_REPRODUCED

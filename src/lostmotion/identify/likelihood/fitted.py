@@ -59,10 +59,9 @@ class Fitted:
         a = self.parts.a
         return slowest(1.0 + np.cumsum(a)[:-1] if self.problem.structure.integrating else a)
 
-    @property
-    def drifts(self) -> bool:
-        """Whether a pole is slower than the longest segment: no process that was seen to settle, but a drift."""
-        return self.slowest > 1.0 - 1.0 / float(np.diff(self.problem.segments).max())
+    def drifts(self, longest: int) -> bool:
+        """Whether a pole is slower than the longest segment of the record: not seen to settle, but a drift."""
+        return self.slowest > 1.0 - 1.0 / longest
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""

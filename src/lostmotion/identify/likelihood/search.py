@@ -271,8 +271,7 @@ class _Search:
         A pole slower than the record is no process but a drift, which a long model of the noise explains as well; a
         known gain then makes any slope of it.
         """
-        drifts = fitted.slowest > 1.0 - 1.0 / self.data.longest
-        possible = not drifts and (self.asked.orders is not None or fitted.possible)
+        possible = not fitted.drifts(self.data.longest) and (self.asked.orders is not None or fitted.possible)
         return self._misfit(fitted) + (0.0 if possible else IMPLAUSIBLE)
 
     def _misfit(self, fitted: Fitted) -> float:
