@@ -63,6 +63,7 @@ def test_verbs_of_a_result_alone(name, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.statistics
 def test_a_fit_made_by_its_own_room_prints():
     lines = [
         "import numpy as np",

@@ -48,6 +48,7 @@ def same_rows(whole, parts):
 # --- one state, many ways through the samples
 
 
+@pytest.mark.statistics
 @every_kind
 def test_update_run_and_chunks_are_the_same(kind):
     """Through the start too."""

@@ -53,6 +53,7 @@ def test_check_of_several_files_as_json_is_a_list(capsys, files):
     assert one == {key: value for key, value in data[0].items() if key != "file"}
 
 
+@pytest.mark.statistics
 def test_identify_of_several_files(capsys, files, tmp_path):
     options = ("--orders", "1,0,1", "--noise", "white", "--op-span", 0, 100)
     code, text, error = run(capsys, "identify", *files, *options, "--out", tmp_path, "--figure", tmp_path)

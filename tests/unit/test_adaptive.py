@@ -125,6 +125,7 @@ def known_block(half):
     )
 
 
+@pytest.mark.statistics
 def test_starts_where_the_process_is_known_not_where_poles_stand_next_to_one():
     """The first 1,000 samples of this loop leave the static gain open; begun there, the estimate never came right."""
     reference, drift, noise = operation(3_000, 3)

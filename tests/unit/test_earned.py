@@ -29,6 +29,7 @@ def measured(actuator, u, deviation=0.05, linear=FIRST):
     return model.simulate(u) + np.random.default_rng(u.size).normal(scale=deviation, size=u.size)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("found", ["dead zone", "backlash"])
 def test_a_likelier_kind_is_named(found):
     """And the result says it wherever it goes: text, dictionary, file."""
@@ -52,6 +53,7 @@ def test_a_likelier_kind_is_named(found):
     assert lm.identify(u, y, 1.0, **QUICK).preferred == found
 
 
+@pytest.mark.statistics
 def test_the_default_compares_the_kinds():
     u = prs()
     fit = lm.identify(u, measured(lm.Backlash(2.0), u), 1.0, **QUICK)
@@ -60,6 +62,7 @@ def test_the_default_compares_the_kinds():
     assert fit.preferred == "backlash"
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("kind", ["auto", "dead zone", "stiction", "none"])
 @pytest.mark.parametrize(
     "y",
@@ -104,6 +107,7 @@ def test_a_loop_that_has_settled_is_not_one_signal():
     assert not same_signal(loop.command, loop.measured)
 
 
+@pytest.mark.statistics
 def test_exact_feedback_without_noise_tells_nothing():
     """Nothing moves OP but its controller, and the model leaves rounding."""
     plant = lm.Hammerstein(lm.Identity(), lm.LinearModel([-0.95], [0.05], 2, 1.0), 0.0)
@@ -114,6 +118,7 @@ def test_exact_feedback_without_noise_tells_nothing():
         assert not fit.status.ok, (kind, fit.status)
 
 
+@pytest.mark.statistics
 def test_a_size_near_the_range_is_refused():
     u = lm.signals.prs(1500, -1.13, 1.13, 7, 3)
     fit = lm.identify(u, measured(lm.DeadZone(-1, 1), u, 0.001), 1.0, nonlinearity="dead zone", **QUICK)
@@ -158,6 +163,7 @@ def test_texts_of_what_is_not_earned():
     assert replace(plain, status=Status.MISFIT).preferred == "cannot tell"
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("kind", ["auto", "saturation", "backlash"])
 @pytest.mark.parametrize("spike", [1, 20, 300])
 def test_one_step_or_spike_of_op_shows_no_fault(kind, spike):
@@ -168,6 +174,7 @@ def test_one_step_or_spike_of_op_shows_no_fault(kind, spike):
     assert fit.preferred in ("none", "cannot tell")
 
 
+@pytest.mark.statistics
 def test_kinds_of_a_long_record_are_compared_on_the_same_rows():
     """The search for a dead zone takes all rows, those for the others take the first."""
     u = prs(9000, seed=5)
@@ -176,6 +183,7 @@ def test_kinds_of_a_long_record_are_compared_on_the_same_rows():
     assert next(iter(likely_kinds(scaled, Asked((1, 0, 1), 0)))) == "dead zone"
 
 
+@pytest.mark.statistics
 def test_a_staircase_by_hand_is_no_series_of_loads():
     """Steps of load at the moves of OP would imitate any actuator."""
     u = np.repeat(np.concatenate([np.arange(-8, 9, 2), np.arange(6, -9, -2)] * 2).astype(float), 150)
@@ -185,6 +193,7 @@ def test_a_staircase_by_hand_is_no_series_of_loads():
     assert fit.parameters["width"] == pytest.approx(6.0, rel=0.05)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("samples", [60, 75, 100, 150])
 def test_short_records_are_compared_as_well(samples):
     """No rows can be left out of them for a second opinion."""

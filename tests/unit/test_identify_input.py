@@ -69,6 +69,7 @@ def test_too_short(n):
     assert str(n) in refusal(DataError, lm.identify, U[:n], Y[:n], 1.0, **QUICK)
 
 
+@pytest.mark.statistics
 def test_shortest_record_that_is_taken():
     assert lm.identify(U[:60], Y[:60], 1.0, **QUICK).data.u.size == 60
 
@@ -121,6 +122,7 @@ def test_result_does_not_change_with_what_was_handed_in():
     assert fit.to_dict() == before
 
 
+@pytest.mark.statistics
 def test_lists_strides_and_other_types_are_the_same_data():
     expected = lm.identify(U, Y, 1.0, **QUICK)
     wide = np.column_stack([U, Y])

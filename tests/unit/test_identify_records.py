@@ -39,6 +39,7 @@ def test_several_records_of_one_loop_with_one_refused():
     assert any(note.startswith("second (2): left out. expected OP that moves") for note in fit.data.notes)
 
 
+@pytest.mark.statistics
 def test_orders_given_ask_for_longer_pieces():
     given = record()
     pv = given.pv.copy()
@@ -65,6 +66,7 @@ def test_few_levels_of_op_in_the_dead_zone():
     assert any("steps of OP (0.5) wide" in remark for remark in fit.remarks)
 
 
+@pytest.mark.statistics
 def test_sampling_and_percent_of_span():
     slow = lm.Hammerstein(lm.DeadZone(-0.7, 1.2), lm.LinearModel([-0.985], [0.015], 1))
     u = lm.signals.prs(3000, -5, 5, 150, seed=2)
@@ -79,6 +81,7 @@ def test_sampling_and_percent_of_span():
     assert percent in " ".join(fit.summary().split())
 
 
+@pytest.mark.statistics
 def test_arrays_are_taken_as_they_are():
     given = record()
     pv = given.pv.copy()

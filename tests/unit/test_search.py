@@ -11,6 +11,7 @@ from tests.shared_data import shared
 TANK = lm.platforms.level_tank()
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("index", [1, 144, 295, 417, 469])
 def test_a_delay_that_the_record_tells_is_found(index):
     """Loops in which a longer model with another delay was refined and the true one was not."""
@@ -19,6 +20,7 @@ def test_a_delay_that_the_record_tells_is_found(index):
     assert lm.identify(loop.u, loop.y, loop.dt, nonlinearity="dead zone").linear.delay == loop.orders[2]
 
 
+@pytest.mark.statistics
 def test_a_dead_zone_that_is_asked_for_is_not_behind_the_linear_model():
     """ISDB PAP4 (Jelali and Huang, Springer 2010): its contributor names a dead zone."""
     fit = lm.identify(lm.read_loop(shared("isdb26/PAP4.csv"), dt=1.0), nonlinearity="dead zone")
@@ -27,6 +29,7 @@ def test_a_dead_zone_that_is_asked_for_is_not_behind_the_linear_model():
     assert not fit.chosen.integrating
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("known", [True, False])
 def test_a_known_integrator_is_kept(known):
     loop = random_loop(16, 0)
@@ -36,6 +39,7 @@ def test_a_known_integrator_is_kept(known):
     assert fit.settings["integrating"] is known
 
 
+@pytest.mark.statistics
 def test_an_integrator_is_found_with_and_without_orders():
     loop = random_loop(16, 0)
     for orders in ("auto", loop.orders):
@@ -65,6 +69,7 @@ def test_a_pole_next_to_an_integrator_is_tried_as_one():
     assert [float(a[0]) for a in found] == [-0.9995, -1.0]
 
 
+@pytest.mark.statistics
 def test_a_pole_slower_than_the_record_is_no_process():
     """Drift of PV may be a pole at 1 or noise; with a known gain such a pole makes any slope of it."""
     loop = lm.routine_operation(2000, drift="mild", seed=6)

@@ -22,6 +22,7 @@ def record(seed, levels=1, noise=0.03**0.5, samples=2000):
     return u, y + random.normal(scale=noise, size=samples), (left, right)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("seed", [0, 6, 26, 37])
 def test_a_zone_about_one_level_is_not_left_between_two(seed):
     """Found between two levels before: a zone that holds none slides there unseen."""
@@ -55,6 +56,7 @@ def test_intervals_hold_with_one_level_inside():
     assert held > 50
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("index", [86, 172])
 def test_a_break_point_known_to_no_better_than_half_the_width_is_no_number_to_build_on(index):
     loop = random_loop(index, 0)
