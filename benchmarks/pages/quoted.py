@@ -288,6 +288,7 @@ GIVEN = {
     "32 bits": "a type",
     "10,000 adversarial scans and compared": "a setting: lostmotion.export.scenarios",
     "95 % intervals": "the level of all intervals",
+    "`--tolerance` (1 % of span)": "a setting: lostmotion.diagnose.clean_bill",
     "the first ten of each kind, then the 100th, 1000th ..": "a setting: lostmotion.online.messages",
     "The first 60 rows": "a setting: lostmotion.files.growing",
     "remembers about the last 5,000 samples": "1 / (1 - 0.9998)",
