@@ -14,8 +14,8 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.compensate import DeadZoneCompensator, block_from_model
-from lostmotion.diagnose.movement import reversals, travel
 from lostmotion.paper.control import CONTROLLER, DT, NOISE_VARIANCE, disturbance, reference
+from lostmotion.records.movement import reversals, travel
 from pages import publish
 
 ROOT = Path(__file__).resolve().parent.parent

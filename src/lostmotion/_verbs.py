@@ -66,9 +66,9 @@ def block(fit: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones
     raise ParameterError.expected("a fit to make a block from", type(fit).__name__, "use block_from_model()")
 
 
-@_carried_out_by("lostmotion.evaluate")
+@_carried_out_by("lostmotion.evaluate.indices")
 def indices(result: Any, **options: Any) -> Any:
-    """Indices of a response (registered by ``lostmotion.evaluate``)."""
+    """Indices of a response (registered by ``lostmotion.evaluate.indices``)."""
     raise NotImplementedError(f"no indices for {type(result).__name__}")
 
 

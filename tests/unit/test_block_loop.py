@@ -5,9 +5,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.compensate import BacklashCompensator, DeadZoneCompensator, block_from_model
-from lostmotion.diagnose.movement import reversals
 from lostmotion.errors import ParameterError
 from lostmotion.paper.control import CONTROLLER, DT, NOISE_VARIANCE, disturbance, reference
+from lostmotion.records.movement import reversals
 from lostmotion.simulate import BlockLoop
 from tests.refusals import refusal
 

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from lostmotion.diagnose.audit_class import LEAST_INDEX, SURVEY, AuditClass, audit_class
-from lostmotion.diagnose.movement import reversals_per_hour, share_at_limits, travel_per_hour
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.records.movement import reversals_per_hour, share_at_limits, travel_per_hour
 from tests.refusals import refusal
 
 SWING = Oscillation(40.0, 5.0, 0.9, 20.0)

@@ -7,11 +7,11 @@ from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.ellipse import Ellipse, apparent_stiction
 from lostmotion.diagnose.harris import HarrisIndex, harris_index
-from lostmotion.diagnose.movement import reversals_per_hour, share_at_limits, travel_per_hour
 from lostmotion.diagnose.oscillation import Oscillation, find_oscillation
 from lostmotion.diagnose.relay import Relay, relay_index
 from lostmotion.diagnose.shape import Shape, shape_index
 from lostmotion.diagnose.yamashita import Qualitative, yamashita_index
+from lostmotion.records.movement import reversals_per_hour, share_at_limits, travel_per_hour
 
 __all__ = [
     "AuditClass",

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.movement import PERCENT
 from lostmotion.records import LoopRecord
+from lostmotion.records.movement import PERCENT
 
 FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
 

@@ -10,10 +10,10 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.audit_class import LEAST_INDEX, audit_class
 from lostmotion.diagnose.harris import harris_index
-from lostmotion.diagnose.movement import reversals_per_hour, share_at_limits, travel_per_hour
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.errors import DataError
 from lostmotion.identify.data import IdentificationData
+from lostmotion.records.movement import reversals_per_hour, share_at_limits, travel_per_hour
 
 NOISE_BANDS = 3.0  # deviations of the moves of OP that are no reversal
 WORST_DELAYS = 3  # times the identified delay: the longest that the Harris range looks at

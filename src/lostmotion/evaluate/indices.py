@@ -8,9 +8,11 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.movement import reversals, travel
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.records.movement import reversals, travel
 from lostmotion.simulate import LoopResponse
+
+__all__ = ["control_variance", "loop_indices", "mean_absolute_error", "reversals", "travel"]
 
 
 def loop_indices(response: LoopResponse, start: float = 0.0, stop: float | None = None) -> dict[str, float]:

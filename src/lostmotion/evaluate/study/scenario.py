@@ -8,9 +8,9 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
-from lostmotion.diagnose.movement import reversals_per_hour, travel_per_hour
 from lostmotion.evaluate.indices import control_variance, mean_absolute_error
 from lostmotion.evaluate.study.study_plant import StudyPlant
+from lostmotion.records.movement import reversals_per_hour, travel_per_hour
 from lostmotion.simulate import PI, LoopResponse
 
 NAMES = ("variance", "iae", "op_variance", "travel", "reversals")

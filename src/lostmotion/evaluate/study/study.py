@@ -13,7 +13,6 @@ from lostmotion.arguments import finite, finite_signal, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
 from lostmotion.compensate.gate import Said
-from lostmotion.diagnose.movement import PERCENT
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.cycles import (
@@ -39,6 +38,7 @@ from lostmotion.identify import RatedEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
+from lostmotion.records.movement import PERCENT
 from lostmotion.records.white_noise import noise_of
 from lostmotion.simulate import PI, LoopResponse
 
