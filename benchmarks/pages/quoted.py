@@ -106,7 +106,13 @@ def diagnosed(page: PageText) -> list[float]:
     told = pairs(page.numbers("kind right, and the record tells it", "cases"))
     right, named = pairs(page.numbers(RIGHT, "cases"))
     false, sound = pairs(page.numbers("false alarms", "cases"))
-    return [named, right, *told, false, sound, *page.said("# of # right."), *page.said("# of # physical loops right")]
+    real = [number for source in ("isdb26", "isdb_more", "sacac", "refinery") for number in real_loops(page, source)]
+    return [named, right, *told, false, sound, *real]
+
+
+def real_loops(page: PageText, source: str) -> list[float]:
+    """Right of those told, and those left open, of one set."""
+    return page.numbers(source, "right of those told") + page.numbers(source, "left open")
 
 
 def sticking(page: PageText) -> list[float]:
@@ -217,8 +223,9 @@ QUOTES = (
     ),
     Quote(
         "a fault of the actuator named in {:.0f} loops, the right one in {:.0f}; where the record tells the fault it "
-        "is named in {:.0f} of {:.0f}; false alarms in {:.0f} of {:.0f} loops without one; {:.0f} of {:.0f} loops of "
-        "the International Stiction Data Base and {:.0f} of {:.0f} of SACAC right",
+        "is named in {:.0f} of {:.0f}; false alarms in {:.0f} of {:.0f} loops without one; of those told right "
+        "{:.0f} of {:.0f} of the 26 loops of the International Stiction Data Base ({:.0f} left open), {:.0f} of {:.0f} "
+        "of 23 more ({:.0f}), {:.0f} of {:.0f} of SACAC ({:.0f}) and {:.0f} of {:.0f} of a refinery ({:.0f})",
         "diagnosis",
         diagnosed,
     ),

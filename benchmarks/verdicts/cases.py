@@ -37,6 +37,8 @@ class Row:
         Of the kinds, as in ``KindChoice``.
     told : bool
         Of a visible fault: a search that is told the answer finds it (see ``truth.told``).
+    loop, contributor : str
+        Of a real record: its physical loop, and who gave it.
     """
 
     name: str
@@ -57,6 +59,8 @@ class Row:
     gains: dict[str, float] = field(default_factory=dict)
     likelihoods: dict[str, float] = field(default_factory=dict)
     told: bool = False
+    loop: str = ""
+    contributor: str = ""
 
 
 def rough(seed: int) -> Row:

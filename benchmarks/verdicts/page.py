@@ -60,22 +60,29 @@ def score_table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def real_table(found: list[tuple[Row, bool]]) -> str:
-    lines = ["| loop | label | verdict | probability | size, % of span | right |", "|---|---|---|---|---|---|"]
-    for row, right in found:
-        size = "-" if not np.isfinite(row.severity) else f"{row.severity:.2g}"
-        verdict = row.verdict if row.kind in ("actuator", "none", "unknown") else f"{row.verdict} ({row.kind})"
-        lines.append(
-            f"| {row.name} | {row.truth} | {verdict} | {row.confidence:.2f} | {size} | {'yes' if right else '**no**'} |"
-        )
+def loop_table(found: list[tuple[str, str, list[Row], str]]) -> str:
+    """Physical loops; of one with a single run also probability and size."""
+    lines = ["| loop | label | runs | verdicts | probability | size, % of span | right |", "|---" * 7 + "|"]
+    for name, label, rows, right in found:
+        counts = Counter(_verdict(row) for row in rows).most_common()
+        said = ", ".join(verdict if len(rows) == 1 else f"{verdict} {count}" for verdict, count in counts)
+        only = rows[0] if len(rows) == 1 else None
+        chance = "-" if only is None or not only.probabilities else f"{only.probabilities['actuator']:.2f}"
+        size = "-" if only is None or not np.isfinite(only.severity) else f"{only.severity:.2g}"
+        mark = "**no**" if right == "no" else right
+        lines.append(f"| {name} | {label} | {len(rows)} | {said} | {chance} | {size} | {mark} |")
     return "\n".join(lines)
 
 
-def loop_table(found: list[tuple[str, str, list[Row], bool]]) -> str:
-    lines = ["| loop | label | runs | verdicts | right |", "|---|---|---|---|---|"]
-    for name, label, rows, right in found:
-        counts = ", ".join(
-            f"{verdict} {count}" for verdict, count in Counter(row.verdict for row in rows).most_common()
-        )
-        lines.append(f"| {name} | {label} | {len(rows)} | {counts} | {'yes' if right else '**no**'} |")
+def _verdict(row: Row) -> str:
+    return row.verdict if row.kind in ("actuator", "none", "unknown") else f"{row.verdict} ({row.kind})"
+
+
+def tally(sets: dict[str, list[tuple[str, str, list[Row], str]]]) -> str:
+    """Of each set: loops, right of those told, and how many were left open or refused."""
+    lines = ["| set | loops | right of those told | left open |", "|---|---|---|---|"]
+    for name, found in sets.items():
+        counts = Counter(right for *_, right in found)
+        told = f"{counts['yes']} of {counts['yes'] + counts['no']}"
+        lines.append(f"| {name} | {len(found)} | {told} | {counts['open'] + counts['refused']} |")
     return "\n".join(lines)

@@ -1,49 +1,115 @@
-"""The real sets with their labels, and what counts as right for each label."""
+"""The real loops with their labels, who gave them, and what counts as right for each label."""
 
 from __future__ import annotations
 
 import csv
+import re
 from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+from lostmotion.evaluate.workers import run_all
 from lostmotion.identify.actuators.kind import faults
-from shared_data import entries
+from shared_data import Entry, entries
 from verdicts.cases import Row, real
 
 STICKING = ("stiction", "backlash")
 COUNTED_IN_ISDB = ("stiction-P-chemical", "sensor-F-oilgas")  # value-identical to CHEM10 and CHEM14
+LETTERS = {"F": "flow", "P": "pressure", "T": "temperature", "L": "level"}  # of a tag
+TYPES = tuple(LETTERS.values())
 
 
-def isdb(data: Path) -> list[tuple[Row, bool]]:
-    """The 26 loops: stiction must be called stiction or backlash, the others must not."""
-    with (data / "isdb26" / "labels.csv").open(newline="", encoding="utf-8") as stream:
-        labels = {row["loop"]: row for row in csv.DictReader(stream)}
-    rows = []
-    for entry in entries(data):
-        if entry.name in labels:
-            label = labels[entry.name]
-            kind = label["type"] if label["type"] in ("flow", "pressure", "temperature", "level") else "other"
-            known = {"loop_type": kind, "integrating": label["integrating"] == "True"}
-            row = real(entry.name, label["label"], kind, entry.path, entry.options, known)
-            rows.append((row, (row.verdict in STICKING) == (label["label"] == "stiction")))
-    return rows
+@dataclass(frozen=True)
+class Labelled:
+    """One record to be diagnosed.
+
+    Attributes
+    ----------
+    source : str
+        Folder of the data.
+    loop, contributor : str
+        Physical loop, of which there may be several runs, and who gave it.
+    known : dict
+        What the diagnosis is told.
+    """
+
+    entry: Entry
+    source: str
+    loop: str
+    label: str
+    contributor: str
+    known: dict[str, Any] = field(default_factory=dict)
 
 
-def sacac(data: Path) -> list[tuple[str, str, list[Row], bool]]:
-    """Physical loops of SACAC that are not in the 26: name, label, runs, right in most of its runs."""
+def labelled(data: Path) -> list[Labelled]:
+    """All records of the four labelled sets."""
+    known = {entry.path: entry for entry in entries(data)}
+    return [*_isdb(data / "isdb26", known), *_isdb(data / "isdb_more", known), *_sacac(known), *_refinery(data, known)]
+
+
+def diagnosed(data: Path, workers: int | None = None) -> list[Row]:
+    """Rows of all labelled records."""
+    records = labelled(data)
+    return run_all(partial(_row, records), range(len(records)), "real records", workers)
+
+
+def _row(records: list[Labelled], index: int) -> Row:
+    one = records[index]
+    row = real(one.entry.name, one.label, one.source, one.entry.path, one.entry.options, one.known)
+    return replace(row, loop=one.loop, contributor=one.contributor)
+
+
+def _rows(path: Path) -> Iterator[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as stream:
+        yield from csv.DictReader(stream)
+
+
+def _isdb(folder: Path, known: dict[Path, Entry]) -> Iterator[Labelled]:
+    for row in _rows(folder / "labels.csv"):
+        entry = known[folder / row.get("file", f"{row['loop']}.csv")]
+        kind = row["type"] if row["type"] in TYPES else "other"
+        said = row.get("contributor") or row.get("contributor_comment", "")
+        person = re.search(r"[A-Z]\. [A-Z][a-z]+", said)
+        by = person[0] if person else re.sub(r"\d+$", "", row["loop"])
+        told = {"loop_type": kind, "integrating": row["integrating"] == "True"}
+        yield Labelled(entry, folder.name, row["loop"], row["label"], by, told)
+
+
+def _sacac(known: dict[Path, Entry]) -> Iterator[Labelled]:
+    for path, entry in known.items():
+        if path.parent.name == "sacac" and not entry.name.startswith(COUNTED_IN_ISDB):
+            words = entry.name.split("-")
+            by = next(word for word in reversed(words) if word.isalpha())
+            told = {"loop_type": LETTERS.get(words[1], "other")}
+            yield Labelled(entry, "sacac", physical(entry.name), entry.label, by, told)
+
+
+def _refinery(data: Path, known: dict[Path, Entry]) -> Iterator[Labelled]:
+    for row in _rows(data / "refinery" / "labels.csv"):
+        told = {"loop_type": LETTERS.get(row["type"][0], "other")}
+        yield Labelled(
+            known[data / "refinery" / row["file"]], "refinery", row["tag"], row["label"], "the refinery", told
+        )
+
+
+def by_loop(rows: list[Row], source: str) -> list[tuple[str, str, list[Row], str]]:
+    """Physical loops of one set: name, label, runs, and "yes", "no" or "open" as most of its runs are."""
     loops: dict[str, list[Row]] = defaultdict(list)
-    for entry in entries(data):
-        if entry.path.parent.name != "sacac" or entry.name.startswith(COUNTED_IN_ISDB):
-            continue
-        letter = entry.name.split("-")[1]
-        known = {"loop_type": {"F": "flow", "P": "pressure", "T": "temperature", "L": "level"}.get(letter, "other")}
-        row = real(entry.name, entry.label, letter, entry.path, entry.options, known)
-        loops[physical(entry.name)].append(row)
-    found = []
-    for name, rows in loops.items():
-        right = Counter(right_for(rows[0].truth, row.verdict) for row in rows)
-        found.append((name, rows[0].truth, rows, right[True] > right[False]))
-    return found
+    for row in rows:
+        if row.source == source:
+            loops[row.loop].append(row)
+    return [(name, runs[0].truth, runs, _most(runs)) for name, runs in loops.items()]
+
+
+def _most(runs: list[Row]) -> str:
+    """What most of the runs are that say anything; open where most say nothing."""
+    counts = Counter(is_right(row.truth, row.verdict) for row in runs)
+    if counts["open"] + counts["refused"] > 0.5 * len(runs):
+        return "open"
+    return "yes" if counts["yes"] > counts["no"] else "no"
 
 
 def physical(name: str) -> str:
@@ -52,10 +118,20 @@ def physical(name: str) -> str:
     return head + (separator and "-DB")
 
 
-def right_for(label: str, verdict: str) -> bool:
-    """Whether a verdict is right for a label of SACAC."""
+def is_right(label: str, verdict: str) -> str:
+    """Whether a verdict is right for a label: "yes", "no", "open" where it cannot tell, "refused".
+
+    Stiction must be called stiction or backlash, saturation saturation, and nothing else a fault that sticks or an
+    actuator's fault at all; the dead zone of PAP4, which its contributor names, may be called one.
+    """
+    if verdict in ("cannot tell", "refused"):
+        return "open" if verdict == "cannot tell" else "refused"
     if label == "stiction":
-        return verdict in STICKING
-    if label == "saturation":
-        return verdict == "saturation"
-    return verdict not in [kind.name for kind in faults()]
+        right = verdict in STICKING
+    elif label == "saturation":
+        right = verdict == "saturation"
+    elif label == "not stiction":
+        right = verdict not in STICKING
+    else:
+        right = verdict not in [kind.name for kind in faults()]
+    return "yes" if right else "no"

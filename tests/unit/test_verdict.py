@@ -8,17 +8,17 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.verdict import LIMITED, SURE, decide, fault_probability
+from lostmotion.diagnose.verdict import LIMITED, MOSTLY, SURE, decide, fault_probability
 from lostmotion.diagnose.weights import NAMES, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example
 
-SWING = Features(oscillating=1.0)
+SWING = Features(regular=1.0)
 OWN = LoopStability(0.4, 0.1, 0.001, 0.02, 50.0)
 
 
 def measured(features, integrating=False, period=50.0, driven=False):
-    swings = features.oscillating or driven
+    swings = features.regular or driven
     return Measured(features, SILENT, SILENT, period if swings else np.nan, integrating, {}, driven)
 
 
@@ -39,7 +39,7 @@ def test_weights_belong_to_the_features():
     assert len(WEIGHTS) == len(NAMES) == len(fields(Features))
 
 
-@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape"])
+@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape", "lag"])
 def test_more_evidence_never_speaks_for_a_sound_actuator(name):
     weak, strong = (fault_probability(Features(**{name: value})) for value in (0.0, 2.0))
     assert 0.0 < weak <= strong < 1.0
@@ -76,7 +76,8 @@ def test_a_swing_that_is_commanded_is_a_disturbance():
 
 
 STRONG = 9.0
-SWINGING = Features(memory=STRONG, oscillating=1.0, shape=0.4)
+TRIANGLES = Features(dead_zone=STRONG, regular=1.0, shape=0.4)
+SWINGING = Features(memory=STRONG, regular=1.0, shape=0.4)
 BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
 
 
@@ -93,13 +94,16 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         # unless the likelihood says that the valve never slips
         (SWINGING, BAND, {"backlash": 50.0, "stiction": 46.0}, False, "backlash"),
         # but it may follow one that comes from outside
-        (Features(memory=STRONG, oscillating=1.0), BAND, {"backlash": 50.0}, False, "backlash"),
+        (Features(memory=STRONG, regular=1.0), BAND, {"backlash": 50.0}, False, "backlash"),
         # a dead zone makes sines, no triangles
-        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.0), ZONE, {"dead zone": 50.0}, False, "dead zone"),
-        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.4), ZONE, {"dead zone": 50.0}, False, "stiction"),
+        (Features(dead_zone=STRONG, regular=1.0, shape=0.0), ZONE, {"dead zone": 50.0}, False, "dead zone"),
+        (TRIANGLES, ZONE, {"dead zone": 50.0, "backlash": 1.0}, False, "stiction"),
+        (TRIANGLES, ZONE, {"dead zone": 50.0, "stiction": 9.0}, False, "stiction"),
+        # and stands where no valve that sticks explains anything: the loop may be a level that nobody called so
+        (TRIANGLES, ZONE, {"dead zone": 50.0}, False, "dead zone"),
         # but behind a level; a saturation never
-        (Features(dead_zone=STRONG, oscillating=1.0, shape=0.4), ZONE, {"dead zone": 50.0}, True, "dead zone"),
-        (Features(saturation=STRONG, oscillating=1.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
+        (TRIANGLES, ZONE, {"dead zone": 50.0}, True, "dead zone"),
+        (Features(saturation=STRONG, regular=1.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
@@ -110,10 +114,9 @@ def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
 
 @pytest.mark.parametrize(("period", "said"), [(50.0, "stiction"), (5.0, "dead zone")])
 def test_behind_a_process_slower_than_its_swing_a_dead_zone_swings_as_behind_a_level(period, said):
-    zone = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0})
+    zone = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0, "stiction": 9.0})
     slow = replace(zone, model=replace(zone.model, linear=lm.LinearModel([-0.9], [0.1], 1, 1.0)))  # 9.5 samples
-    features = Features(dead_zone=STRONG, oscillating=1.0, shape=0.4)
-    assert decide(slow, measured(features, period=period), OWN, False, 0.0).verdict == said
+    assert decide(slow, measured(TRIANGLES, period=period), OWN, False, 0.0).verdict == said
 
 
 def test_between_fault_and_none_nothing_is_said():
@@ -125,6 +128,12 @@ def test_between_fault_and_none_nothing_is_said():
 def test_a_controller_at_its_limit_is_a_saturation():
     assert verdict(SWING, limited=2 * LIMITED).verdict == "saturation"
     assert verdict(SWING, limited=0.5 * LIMITED).verdict == "other oscillation"
+
+
+def test_a_valve_does_not_stick_where_op_stands_at_its_limit():
+    sticking = fit_of(BAND, {"none": 0.0, "backlash": 50.0})
+    assert verdict(Features(memory=STRONG), sticking, limited=0.5 * MOSTLY).verdict == "backlash"
+    assert verdict(Features(memory=STRONG), sticking, limited=1.1 * MOSTLY).verdict == "saturation"
 
 
 def test_contributions_are_weight_times_value():

@@ -15,7 +15,7 @@ from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
@@ -23,6 +23,8 @@ SAME = 0.1  # relative difference of two periods that are one
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
+OPEN = 0.6  # share of an ellipse: a lag of 37 degrees
+REGULAR = (0.2, 50.0)  # regularities beyond these say no more
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
 
@@ -32,23 +34,28 @@ class Features:
 
     Attributes
     ----------
-    dead_zone, memory, saturation : float
-        log(1 + gain / 3) of the kind that was found, the firm gain in log-likelihood over the linear model, less what
-        its parameters cost, 3 being the least that counts; 0 for the other kinds. Memory: backlash or stiction.
-    oscillating : float
-        1 where OP or PV swings regularly and that is most of what it does; 0 where that comes from outside: SP swings
-        so (the outer loop of a cascade), or the fault that was found does not explain the swing but has one of its
-        period beside it. Its shape then says nothing.
+    dead_zone, saturation : float
+        log(1 + gain / 3) where the likelihood chose that kind, the firm gain in log-likelihood over the linear model,
+        less what its parameters cost, 3 being the least that counts; 0 for the other kinds.
+    memory : float
+        The same of backlash or stiction, the larger one, whether or not it was chosen: a gain that something set aside
+        still speaks.
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
+    lag : float
+        Share of the PV-OP ellipse that is open, less 0.6, of a self-regulating loop that swings: the sine of the phase
+        between OP and PV.
+    regular : float
+        Logarithm of the regularity of OP or PV, the larger one.
     """
 
     dead_zone: float = 0.0
     memory: float = 0.0
     saturation: float = 0.0
-    oscillating: float = 0.0
     shape: float = 0.0
+    lag: float = 0.0
+    regular: float = 0.0
 
     def values(self) -> FloatArray:
         """All in order."""
@@ -110,12 +117,12 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    gains = _gains(fit)
     driven = _driven(fit, float(period)) or (sp is not None and _commanded(sp[rows], pv, float(period)))
     features = Features(
-        **gains,
-        oscillating=float(bool(swinging) and not driven),
-        shape=0.0 if driven else max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
+        **_gains(fit),
+        shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
+        lag=0.0 if levels else indices.get("ellipse_share", OPEN) - OPEN,
+        regular=float(np.log(np.clip(max(of_op.regularity, of_pv.regularity), *REGULAR))),
     )
     return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
 
@@ -138,10 +145,14 @@ def _commanded(sp: FloatArray, pv: FloatArray, period: float) -> bool:
 
 
 def _gains(fit: HammersteinFit) -> dict[str, float]:
-    """Of the class of evidence under which the kind that was found is weighed."""
-    if fit.kinds is None or fit.kind.name == NO_FAULT:
-        return {}
-    return {fit.kind.evidence: float(np.log1p(max(fit.kinds.firm[fit.kind.name], 0.0) / NEEDED))}
+    """Of each class of evidence."""
+    found: dict[str, float] = {}
+    firm = fit.kinds.firm if fit.kinds is not None else {}
+    for kind in faults():
+        if kind.sticks or fit.kind is kind:
+            gain = float(np.log1p(max(firm.get(kind.name, 0.0), 0.0) / NEEDED))
+            found[kind.evidence] = max(found.get(kind.evidence, 0.0), gain)
+    return found
 
 
 def _oscillation(x: FloatArray) -> Oscillation:

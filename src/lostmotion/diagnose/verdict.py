@@ -17,6 +17,7 @@ SURE = 0.55  # least probability of a verdict: no false alarm on the calm loops 
 CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
+MOSTLY = 0.5  # of the time with OP at a limit: what is left does not show a valve that sticks
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
 
 
@@ -68,7 +69,7 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised)
     else:
         verdict, kind = "cannot tell", "unknown"
-    if not _sticks(verdict) and limited > LIMITED:
+    if limited > (MOSTLY if _sticks(verdict) else LIMITED):
         verdict, kind = "saturation", "actuator"  # seen in OP itself; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
     return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts)
@@ -102,10 +103,11 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
     swings = measured.swings and not measured.driven
     angular = swings and measured.features.shape > TRIANGLE
     level = measured.integrating or _slower_than_its_swing(fit, measured.period)
-    possible = not angular or best.angular == "always" or (best.angular == "level" and level)
+    likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
+    sticking = max(likelihoods.get(kind.name, 0.0) for kind in faults() if kind.sticks)
+    possible = not angular or best.angular == "always" or (best.angular == "level" and (level or sticking <= 0.0))
     if best.name != NO_FAULT and not best.sticks and possible:
         return best.name
-    likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
     ahead = likelihoods.get("backlash", 0.0) - likelihoods.get("stiction", 0.0)
     if angular and not level:
         return "backlash" if ahead > CLEAR else "stiction"

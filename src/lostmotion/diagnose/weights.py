@@ -1,8 +1,7 @@
-"""Weights of evidence for a fault of the actuator, calibrated on simulated loops only.
+"""Weights of evidence for a fault of the actuator: simulated loops as the prior, labelled real loops as the data.
 
-Made by ``benchmarks/diagnosis.py --calibrate --cases 400``. Logistic regression with a ridge: log-odds = constant + sum
-of weight times feature. Tried and left out: Horch's correlation and Rossi and Scali's relay index, which on simulated
-loops say nothing that shape does not; log(1 + gain), the root and the cube root of the gain, which fit no better.
+Made by ``benchmarks/diagnosis.py --calibrate --cases 400`` (how: benchmarks/verdicts/calibrate.py). Log-odds =
+constant + sum of weight times feature.
 """
 
 from __future__ import annotations
@@ -12,5 +11,6 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.04  # log-odds where all features are 0
-WEIGHTS = (1.29, 1.85, 1.33, -2.01, 7.93)  # in the order of NAMES
+CONSTANT = -1.92  # log-odds where all features are 0
+WEIGHTS = (1.37, 1.4, 1.12, 5.6, 1.6, 0.1)  # in the order of NAMES
+SIMULATED = (-0.34, 1.37, 1.95, 1.12, 3.0, 0.06, -0.71)  # constant and weights by simulated loops alone
