@@ -1,0 +1,177 @@
+"""The likelihood of every kind of lost motion over its size, in one record: what pooling adds up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
+from lostmotion.identify.actuators.choice import likelihood_gain
+from lostmotion.identify.actuators.every_kind import EveryKind
+from lostmotion.identify.actuators.excluded import _Held as HeldSize
+from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
+from lostmotion.identify.actuators.kind import Kind, faults, kind_of
+from lostmotion.identify.actuators.loads import without_loads
+from lostmotion.identify.actuators.sought import Sought
+from lostmotion.identify.data import collect
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import SMALLEST, cost_of_parameters
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
+from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.kernels.threads import one_thread
+from lostmotion.records import Prepared
+
+REFINED = 3  # forms of a held size: the best before the refinement
+RESTS = np.linspace(-1.0, 1.0, 9).tolist()  # of half the band, where a valve may begin
+ALWAYS = -1.0  # a sum of squares that is never reached: every held size is refined
+SMALLEST_SHARE = 0.01  # of the range of OP: smaller sizes do as a linear process does
+WORTH = 1.0  # of log-likelihood: a maximum below it gets no interval, which takes long
+
+
+@dataclass(frozen=True)
+class RecordProfile:
+    """What one record says of every kind.
+
+    Attributes
+    ----------
+    curves : dict of SizeCurve
+        Of every kind that has a size.
+    gains : dict of float
+        Gain in log-likelihood of every kind that was found over the linear process, less what its own parameters cost
+        and less what rests on a few rows.
+    op_range : float
+        Of the rows used, in units of OP.
+    rows : int
+        Used.
+    """
+
+    curves: dict[str, SizeCurve]
+    gains: dict[str, float]
+    op_range: float
+    rows: int
+
+
+@one_thread
+def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | None = None) -> RecordProfile:
+    """Fit every kind, then hold each at the sizes (in units of OP, ascending).
+
+    Raises
+    ------
+    DataError
+        The record is refused.
+    """
+    asked = Asked(integrating=integrating)
+    data = collect(prepared, None, None, False, asked.needed)
+    scaled = ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
+    linear, fits = _every_fit(scaled, asked)
+    span = float(np.ptp(data.u))
+    held = sizes[(sizes >= SMALLEST_SHARE * span) & (sizes <= span)]
+    bases = _bases(linear, fits)
+    curves = {
+        kind.name: _curve(linear, kind, fits.get(kind.name), bases, held, scaled.scaling)
+        for kind in faults()
+        if kind.size is not None
+    }
+    gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
+    gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
+    return RecordProfile(curves, gains, span, int(data.u.size))
+
+
+def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:
+    """Linear process and likely kinds, as ``identify`` fits them."""
+    alone = fit_linear(scaled, asked)
+
+    def fit(data: ScaledData, kind: Kind, sought: Sought, near: Fitted | None) -> Fitted:
+        found = fit_kind(sought, data, asked, near, alone if near is None else None)
+        return kind.settled(found, data.scaling, "auto")
+
+    return EveryKind(scaled, asked, fit).fits(alone)
+
+
+def _bases(linear: Fitted, fits: dict[str, Fitted]) -> list[Fitted]:
+    """Processes with noise and loads beside which a size is held; loads may stand for what the valve does."""
+    bare = [] if linear.problem.family.loads is None else [without_loads(linear)]
+    return [linear, *bare, *fits.values()]
+
+
+def _curve(
+    linear: Fitted, kind: Kind, found: Fitted | None, bases: list[Fitted], held: FloatArray, scaling: Scaling
+) -> SizeCurve:
+    share = 1.0 if found is None else _firm_share(found, linear)
+    cost = _beside_its_size(kind, linear.problem.errors)
+    gains = np.array([_gain(linear, bases, kind, size / scaling.u_scale) for size in held])
+    top = 0.0 if found is None else _gain_of(found, linear, found.fit.cost)
+    gains = _paid(share * gains, cost)
+    if found is None or share * top < cost + WORTH or not kind.met(found):
+        return SizeCurve(held, gains)
+    size, interval = _size(kind, found, scaling)
+    return SizeCurve(held, np.minimum(gains, share * top - cost), size, share * top - cost, interval)
+
+
+def _beside_its_size(kind: Kind, rows: int) -> float:
+    """What the place of a dead zone, or the jump of a valve, costs: each record has one of its own.
+
+    BIC, and what its search costs more than that of the kind that it nests. A dead zone of the valve would stay where
+    it is: one whose place follows OP from record to record has to earn that.
+    """
+    own = len(kind.family.own) - 1
+    more = kind.searched - kind_of(kind.nests).searched if kind.nests else 0.0
+    return float(0.5 * own * np.log(rows) + more)
+
+
+def _paid(gains: FloatArray, cost: float) -> FloatArray:
+    """Gains less a cost; a record that tells nothing of the size has nothing to pay for."""
+    return np.asarray(np.maximum(gains - cost, np.minimum(gains, 0.0)))
+
+
+def _gain(linear: Fitted, bases: list[Fitted], kind: Kind, size: float) -> float:
+    """Of the best form of a size, everything else refined."""
+    trials = [(_gain_of(base, linear, form.cost), base, form) for base in bases for form in _forms(base, kind, size)]
+    trials.sort(key=lambda trial: -trial[0])
+    return max(_gain_of(base, linear, form.refined(ALWAYS)) for _, base, form in trials[:REFINED])
+
+
+def _forms(base: Fitted, kind: Kind, size: float) -> Iterator[HeldSize]:
+    """Models of this size, a valve with a memory beginning at places all over its band."""
+    for family, own in kind.of_size(base.problem, size):
+        if not family.resting:
+            yield HeldSize.on(base, kind, family, own)
+        elif family.rests[0] == 0.0:  # those of `of_size` are too few for the likelihood of one turn
+            for rest in RESTS:
+                yield HeldSize.on(base, kind, family.with_rests([rest] * family.resting), own)
+
+
+def _gain_of(base: Fitted, linear: Fitted, cost: float) -> float:
+    """In log-likelihood over the linear process for a sum of squares; a structure of its own is paid for (BIC).
+
+    The parameters of the actuator are not: they are the valve's, and are paid for once for all records.
+    """
+    n = base.problem.errors
+    own = len(base.problem.family.own) * float(np.log(n))
+    paid = cost_of_parameters(base, n) - own - cost_of_parameters(linear, n)
+    beside = linear.fit.cost / linear.problem.errors
+    return float(0.5 * (n * np.log(beside * n / max(cost, SMALLEST)) - paid))
+
+
+def _firm_share(found: Fitted, linear: Fitted) -> float:
+    """Share of a gain that does not rest on a few rows."""
+    cost = 0.5 * (cost_of_parameters(found, found.problem.errors) - cost_of_parameters(linear, linear.problem.errors))
+    total, firm = (gain + cost for gain in likelihood_gain(found, linear))
+    return float(np.clip(firm / total, 0.0, 1.0)) if total > 0.0 else 1.0
+
+
+def _size(kind: Kind, found: Fitted, scaling: Scaling) -> tuple[float, tuple[float, float]]:
+    """Size with its 95 % interval, by profile or by curvature as the kind has it."""
+    named = name_parameters(found, scaling, None)
+    profiled = kind.intervals(found, scaling)
+    name = str(kind.size)
+    size = float(named.values[name])
+    if name in profiled:
+        return size, profiled[name]
+    at = list(named.values).index(name)
+    reach = NORMAL * float(np.sqrt(max(with_profiled(named, profiled)[at, at], 0.0)))
+    return size, (size - reach, size + reach)
