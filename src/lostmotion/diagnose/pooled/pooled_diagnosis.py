@@ -93,6 +93,8 @@ class PooledDiagnosis(Diagnosis):
         Record without which the verdict would be another; "" where there is none.
     of_windows : int
         Windows of the long record that there were to choose from; 0 where records were given.
+    diagnoses : tuple of Diagnosis
+        Of each record that was heard, by itself; empty for a long record.
     """
 
     shares: tuple[RecordShare, ...] = ()
@@ -102,6 +104,7 @@ class PooledDiagnosis(Diagnosis):
     trend: SizeTrend = field(default_factory=lambda: SizeTrend(np.nan, (np.nan, np.nan), "record", np.nan, 0))
     carried_by: str = ""
     of_windows: int = 0
+    diagnoses: tuple[Diagnosis, ...] = field(default=(), repr=False)
 
     def counted(self, said: str) -> int:
         """Records that said so: "for", "against", "nothing", "left out"."""

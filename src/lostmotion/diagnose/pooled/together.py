@@ -233,6 +233,7 @@ def _packed(
         trend=trend,
         carried_by="" if verdict.carried_by is None else shares[heard[verdict.carried_by].number].name,
         of_windows=of_windows,
+        diagnoses=tuple(one.alone for one in heard if one.alone is not None),
     )
 
 

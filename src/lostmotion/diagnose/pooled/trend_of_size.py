@@ -101,6 +101,6 @@ def _between(regressors: FloatArray, y: FloatArray, errors: FloatArray) -> float
 
 def _weighted(regressors: FloatArray, y: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Coefficients, their covariance and the weighted sum of squares."""
-    inverse: FloatArray = np.linalg.inv(regressors.T @ (weights[:, None] * regressors))
+    inverse = np.asarray(np.linalg.inv(regressors.T @ (weights[:, None] * regressors)), dtype=np.float64)
     line = inverse @ (regressors.T @ (weights * y))
     return line, inverse, float(weights @ (y - regressors @ line) ** 2)
