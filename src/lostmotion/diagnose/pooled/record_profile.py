@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -33,6 +34,40 @@ WORTH = 1.0  # of log-likelihood: a maximum below it gets no interval, which tak
 
 
 @dataclass(frozen=True)
+class _Models:
+    """Fits of one record, from which sizes are held."""
+
+    linear: Fitted
+    fits: dict[str, Fitted]
+    scaling: Scaling
+
+    @cached_property
+    def bases(self) -> list[Fitted]:
+        """Processes with noise and loads beside which a size is held; loads may stand for what the valve does."""
+        bare = [] if self.linear.problem.family.loads is None else [without_loads(self.linear)]
+        return [self.linear, *bare, *self.fits.values()]
+
+    def gains(self, kind: Kind, sizes: FloatArray) -> FloatArray:
+        """Over the linear process at held sizes (units of OP), less what the kind costs beside its size."""
+        found = self.fits.get(kind.name)
+        share = 1.0 if found is None else _firm_share(found, self.linear)
+        raw = [_gain(self.linear, self.bases, kind, size / self.scaling.u_scale) for size in sizes]
+        return _paid(share * np.array(raw), _beside_its_size(kind, self.linear.problem.errors))
+
+    def curve(self, kind: Kind, sizes: FloatArray) -> SizeCurve:
+        """Over held sizes, and about the maximum where the kind was found."""
+        gains, found = self.gains(kind, sizes), self.fits.get(kind.name)
+        if found is None or not kind.met(found):
+            return SizeCurve(sizes, gains)
+        cost = _beside_its_size(kind, self.linear.problem.errors)
+        top = _firm_share(found, self.linear) * _gain_of(found, self.linear, found.fit.cost) - cost
+        if top < WORTH:
+            return SizeCurve(sizes, gains)
+        size, interval = _size(kind, found, self.scaling)
+        return SizeCurve(sizes, gains, size, top, interval)
+
+
+@dataclass(frozen=True)
 class RecordProfile:
     """What one record says of every kind.
 
@@ -53,6 +88,16 @@ class RecordProfile:
     gains: dict[str, float]
     op_range: float
     rows: int
+    _models: _Models = field(repr=False)
+
+    def finer(self, name: str, sizes: FloatArray) -> RecordProfile:
+        """With further held sizes of one kind, where OP goes that far."""
+        curve = self.curves[name]
+        more = sizes[sizes <= self.op_range]
+        gains = self._models.gains(kind_of(name), more)
+        order = np.argsort(np.r_[curve.sizes, more])
+        finer = replace(curve, sizes=np.r_[curve.sizes, more][order], gains=np.r_[curve.gains, gains][order])
+        return replace(self, curves={**self.curves, name: finer})
 
 
 @one_thread
@@ -68,17 +113,12 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     data = collect(prepared, None, None, False, asked.needed)
     scaled = ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
     linear, fits = _every_fit(scaled, asked)
-    span = float(np.ptp(data.u))
+    models, span = _Models(linear, fits, scaled.scaling), float(np.ptp(data.u))
     held = sizes[(sizes >= SMALLEST_SHARE * span) & (sizes <= span)]
-    bases = _bases(linear, fits)
-    curves = {
-        kind.name: _curve(linear, kind, fits.get(kind.name), bases, held, scaled.scaling)
-        for kind in faults()
-        if kind.size is not None
-    }
+    curves = {kind.name: models.curve(kind, held) for kind in faults() if kind.size is not None}
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
-    return RecordProfile(curves, gains, span, int(data.u.size))
+    return RecordProfile(curves, gains, span, int(data.u.size), models)
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:
@@ -90,26 +130,6 @@ def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitt
         return kind.settled(found, data.scaling, "auto")
 
     return EveryKind(scaled, asked, fit).fits(alone)
-
-
-def _bases(linear: Fitted, fits: dict[str, Fitted]) -> list[Fitted]:
-    """Processes with noise and loads beside which a size is held; loads may stand for what the valve does."""
-    bare = [] if linear.problem.family.loads is None else [without_loads(linear)]
-    return [linear, *bare, *fits.values()]
-
-
-def _curve(
-    linear: Fitted, kind: Kind, found: Fitted | None, bases: list[Fitted], held: FloatArray, scaling: Scaling
-) -> SizeCurve:
-    share = 1.0 if found is None else _firm_share(found, linear)
-    cost = _beside_its_size(kind, linear.problem.errors)
-    gains = np.array([_gain(linear, bases, kind, size / scaling.u_scale) for size in held])
-    top = 0.0 if found is None else _gain_of(found, linear, found.fit.cost)
-    gains = _paid(share * gains, cost)
-    if found is None or share * top < cost + WORTH or not kind.met(found):
-        return SizeCurve(held, gains)
-    size, interval = _size(kind, found, scaling)
-    return SizeCurve(held, np.minimum(gains, share * top - cost), size, share * top - cost, interval)
 
 
 def _beside_its_size(kind: Kind, rows: int) -> float:

@@ -24,8 +24,10 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.actuators.kind import NEEDED
 from lostmotion.records import LoopRecord, prepare
 
-SMALLEST, LARGEST = 0.05, 1.1  # of the largest range of OP: between them the common size is sought
-RATIO = 1.2  # of the sizes at which every record is profiled
+SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
+RATIO = 1.3  # of the sizes at which every record is profiled
+FINER = (0.86, 0.93, 1.0, 1.07, 1.15)  # of the common size of a kind: where it is profiled once more
+CLOSE = 12.0  # of log-likelihood behind the likeliest kind: not looked at once more
 SHOWN = 0.5 * 1.96**2  # of log-likelihood: sizes behind by less are in the interval of a record
 WIDEST = 4.0  # ends of an interval of a record further apart than this ratio show no size
 DAY = 86400.0  # s
@@ -90,7 +92,7 @@ def diagnose_together(
     span = _same_span(records)
     limit = 100.0 * asked.tolerance * span.percent
     shares, heard, reach = _hear(records, asked, starts, say, singly)
-    evidence = evidence_of([one.profile for one in heard], SMALLEST * reach, LARGEST * reach)
+    heard, evidence = _finer(heard, SMALLEST * reach, LARGEST * reach)
     verdict = weigh(evidence, limit, span, _swing(heard))
     shares = _with_gains(shares, heard, evidence, verdict.likeliest)
     gains = evidence.gains(verdict.likeliest)
@@ -126,6 +128,17 @@ def _hear(
     if not heard:
         raise DataError.expected("a record that can be used", f"none of {len(records)}", shares[0].note)
     return shares, heard, reach
+
+
+def _finer(heard: list[_Heard], low: float, high: float) -> tuple[list[_Heard], Evidence]:
+    """The evidence, profiled once more about the common sizes of the likely kinds: held sizes are far apart."""
+    evidence = evidence_of([one.profile for one in heard], low, high)
+    totals = evidence.totals()
+    for name in evidence.sized:
+        if totals[name] > max(totals.values()) - CLOSE and totals[name] > 0.0:
+            sizes = evidence.sized[name].size() * np.array(FINER)
+            heard = [replace(one, profile=one.profile.finer(name, sizes)) for one in heard]
+    return heard, evidence_of([one.profile for one in heard], low, high)
 
 
 def _same_span(records: Sequence[LoopRecord]) -> OpSpan:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
-from lostmotion.diagnose.pooled.together import Asked, Say, diagnose_together
+from lostmotion.diagnose.pooled.together import DAY, Asked, Say, diagnose_together
 from lostmotion.errors import DataError
+from lostmotion.identify import identify
+from lostmotion.models.linear import SETTLING
 from lostmotion.records import LoopRecord
 from lostmotion.records.resample import pick
 
 LONG = 50_000  # rows: a fit of more takes minutes, and its process is not the same all the time
-ROWS = 1500  # of a window, after thinning: lost motion of a routine record shows in a few turns of OP
+ROWS = 750, 1500  # of a window, fewest and most, after thinning: lost motion shows in a few turns of OP
 MOST = 14  # windows: what a minute of work allows
 PIECE = 4096  # rows from which the pace is taken, at places all over the record
-PIECES = 9
-DECORRELATED = 0.2  # of the autocorrelation of OP: the loop has settled
-SETTLINGS = 60  # times of settling in a window
-FINEST = 12.0  # rows in a time of settling: more are thinned
+PIECES = 5
+LAGS = 50  # time constants of the process in a window: some thirty settling times of a loop tuned for it
+FINEST = 60.0  # rows in a time constant: more are thinned, though OP between the rows kept is not seen
+KNOWN = 0.9  # share of the rows of a window that must be there
+MOVE = 3.0  # turns of OP that a move of SP is worth: it is not caused by noise
 
 
 @dataclass(frozen=True)
@@ -58,34 +61,29 @@ def diagnose_long(record: LoopRecord, asked: Asked, say: Say | None = None) -> P
 
 
 def _named(window: LoopRecord, start: float) -> LoopRecord:
-    from dataclasses import replace  # noqa: PLC0415
-
-    days, rest = divmod(start, 86400.0)
+    """With its place in the record for a name."""
+    days, rest = divmod(start, DAY)
     hours, seconds = divmod(rest, 3600.0)
     return replace(window, tag=f"day {days:.0f} {hours:02.0f}:{seconds / 60.0:02.0f}")
 
 
 def _pace(record: LoopRecord) -> _Pace:
-    """From the time in which OP forgets itself, at places all over the record."""
+    """From the time constant of a linear process, at places all over the record."""
     size = min(PIECE, len(record) // PIECES)
     places = np.linspace(0, len(record) - size, PIECES).astype(np.int64)
-    found = [_settling(record.op[start : start + size]) for start in places.tolist()]
-    settled = [one for one in found if np.isfinite(one)]
-    settling = float(np.median(settled)) if settled else float(size)
-    thinned = max(int(settling / FINEST), 1)
-    rows = int(np.clip(SETTLINGS * settling, ROWS // 2 * thinned, ROWS * thinned))
+    found = [_lag(record.cut(start, start + size)) for start in places.tolist()]
+    lag = float(np.median([one for one in found if one > 0.0] or [1.0]))
+    thinned = max(int(lag / FINEST), 1)
+    rows = int(np.clip(LAGS * lag / thinned, *ROWS)) * thinned
     return _Pace(thinned, min(rows, len(record)))
 
 
-def _settling(op: FloatArray) -> float:
-    """Rows after which OP has forgotten itself; NaN where it stands still."""
-    x = np.nan_to_num(op - np.nanmean(op)) if np.isfinite(op).any() else np.zeros(op.size)
-    power = np.abs(np.fft.rfft(x, 2 * x.size)) ** 2
-    correlation = np.fft.irfft(power)[: x.size]
-    if not correlation[0] > 0.0:
-        return float("nan")
-    below = np.flatnonzero(correlation < DECORRELATED * correlation[0])
-    return float(below[0]) if below.size else float(x.size)
+def _lag(piece: LoopRecord) -> float:
+    """Rows of the slowest lag of a linear process; 0 where there is none to be seen."""
+    try:
+        return identify(piece, nonlinearity="none").linear.slowest_lag(within=SETTLING)
+    except DataError:
+        return 0.0
 
 
 def _score(record: LoopRecord, start: int, pace: _Pace) -> float:
@@ -93,14 +91,14 @@ def _score(record: LoopRecord, start: int, pace: _Pace) -> float:
     rows = slice(start, start + pace.rows, pace.thinned)
     op, pv = record.op[rows], record.pv[rows]
     known = np.isfinite(op) & np.isfinite(pv)
-    if known.mean() < 0.9 or np.ptp(op[known]) == 0.0 or np.ptp(pv[known]) == 0.0:
+    if known.mean() < KNOWN or np.ptp(op[known]) == 0.0 or np.ptp(pv[known]) == 0.0:
         return float("-inf")
     op = op[known]
     score = float(_turns(op))
     if record.sp is not None:
         sp = record.sp[rows]
         steps = np.abs(np.diff(sp[np.isfinite(sp)]))
-        score += 3.0 * float(np.count_nonzero(steps > 0.05 * np.std(pv[known])))
+        score += MOVE * float(np.count_nonzero(steps > 0.05 * np.std(pv[known])))
     return score * float(np.ptp(op))
 
 
