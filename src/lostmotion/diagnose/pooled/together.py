@@ -22,7 +22,7 @@ from lostmotion.diagnose.pooled.trend_of_size import size_trend
 from lostmotion.diagnose.pooled.verdict_of_many import PooledVerdict, weigh
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.actuators.kind import NEEDED
-from lostmotion.records import LoopRecord, prepare
+from lostmotion.records import LoopRecord, Prepared, prepare
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
 RATIO = 1.3  # of the sizes at which every record is profiled
@@ -89,6 +89,10 @@ def diagnose_together(
     DataError
         No record can be used.
     """
+    if not 0.0 < asked.tolerance < 1.0:
+        raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", asked.tolerance, "e.g. 0.01")
+    if starts is not None and len(starts) != len(records):
+        raise ParameterError.expected(f"{len(records)} start times", len(starts), "give one for each record")
     span = _same_span(records)
     limit = 100.0 * asked.tolerance * span.percent
     shares, heard, reach = _hear(records, asked, starts, say, singly)
@@ -105,29 +109,48 @@ def _hear(
     records: Sequence[LoopRecord], asked: Asked, starts: Sequence[float] | None, say: Say | None, singly: bool
 ) -> tuple[list[RecordShare], list[_Heard], float]:
     """Profile of every record that can be used, and the largest range of OP."""
-    if starts is not None and len(starts) != len(records):
-        raise ParameterError.expected(f"{len(records)} start times", len(starts), "give one for each record")
-    unique, lost = without_repeats(records)
-    reach = max(float(np.nanmax(record.op) - np.nanmin(record.op)) for record in records)
+    shares, usable = _usable(records, starts)
+    reach = max(float(np.ptp(np.concatenate([piece.op for piece in one.stretches]))) for one in usable.values())
     steps = int(np.ceil(-np.log(SMALLEST) / np.log(RATIO)))
     sizes = np.geomspace(SMALLEST * reach, reach, steps + 1)
-    shares, heard = [], []
-    for number, (record, rest) in enumerate(zip(records, unique, strict=True)):
-        place = float(number + 1) if starts is None else starts[number] / DAY
-        name = record.tag or f"record {number + 1}"
-        note = f"{lost[number]} rows are in an earlier record as well" if lost[number] else ""
+    heard = []
+    for number, prepared in usable.items():
         if say is not None:
-            say(f"{number + 1} of {len(records)}: {name}")
+            say(f"{number + 1} of {len(records)}: {shares[number].name}")
         try:
-            if rest is not None:
-                profile = profile_record(prepare(rest), sizes, True if asked.integrating else None)
-                heard.append(_Heard(number, rest, profile, asked.diagnosis(rest) if singly else None))
-        except DataError as error:
-            note = str(error)
-        shares.append(RecordShare(name, place, 0, note=note))
+            profile = profile_record(prepared, sizes, True if asked.integrating else None)
+            alone = asked.diagnosis(prepared.record) if singly else None
+        except DataError as error:  # OP or PV does not move
+            shares[number] = replace(shares[number], note=str(error))
+            continue
+        heard.append(_Heard(number, prepared.record, profile, alone))
     if not heard:
-        raise DataError.expected("a record that can be used", f"none of {len(records)}", shares[0].note)
+        raise _none_of(shares)
     return shares, heard, reach
+
+
+def _usable(
+    records: Sequence[LoopRecord], starts: Sequence[float] | None
+) -> tuple[list[RecordShare], dict[int, Prepared]]:
+    """All records by name and place, and what of those that can be used is not in an earlier one as well."""
+    unique, lost = without_repeats(records)
+    shares, usable = [], {}
+    for number, (record, rest, gone) in enumerate(zip(records, unique, lost, strict=True)):
+        place = float(number + 1) if starts is None else starts[number] / DAY
+        note = f"{gone} rows are in an earlier record as well" if gone else ""
+        prepared = None if rest is None else prepare(rest)
+        if prepared is not None and prepared.usable:
+            usable[number] = prepared
+        elif prepared is not None:
+            note = str(prepared.refusal)
+        shares.append(RecordShare(record.tag or f"record {number + 1}", place, 0, note=note))
+    if not usable:
+        raise _none_of(shares)
+    return shares, usable
+
+
+def _none_of(shares: list[RecordShare]) -> DataError:
+    return DataError.expected("a record that can be used", f"none of {len(shares)}", shares[0].note)
 
 
 def _finer(heard: list[_Heard], low: float, high: float) -> tuple[list[_Heard], Evidence]:

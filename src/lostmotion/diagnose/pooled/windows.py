@@ -37,9 +37,9 @@ class _Pace:
 def diagnose_long(record: LoopRecord, asked: Asked, say: Say | None = None) -> PooledDiagnosis:
     """Diagnose the valve of a long record from its most informative windows.
 
-    Windows are some sixty times as long as the loop takes to settle, and thinned where the record is much faster than
-    the loop; those are read in which SP moves and OP turns most, some of every part of the record. Beside the record
-    no more than one window is in memory with its fit.
+    Windows are some fifty time constants of the process long, and thinned where the record is much faster than that;
+    those are read in which SP moves and OP turns most, one of every part of the record. Beside the record no more than
+    these windows and the models of them are in memory.
 
     Raises
     ------
