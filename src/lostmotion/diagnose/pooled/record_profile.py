@@ -22,6 +22,7 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import SMALLEST, cost_of_parameters
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
+from lostmotion.identify.likelihood.problem import Structure
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import Prepared
@@ -35,23 +36,39 @@ WORTH = 1.0  # of log-likelihood: a maximum below it gets no interval, which tak
 
 @dataclass(frozen=True)
 class _Models:
-    """Fits of one record, from which sizes are held."""
+    """Fits of one record, from which sizes are held.
+
+    `beside` are linear processes of other structures: of the valve's other records.
+    """
 
     linear: Fitted
     fits: dict[str, Fitted]
-    scaling: Scaling
+    scaled: ScaledData
+    beside: tuple[Fitted, ...] = ()
 
     @cached_property
     def bases(self) -> list[Fitted]:
         """Processes with noise and loads beside which a size is held; loads may stand for what the valve does."""
         bare = [] if self.linear.problem.family.loads is None else [without_loads(self.linear)]
-        return [self.linear, *bare, *self.fits.values()]
+        return [self.linear, *bare, *self.fits.values(), *self.beside]
+
+    def like(self, other: Structure) -> _Models:
+        """With a linear process of this structure, whose noise is found anew."""
+        asked = Asked((other.na, other.nb, other.delay), None, other.integrating)
+        if self.scaled.shortest < asked.needed:
+            return self
+        return replace(self, beside=(fit_linear(self.scaled, asked),))
+
+    @property
+    def linear_gain(self) -> float:
+        """What the best of the processes beside gains over the linear one: a fault must beat that too."""
+        return max((_gain_of(one, self.linear, one.fit.cost) for one in self.beside), default=0.0)
 
     def gains(self, kind: Kind, sizes: FloatArray) -> FloatArray:
         """Over the linear process at held sizes (units of OP), less what the kind costs beside its size."""
         found = self.fits.get(kind.name)
         share = 1.0 if found is None else _firm_share(found, self.linear)
-        raw = [_gain(self.linear, self.bases, kind, size / self.scaling.u_scale) for size in sizes]
+        raw = [_gain(self.linear, self.bases, kind, size / self.scaled.scaling.u_scale) for size in sizes]
         return _paid(share * np.array(raw), _beside_its_size(kind, self.linear.problem.errors))
 
     def curve(self, kind: Kind, sizes: FloatArray) -> SizeCurve:
@@ -63,7 +80,7 @@ class _Models:
         top = _firm_share(found, self.linear) * _gain_of(found, self.linear, found.fit.cost) - cost
         if top < WORTH:
             return SizeCurve(sizes, gains)
-        size, interval = _size(kind, found, self.scaling)
+        size, interval = _size(kind, found, self.scaled.scaling)
         return SizeCurve(sizes, gains, size, top, interval)
 
 
@@ -90,11 +107,21 @@ class RecordProfile:
     rows: int
     _models: _Models = field(repr=False)
 
-    def finer(self, name: str, sizes: FloatArray) -> RecordProfile:
-        """With further held sizes of one kind, where OP goes that far."""
+    def structure(self, name: str) -> Structure | None:
+        """Of the process beside a kind; None where it was not found."""
+        found = self._models.fits.get(name)
+        return None if found is None else found.problem.structure
+
+    def finer(self, name: str, sizes: FloatArray, like: Structure | None = None) -> RecordProfile:
+        """With further held sizes of one kind, where OP goes that far, also beside a process of another structure.
+
+        In a record that shows little of the process, its delay or orders are often wrong, and a valve that is there
+        then fits worse than none.
+        """
         curve = self.curves[name]
         more = sizes[sizes <= self.op_range]
-        gains = self._models.gains(kind_of(name), more)
+        models = self._models if like is None else self._models.like(like)
+        gains = models.gains(kind_of(name), more) - max(models.linear_gain, 0.0)
         order = np.argsort(np.r_[curve.sizes, more])
         finer = replace(curve, sizes=np.r_[curve.sizes, more][order], gains=np.r_[curve.gains, gains][order])
         return replace(self, curves={**self.curves, name: finer})
@@ -113,7 +140,7 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     data = collect(prepared, None, None, False, asked.needed)
     scaled = ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
     linear, fits = _every_fit(scaled, asked)
-    models, span = _Models(linear, fits, scaled.scaling), float(np.ptp(data.u))
+    models, span = _Models(linear, fits, scaled), float(np.ptp(data.u))
     held = sizes[(sizes >= SMALLEST_SHARE * span) & (sizes <= span)]
     curves = {kind.name: models.curve(kind, held) for kind in faults() if kind.size is not None}
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}

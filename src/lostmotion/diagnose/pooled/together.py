@@ -26,7 +26,7 @@ from lostmotion.records import LoopRecord, Prepared, prepare
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
 RATIO = 1.3  # of the sizes at which every record is profiled
-FINER = (0.86, 0.93, 1.0, 1.07, 1.15)  # of the common size of a kind: where it is profiled once more
+FINER = (0.6, 0.75, 0.87, 0.94, 1.0, 1.06, 1.14, 1.3, 1.6)  # of the common size of a kind: where it is profiled again
 CLOSE = 12.0  # of log-likelihood behind the likeliest kind: not looked at once more
 SHOWN = 0.5 * 1.96**2  # of log-likelihood: sizes behind by less are in the interval of a record
 WIDEST = 4.0  # ends of an interval of a record further apart than this ratio show no size
@@ -160,7 +160,14 @@ def _finer(heard: list[_Heard], low: float, high: float) -> tuple[list[_Heard], 
     for name in evidence.sized:
         if totals[name] > max(totals.values()) - CLOSE and totals[name] > 0.0:
             sizes = evidence.sized[name].size() * np.array(FINER)
-            heard = [replace(one, profile=one.profile.finer(name, sizes)) for one in heard]
+            loudest = heard[int(np.argmax(evidence.gains(name)))]
+            like = loudest.profile.structure(name)
+            heard = [
+                replace(
+                    one, profile=one.profile.finer(name, sizes, like if one.record.dt == loudest.record.dt else None)
+                )
+                for one in heard
+            ]
     return heard, evidence_of([one.profile for one in heard], low, high)
 
 
