@@ -100,13 +100,20 @@ def test_many_quiet_records_clear_what_each_alone_cannot():
     falling = SizeCurve(SIZES, -0.3 * SIZES)
     quiet = record(dead_zone=falling, backlash=falling, stiction=falling)
     alone, together = pooled(quiet), pooled(*[quiet] * 12)
-    assert alone.sized["backlash"].largest() == pytest.approx(1.353 / 0.3, rel=0.05)
-    assert together.sized["backlash"].largest() == pytest.approx(1.353 / 3.6, rel=0.05)
+    assert alone.sized["backlash"].largest() == pytest.approx(2.706 / 0.3, rel=0.05)
+    assert together.sized["backlash"].largest() == pytest.approx(2.706 / 3.6, rel=0.05)
     assert weigh(alone, 1.0, SPAN, "").verdict == "cannot tell"
     cleared = weigh(together, 1.0, SPAN, "")
     assert cleared.verdict == "none"
     assert max(cleared.excluded.values()) < 1.0
     assert weigh(together, 1.0, SPAN, "disturbance").verdict == "other oscillation"
+
+
+def test_what_one_record_would_not_settle_does_not_become_sure_by_repetition():
+    weak = SizeCurve(SIZES, np.full(SIZES.size, 5.0), cost=6.0)
+    found = pooled(*[record(backlash=weak)] * 20)
+    assert found.totals()["backlash"] == pytest.approx(0.0, abs=1e-6)
+    assert SizeCurve(SIZES, np.full(SIZES.size, -9.0), cost=6.0).firm_on(SIZES, 0.005) == pytest.approx(-3.0)
 
 
 def test_nothing_excluded_is_infinite():

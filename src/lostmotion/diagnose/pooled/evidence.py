@@ -27,6 +27,7 @@ SCATTER = np.array([0.0, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4])  # deviations tau t
 TYPICAL_SCATTER = 0.1  # scale of their prior (half Cauchy): a valve keeps its lost motion within some 10 %
 LEVEL = 0.95
 FALL = 0.5 * 1.645**2  # of log-likelihood, at which a size is excluded (one-sided, as in a single record)
+WORTH = 0.5  # of a difference between models, as in the choice of the kind of one record: neither is the process
 LOWEST = -700.0  # of a logarithm
 
 
@@ -41,7 +42,7 @@ class SizeEvidence:
     parts : ndarray, shape (records, tau, g)
         Log-likelihood of each record over that of a linear process for every scatter and size.
     at_once : ndarray, shape (records, g)
-        The same without scatter and without wild records.
+        The same without scatter, with small gains and losses, none beyond log(1 / WILD).
     """
 
     sizes: FloatArray
@@ -91,7 +92,7 @@ class SizeEvidence:
 
     def largest(self) -> float:
         """Largest size that all records together do not exclude; inf where none is."""
-        sums = self.at_once.sum(axis=0)
+        sums = WORTH * self.at_once.sum(axis=0)
         left = np.flatnonzero(sums >= -FALL)
         if not left.size:
             return float(self.sizes[0])
@@ -146,14 +147,19 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     sizes = sizes_between(low, high)
     sized = [kind.name for kind in faults() if kind.size is not None]
     rest = [kind.name for kind in faults() if kind.size is None]
-    curves = {name: np.array([one.curves[name].on(sizes, STEP) for one in profiles]) for name in sized}
+    curves = {name: np.array([one.curves[name].firm_on(sizes, STEP) for one in profiles]) for name in sized}
+    whole = {name: np.array([one.curves[name].on(sizes, STEP) for one in profiles]) for name in sized}
     free = {name: np.array([max(one.gains.get(name, 0.0), 0.0) for one in profiles]) for name in rest}
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)
     scattered = {name: _scattered(values, sizes) for name, values in curves.items()}
     return Evidence(
         {
-            name: SizeEvidence(sizes, _or_wild(values, anything[:, None, None]) - linear[:, None, None], curves[name])
+            name: SizeEvidence(
+                sizes,
+                _or_wild(values, anything[:, None, None]) - linear[:, None, None],
+                np.clip(whole[name], np.log(WILD), -np.log(WILD)),
+            )
             for name, values in scattered.items()
         },
         {name: _or_wild(values, anything) - linear for name, values in free.items()},

@@ -14,7 +14,7 @@ from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
 from lostmotion.identify.actuators.excluded import _Held as HeldSize
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
-from lostmotion.identify.actuators.kind import Kind, faults, kind_of
+from lostmotion.identify.actuators.kind import NEEDED, Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import without_loads
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.data import collect
@@ -65,23 +65,23 @@ class _Models:
         return max((_gain_of(one, self.linear, one.fit.cost) for one in self.beside), default=0.0)
 
     def gains(self, kind: Kind, sizes: FloatArray) -> FloatArray:
-        """Over the linear process at held sizes (units of OP), less what the kind costs beside its size."""
+        """Over the linear process at held sizes (units of OP)."""
         found = self.fits.get(kind.name)
         share = 1.0 if found is None else _firm_share(found, self.linear)
-        raw = [_gain(self.linear, self.bases, kind, size / self.scaled.scaling.u_scale) for size in sizes]
-        return _paid(share * np.array(raw), _beside_its_size(kind, self.linear.problem.errors))
+        scale = self.scaled.scaling.u_scale
+        return share * np.array([_gain(self.linear, self.bases, kind, size / scale) for size in sizes])
 
     def curve(self, kind: Kind, sizes: FloatArray) -> SizeCurve:
         """Over held sizes, and about the maximum where the kind was found."""
         gains, found = self.gains(kind, sizes), self.fits.get(kind.name)
+        plain = SizeCurve(sizes, gains, cost=_cost(kind, self.linear.problem.errors))
         if found is None or not kind.met(found):
-            return SizeCurve(sizes, gains)
-        cost = _beside_its_size(kind, self.linear.problem.errors)
-        top = _firm_share(found, self.linear) * _gain_of(found, self.linear, found.fit.cost) - cost
+            return plain
+        top = _firm_share(found, self.linear) * _gain_of(found, self.linear, found.fit.cost)
         if top < WORTH:
-            return SizeCurve(sizes, gains)
+            return plain
         size, interval = _size(kind, found, self.scaled.scaling)
-        return SizeCurve(sizes, gains, size, top, interval)
+        return replace(plain, size=size, gain=top, interval=interval)
 
 
 @dataclass(frozen=True)
@@ -159,20 +159,12 @@ def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitt
     return EveryKind(scaled, asked, fit).fits(alone)
 
 
-def _beside_its_size(kind: Kind, rows: int) -> float:
-    """What the place of a dead zone, or the jump of a valve, costs: each record has one of its own.
+def _cost(kind: Kind, rows: int) -> float:
+    """What a kind costs in every record, its size too: as if the record were alone (BIC, and its search).
 
-    BIC, and what its search costs more than that of the kind that it nests. A dead zone of the valve would stay where
-    it is: one whose place follows OP from record to record has to earn that.
+    Paid for once, the small gains that a play has over drift in records of sound valves added up to a certainty.
     """
-    own = len(kind.family.own) - 1
-    more = kind.searched - kind_of(kind.nests).searched if kind.nests else 0.0
-    return float(0.5 * own * np.log(rows) + more)
-
-
-def _paid(gains: FloatArray, cost: float) -> FloatArray:
-    """Gains less a cost; a record that tells nothing of the size has nothing to pay for."""
-    return np.asarray(np.maximum(gains - cost, np.minimum(gains, 0.0)))
+    return float(0.5 * len(kind.family.own) * np.log(rows) + max(kind.searched, NEEDED))
 
 
 def _gain(linear: Fitted, bases: list[Fitted], kind: Kind, size: float) -> float:
@@ -195,7 +187,7 @@ def _forms(base: Fitted, kind: Kind, size: float) -> Iterator[HeldSize]:
 def _gain_of(base: Fitted, linear: Fitted, cost: float) -> float:
     """In log-likelihood over the linear process for a sum of squares; a structure of its own is paid for (BIC).
 
-    The parameters of the actuator are not: they are the valve's, and are paid for once for all records.
+    The parameters of the actuator are paid for by ``_cost``.
     """
     n = base.problem.errors
     own = len(base.problem.family.own) * float(np.log(n))

@@ -23,6 +23,8 @@ class SizeCurve:
         Where the kind was found: the maximum. NaN and 0 where it was not.
     interval : (float, float)
         95 % interval of `size`.
+    cost : float
+        What the kind costs in a record (information criterion): a gain or a loss below it tells nothing for sure.
     """
 
     sizes: FloatArray
@@ -30,6 +32,7 @@ class SizeCurve:
     size: float = float("nan")
     gain: float = 0.0
     interval: tuple[float, float] = (float("nan"), float("nan"))
+    cost: float = 0.0
 
     @property
     def known(self) -> bool:
@@ -53,3 +56,12 @@ class SizeCurve:
         off = np.log(sizes / self.size)
         hill = self.gain - 0.5 * (off / np.maximum(np.where(off < 0.0, low, high), finest)) ** 2
         return np.asarray(np.maximum(hill, np.interp(sizes, knots, gains)))
+
+    def firm_on(self, sizes: FloatArray, finest: float) -> FloatArray:
+        """What is left of gains and losses beyond the cost.
+
+        A real process is not quite the model, and in records of one loop it differs from it in the same way: what one
+        record would not settle by itself does not become sure by being there many times.
+        """
+        gains = self.on(sizes, finest)
+        return np.asarray(np.sign(gains) * np.maximum(np.abs(gains) - self.cost, 0.0))

@@ -21,7 +21,6 @@ from lostmotion.diagnose.pooled.record_profile import RecordProfile, profile_rec
 from lostmotion.diagnose.pooled.trend_of_size import size_trend
 from lostmotion.diagnose.pooled.verdict_of_many import PooledVerdict, weigh
 from lostmotion.errors import DataError, ParameterError
-from lostmotion.identify.actuators.kind import NEEDED
 from lostmotion.records import LoopRecord, Prepared, prepare
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
@@ -222,7 +221,7 @@ def _own_size(profile: RecordProfile, evidence: Evidence, kind: str) -> tuple[fl
     best = int(np.argmax(values))
     near = np.flatnonzero(values > values[best] - SHOWN)
     low, high = float(sizes[near[0]]), float(sizes[near[-1]])
-    if values[best] < NEEDED or high > WIDEST * low or near[-1] == len(sizes) - 1:
+    if values[best] < profile.curves[kind].cost or high > WIDEST * low or near[-1] == len(sizes) - 1:
         return nothing
     return float(sizes[best]), (low, high)
 

@@ -23,7 +23,7 @@ PIECES = 5
 LAGS = 50  # time constants of the process in a window: some thirty settling times of a loop tuned for it
 FINEST = 60.0  # rows in a time constant: more are thinned, though OP between the rows kept is not seen
 KNOWN = 0.9  # share of the rows of a window that must be there
-MOVE = 3.0  # turns of OP that a move of SP is worth: it is not caused by noise
+MOVE = 30.0  # turns of OP that a move of SP is worth: noise and drift, which also make turns, hide what the valve does
 
 
 @dataclass(frozen=True)
