@@ -81,13 +81,21 @@ def test_a_wild_record_moves_neither_size_nor_kind():
     assert verdict.carried_by is None
 
 
-def test_one_record_alone_is_bounded_and_said_to_carry():
+def test_one_record_among_many_is_bounded_and_does_not_carry_the_verdict():
     found = pooled(record(backlash=hill(2.0, 0.03, 500.0)), *[record()] * 9)
     assert found.totals()["backlash"] == pytest.approx(-np.log(WILD), abs=0.1)
     verdict = weigh(found, 1.0, SPAN, "")
-    assert verdict.verdict == "backlash"
+    assert verdict.verdict == "cannot tell"
+    assert "one record carries the evidence" in verdict.why
     assert verdict.carried_by == 0
-    assert verdict.confidence < 0.7
+    assert weigh(pooled(record(backlash=hill(2.0, 0.03, 500.0))), 1.0, SPAN, "").verdict == "backlash"
+
+
+def test_kinds_that_are_not_told_apart_are_not_named():
+    both = record(backlash=hill(2.0, 0.03), stiction=hill(2.0, 0.03))
+    verdict = weigh(pooled(*[both] * 4), 1.0, SPAN, "")
+    assert verdict.verdict == "cannot tell"
+    assert "do not tell these apart" in verdict.why
 
 
 def test_records_without_a_word_cannot_tell():

@@ -15,7 +15,6 @@ from lostmotion.text_table import text_table
 
 HEAD = ("record", "rows", "alone", "said", "gain", "size, units of OP")
 WIDTHS = (24, 6, 17, 9, 6, 24)
-SEVERAL = 2  # records on which a verdict rests at least, or the reader is told
 FINEST = 0.02  # of a size: finer digits are of no use
 
 

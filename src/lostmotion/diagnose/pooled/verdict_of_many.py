@@ -13,6 +13,7 @@ from lostmotion.identify.actuators.kind import NO_FAULT
 
 PRIOR = -1.0  # log-odds of a fault before any evidence, as in the diagnosis of one record
 SURE = 0.55  # least probability of a verdict, as there
+SEVERAL = 3  # records from which on one of them may not carry the verdict
 HALF = 0.5  # of a difference between kinds counts: each is the best of many places (as in a single record)
 
 
@@ -74,7 +75,9 @@ def weigh(evidence: Evidence, limit: float, span: OpSpan, swing: str) -> PooledV
     alone = [number for number, other in enumerate(others) if other != named]
     carried = max(alone, key=lambda number: abs(evidence.gains(likeliest)[number]), default=None)
     if named in totals and named != NO_FAULT:
-        return PooledVerdict(named, "actuator", likeliest, probabilities, sure, {}, carried)
+        doubt = _doubt(totals, likeliest, sure, carried is not None and evidence.records >= SEVERAL)
+        verdict, kind = ("cannot tell", "unknown") if doubt else (named, "actuator")
+        return PooledVerdict(verdict, kind, likeliest, probabilities, sure, {}, carried, doubt)
     excluded = {name: one.largest() for name, one in evidence.sized.items()}
     worst = max(excluded, key=lambda name: excluded[name])
     if named == NO_FAULT and excluded[worst] < limit:
@@ -82,6 +85,15 @@ def weigh(evidence: Evidence, limit: float, span: OpSpan, swing: str) -> PooledV
         return PooledVerdict(verdict, kind, likeliest, probabilities, sure, excluded, carried)
     why = _why(named, likeliest, worst, excluded[worst], limit, span)
     return PooledVerdict("cannot tell", "unknown", likeliest, probabilities, sure, excluded, carried, why)
+
+
+def _doubt(totals: dict[str, float], likeliest: str, sure: float, carried: bool) -> str:
+    """Why a fault that is probable is not named; "" where it is."""
+    if sure < SURE:
+        others = (name for name in totals if name not in (NO_FAULT, likeliest))
+        other = max(others, key=lambda name: totals[name])
+        return f"the records together speak for {likeliest} or {other}, and do not tell these apart"
+    return "one record carries the evidence, the others do not bear it out" if carried else ""
 
 
 def _named(totals: dict[str, float]) -> str:
