@@ -8,7 +8,7 @@ from .compensate import (
     read_block,
 )
 from .design import Achievable, TestDesign, achievable, design
-from .diagnose import Diagnosis, diagnose
+from .diagnose import Diagnosis, PooledDiagnosis, diagnose
 from .errors import (
     ColumnError,
     DataError,
@@ -67,6 +67,7 @@ __all__ = [
     "LostMotionError",
     "NoiseModel",
     "ParameterError",
+    "PooledDiagnosis",
     "RecursiveIV",
     "RecursiveML",
     "Saturation",

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import typer
+
 import lostmotion as lm
 from lostmotion.cli.options import Files, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
+from lostmotion.cli.progress import progress
 from lostmotion.cli.several import data_of, each, refuse_tag, tell
 
 if TYPE_CHECKING:
@@ -37,6 +41,9 @@ Type = Annotated[LoopType | None, number("--loop-type", "What PV measures: the c
 Tolerance = Annotated[
     float, number("--tolerance", "Lost motion that does not matter, as a share of the span of OP: 0.01 is 1 %.")
 ]
+SameLoop = Annotated[
+    bool, typer.Option("--same-loop", help="The files are records of one loop: one verdict from all together.")
+]
 Out = Annotated[Path | None, number("--out", "Write the result as JSON; of several files: a list.")]
 
 
@@ -45,6 +52,7 @@ def diagnose(
     integrating: Integrating = None,
     loop_type: Type = None,
     tolerance: Tolerance = 0.01,
+    same_loop: SameLoop = False,
     figure: Figures = None,
     out: Out = None,
     *,
@@ -55,22 +63,48 @@ def diagnose(
 
     Example: lostmotion diagnose FIC-101.csv --loop-type flow --figure fic101.png
 
-    Several files give one line each as they are done, then a table with the worst first.
+    Several files give one line each as they are done, then a table with the worst first. With --same-loop they are
+    records of one valve: what they say is added up, in the order given. Long records are read by their windows.
 
     Exit code 0 where nothing is wrong with the actuator; 1 for a finding, a record that does not tell, or a failure.
     """
     from lostmotion.report import diagnosis_line, diagnosis_table
 
+    if same_loop:
+        raise _together(files, integrating, loop_type, tolerance, figure, out, columns, output)
     refuse_tag(files, columns)
     figures = places(files, figure, "figures", ".png")
     output.refuse(out, figures=tuple(figures.values()))
 
     def work(file: Path) -> Diagnosis:
         kind = None if loop_type is None else loop_type.value
-        found = lm.diagnose(columns.read(file), integrating=integrating, loop_type=kind, tolerance=tolerance)
+        record = columns.read(file)
+        found = lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
         output.write_figure(figures.get(file), found)
         return found
 
     found = each(files, work, diagnosis_line, output.json)
     output.write_json(out, data_of(found, named=True))
     raise tell(found, diagnosis_table, output, lambda one: one.verdict in INNOCENT, named=True)
+
+
+def _together(
+    files: list[Path],
+    integrating: bool | None,
+    loop_type: LoopType | None,
+    tolerance: float,
+    figure: Path | None,
+    out: Path | None,
+    columns: RecordOptions,
+    output: OutputOptions,
+) -> typer.Exit:
+    """One verdict from the files of one loop, and the exit code that it has."""
+    output.refuse(out, figures=(figure,))
+    records = [replace(columns.read(file), tag=file.stem) for file in files]
+    kind = None if loop_type is None else loop_type.value
+    found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
+    output.write_figure(figure, found)
+    data = {"files": [str(file) for file in files], **found.to_dict()}
+    output.write_json(out, data)
+    output.show(found.summary(), data)
+    return typer.Exit(0 if found.verdict in INNOCENT else 1)

@@ -45,8 +45,8 @@ def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
     figure = new_figure(12.0, 8.5)
     data = diagnosis.fit.data
     name = data.tag or data.source or "record"
-    figure.suptitle(title or f"{name}: {_heading(diagnosis)}", fontsize=13, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(_advice(diagnosis), fontsize=9, x=0.01, ha="left")
+    figure.suptitle(title or f"{name}: {heading_of(diagnosis)}", fontsize=13, fontweight="bold", x=0.01, ha="left")
+    figure.supxlabel(advice_of(diagnosis), fontsize=9, x=0.01, ha="left")
     grid = figure.add_gridspec(3, 5, height_ratios=(1.0, 1.0, 1.6))
     rows, start = shown_rows(diagnosis)
     above = figure.add_subplot(grid[0, :])
@@ -68,7 +68,8 @@ def shown_rows(diagnosis: Diagnosis) -> tuple[LoopRecord, int]:
     return piece.cut(first, len(piece)), prepared.rows[longest][0] + first
 
 
-def _heading(diagnosis: Diagnosis) -> str:
+def heading_of(diagnosis: Diagnosis) -> str:
+    """The verdict with size and confidence, in one line."""
     said = HEADING.get(diagnosis.verdict, diagnosis.verdict.capitalize())
     if diagnosis.kind not in ("none", "actuator", "unknown"):
         said += f": {diagnosis.kind}"
@@ -85,7 +86,8 @@ def _heading(diagnosis: Diagnosis) -> str:
     return said
 
 
-def _advice(diagnosis: Diagnosis) -> str:
+def advice_of(diagnosis: Diagnosis) -> str:
+    """What to do, wrapped to the width of a figure."""
     return textwrap.fill("What to do: " + " ".join(diagnosis.advice), WRAP)
 
 

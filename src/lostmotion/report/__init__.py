@@ -2,7 +2,7 @@
 
 from lostmotion import _verbs
 from lostmotion.design import Achievable, TestDesign
-from lostmotion.diagnose import Diagnosis
+from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.evaluate import CompensationStudy, MonteCarloResult, Solution
 from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.report.design_text import achievable_summary, design_summary
@@ -12,6 +12,7 @@ from lostmotion.report.facts_text import facts_summary
 from lostmotion.report.fit_remarks import fit_remarks
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
+from lostmotion.report.pooled_text import pooled_summary
 from lostmotion.report.recursive_text import recursive_summary
 from lostmotion.report.solution_text import solution_summary
 from lostmotion.report.study_text import study_summary
@@ -24,6 +25,7 @@ _verbs.summary.register(HammersteinFit, fit_summary)
 _verbs.summary.register(FitFacts, facts_summary)
 _verbs.remarks.register(HammersteinFit, fit_remarks)
 _verbs.summary.register(Diagnosis, diagnosis_summary)
+_verbs.summary.register(PooledDiagnosis, pooled_summary)
 _verbs.summary.register(RecursiveEstimate, recursive_summary)
 _verbs.summary.register(MonteCarloResult, monte_carlo_summary)
 
@@ -37,6 +39,7 @@ __all__ = [
     "fit_remarks",
     "fit_summary",
     "monte_carlo_summary",
+    "pooled_summary",
     "recursive_summary",
     "solution_summary",
     "study_summary",

@@ -37,7 +37,7 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
         _evidence(diagnosis),
         _oscillation(diagnosis),
         _kinds(diagnosis),
-        _not_excluded(diagnosis),
+        not_excluded(diagnosis),
         _stability(diagnosis),
         _performance(diagnosis),
         _last(diagnosis),
@@ -72,7 +72,7 @@ def _percent(diagnosis: Diagnosis, size: float) -> float:
     return size / op_span(diagnosis.record).percent
 
 
-def _not_excluded(diagnosis: Diagnosis) -> str:
+def not_excluded(diagnosis: Diagnosis, who: str = "this record does") -> str:
     """What the record leaves open, kind by kind."""
     if not diagnosis.excluded:
         return ""
@@ -82,7 +82,7 @@ def _not_excluded(diagnosis: Diagnosis) -> str:
         else f"  {kind:12} of any size: a valve that never moves would look the same"
         for kind, size in diagnosis.excluded.items()
     ]
-    return "\n".join(["", "Largest lost motion that this record does not exclude (95 %)", *rows])
+    return "\n".join(["", f"Largest lost motion that {who} not exclude (95 %)", *rows])
 
 
 def where_from(diagnosis: Diagnosis) -> str:

@@ -1,0 +1,102 @@
+"""``diagnose`` for whatever there is of a loop: one record, many, or one that is long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import overload
+
+from lostmotion.diagnose.clean_bill import TOLERANCE
+from lostmotion.diagnose.diagnose import diagnose as diagnose_one
+from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
+from lostmotion.diagnose.pooled.together import Asked, diagnose_together
+from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
+from lostmotion.errors import ParameterError
+from lostmotion.records import LoopRecord
+
+
+@overload
+def diagnose(
+    record: LoopRecord,
+    *,
+    integrating: bool | None = None,
+    loop_type: str | None = None,
+    tolerance: float = TOLERANCE,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis: ...
+
+
+@overload
+def diagnose(
+    record: Sequence[LoopRecord],
+    *,
+    integrating: bool | None = None,
+    loop_type: str | None = None,
+    tolerance: float = TOLERANCE,
+    starts: Sequence[float] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> PooledDiagnosis: ...
+
+
+def diagnose(
+    record: LoopRecord | Sequence[LoopRecord],
+    *,
+    integrating: bool | None = None,
+    loop_type: str | None = None,
+    tolerance: float = TOLERANCE,
+    starts: Sequence[float] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what is wrong with a loop, from its routine record or from many records of it.
+
+    Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
+    are weighed in by log-odds that were calibrated (docs/diagnosis.md). Many records have one valve, each with a
+    process and noise of its own: what each says of every size is added up (:mod:`lostmotion.diagnose.pooled.evidence`).
+    A record of more than 50,000 rows is read by its informative windows, in the same way.
+
+    Parameters
+    ----------
+    record : LoopRecord, or a sequence of them
+        OP and PV, with SP where known. Each is prepared first (:func:`lostmotion.records.prepare`).
+    integrating : bool, optional
+        Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
+    loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
+        What PV measures: the classes of performance depend on it.
+    tolerance : float
+        Lost motion that does not matter, as a share of the span of OP. The actuator is cleared only where the records
+        exclude larger ones.
+    starts : sequence of float, optional
+        Of many records: when each begins, in seconds, for the trend of the size. None: only their order is known.
+    progress : callable, optional
+        Told in words how far a diagnosis of many records is.
+
+    Returns
+    -------
+    Diagnosis
+        A PooledDiagnosis where there were many records or a long one.
+
+    Raises
+    ------
+    DataError
+        The record is refused, with the reason; of many: all of them.
+    ParameterError
+        Unknown loop type, a tolerance outside (0, 1), start times of another number than records, or records with OP
+        in different units.
+
+    Examples
+    --------
+    >>> from lostmotion.evaluate import random_faulty_loop
+    >>> from lostmotion.records import LoopRecord
+    >>> loop = random_faulty_loop(4, cause="stiction", process="flow")
+    >>> record = LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0)
+    >>> diagnose(record).verdict
+    'stiction'
+    """
+    asked = Asked(integrating, loop_type, tolerance)
+    if not isinstance(record, LoopRecord):
+        return diagnose_together(record, asked, starts, progress)
+    if starts is not None:
+        raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
+    if len(record) > LONG:
+        return diagnose_long(record, asked, progress)
+    return diagnose_one(record, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
