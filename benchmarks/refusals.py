@@ -32,9 +32,7 @@ def main() -> None:
     data = parser.parse_args().data
     total = taken = 0
     for folder in FOLDERS:
-        found = {
-            path: refusal(path) for path in sorted((data / folder).rglob("*.csv")) if path.name not in NO_RECORDS
-        }
+        found = {path: refusal(path) for path in sorted((data / folder).rglob("*.csv")) if path.name not in NO_RECORDS}
         read = sum(not reason for reason in found.values())
         total, taken = total + len(found), taken + read
         print(f"{folder}: {read} of {len(found)} read")

@@ -176,7 +176,7 @@ def _choose(
     if not valid:
         wrong = np.sum([np.isnan(day) & filled for day in days.values()], axis=0)
         raise _no_date(table, name, cells, int(np.argmax(wrong)))
-    left = _distinct({order: time for order, time in valid.items() if _sorted(time)} or valid)
+    left = _distinct({order: time for order, time in valid.items() if _sorted(time) or _sorted(-time)} or valid)
     limit = LONGEST_STEP * min(_longest_step(time) for time in left.values())
     left = {order: time for order, time in left.items() if _longest_step(time) <= limit}
     if len(left) > 1:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resol
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
+from lostmotion.files.order import arranged
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
 
@@ -67,14 +68,15 @@ def interpret(
     time: Wanted = None,
     mode: Wanted = None,
     dt: float | None = None,
-    usable: Callable[[Stamps], Stamps] = lambda stamps: stamps,
+    usable: Callable[[Stamps], Stamps] | None = None,
 ) -> Meaning:
     """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
 
     Parameters
     ----------
     usable : callable
-        Stamps -> those that the sampling time is told from. A growing file drops a few bad ones.
+        Stamps -> those that the sampling time is told from. A growing file, whose further rows are not known, drops
+        a few bad ones. None: all rows are here, and are put into the order of time.
 
     Raises
     ------
@@ -101,11 +103,27 @@ def interpret(
     decimal = decimal_mark(table, list(used))
     signals, words = _signals(table, columns, decimal)
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
-    stamps = None if stamps is None else usable(stamps)
-    clock = find_clock(stamps, dt, None if sampling is None else _sampling_time(table, sampling, decimal))
+    if stamps is not None and usable is not None:
+        stamps = usable(stamps)
+    elif stamps is not None:
+        table, signals, stamps = _in_order(table, signals, stamps)
+    ts = None if sampling is None else _sampling_time(table, sampling, decimal)
+    clock = find_clock(stamps, dt, ts, whole=usable is None)
     comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     assumed = (*table.notes, *columns.notes, *comma)
     return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
+
+
+def _in_order(
+    table: Table, signals: dict[str, FloatArray], stamps: Stamps
+) -> tuple[Table, dict[str, FloatArray], Stamps]:
+    """Rows in the order of time, and what was done to have them so."""
+    found = arranged(stamps, list(signals.values()))
+    if np.array_equal(found.rows, np.arange(len(stamps.seconds))):
+        return table, signals, replace(stamps, seconds=found.seconds, notes=(*stamps.notes, *found.notes))
+    table = table.taken(found.rows)
+    moved = replace(stamps, seconds=found.seconds - found.seconds[0], table=table, notes=(*stamps.notes, *found.notes))
+    return table, {role: values[found.rows] for role, values in signals.items()}, moved
 
 
 def check_dt(dt: float | None) -> None:
