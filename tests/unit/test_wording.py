@@ -122,7 +122,7 @@ FOLLOWED = {
     ),
     "the other clock": (csv([f"{10 * k},{k % 7},{k % 5},12" for k in ROWS], "time,OP,PV,ts"), "--dt 10", "--dt 10"),
     "uneven minute stamps": (
-        csv([f"{120 * (k // 11) + 60 * (k % 11 > 1)},{k % 7},{k % 5}" for k in ROWS]), "give --dt 11", "--dt 11",
+        csv([f"{120 * (k // 11) + 60 * (k % 11 > 1)},{k % 7},{k % 5}" for k in ROWS]), "give --dt 10.9", "--dt 11",
     ),
     "one stamp": (
         csv([f"7,{k % 7},{k % 5}" for k in ROWS]), "pass --dt SECONDS --ignore-time", "--dt 2 --ignore-time",
