@@ -43,6 +43,7 @@ PvSpan = Annotated[
     tuple[float, float] | None,
     number("--pv-span", "Range of the transmitter in units of PV, e.g. 0 250."),
 ]
+Loop = Annotated[str | None, number("--loop", "Tag of the loop, where a file holds several: FIC102.")]
 Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
 
 
@@ -77,3 +78,4 @@ class RecordOptions(ColumnOptions):
     op_span: OpSpan = None
     pv_span: PvSpan = None
     mode: Mode = None
+    loop: Loop = None

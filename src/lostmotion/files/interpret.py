@@ -69,6 +69,7 @@ def interpret(
     mode: Wanted = None,
     dt: float | None = None,
     usable: Callable[[Stamps], Stamps] | None = None,
+    loop: str | None = None,
 ) -> Meaning:
     """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
 
@@ -97,7 +98,7 @@ def interpret(
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
-    columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode)
+    columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode, loop)
     roles = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
     used = tuple(name for name in roles if name is not None)
     decimal = decimal_mark(table, list(used))

@@ -32,6 +32,7 @@ def read_loop(
     pv_span: Span | None = None,
     missing: Literal["keep", "error"] = "keep",
     mode: Wanted = None,
+    loop: str | None = None,
 ) -> LoopRecord:
     """Read the record of one control loop.
 
@@ -62,6 +63,8 @@ def read_loop(
     mode : str, None or False
         Column with the mode of the controller (AUTO, MAN, CAS..), taken as text. None: if there is one of its
         usual names.
+    loop : str, optional
+        Tag of the loop to read where a file holds several: columns FIC102.PV, FIC102.OUT .. or FT_102 and FV_102.
 
     Returns
     -------
@@ -94,7 +97,7 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt)
+    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt, loop=loop)
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
@@ -104,7 +107,7 @@ def read_loop(
         mode=None if word is None else _words(meaning.table, word),
         op_span=op_span,
         pv_span=pv_span,
-        tag=_tag(source) if tag is None else tag,
+        tag=(meaning.columns.loop if loop else _tag(source)) if tag is None else tag,
         source=meaning.table.source,
         gaps=meaning.clock.gaps,
         notes=meaning.notes,
