@@ -94,6 +94,8 @@ DRESSES = {
         {"op": "fv_211", "pv": "FT_211", "time": "When", "mode": "State"},
     ),
     "comments": (b"# exported by x\n\n" + table(), {}),
+    "a row of units": (table().replace(b"Mode\n", b"Mode\ns,%,degC,-\n"), {}),
+    "a preamble": (b"Trend export;plant 1\nmade,2024-03-01\n\n" + table(), {}),
     "a name with blanks": (table(names=("Time", " OP ", "PV [%]", "Mode")), {}),
     **{
         f"bad cells, {word}": (table(op=[word if k % 11 == 5 else f"{OP[k]}" for k in range(N)], delimiter=";"), {})
@@ -152,7 +154,6 @@ def text(rows, header="time,OP,PV"):
 REFUSED = {
     "no header": (text(ROWS[1:], "0,1,2"), {}),
     "header only": (text([]), {}),
-    "a row of units": (text(["s,%,C", *ROWS]), {}),
     "a text in OP": (text([*ROWS[:30], "30,open,1", *ROWS[31:]]), {}),
     "an infinite PV": (text([*ROWS[:30], "30,1,inf", *ROWS[31:]]), {}),
     "a row too long": (text([*ROWS[:30], "30,1,1,1", *ROWS[31:]]), {}),

@@ -282,6 +282,18 @@ def _no_date(table: Table, name: str, cells: pl.Series, row: int) -> TimeError:
     )
 
 
+def looks_like_a_time(cell: str) -> bool:
+    """Tell a date or a time of day from a word.
+
+    Examples
+    --------
+    >>> looks_like_a_time("17/01/17 9:00"), looks_like_a_time("10:00:05"), looks_like_a_time("FIC 101")
+    (True, True, False)
+    """
+    found = re.match(_DATE, cell)
+    return found is not None and (found["a"] is not None or found["hour"] is not None)
+
+
 def looks_numeric(cell: str) -> bool:
     """Tell a plain number, with either decimal mark, from a date.
 
