@@ -13,7 +13,7 @@ from lostmotion.files.tags import loops_of
 
 DELIMITERS = (";", "\t", ",")
 TOP = 60  # lines in which the header is looked for
-RUN = 3  # lines that follow each other where the rows begin
+RUN = 2  # lines that follow each other where the rows begin
 SEEN = 20  # lines by which the columns are counted
 ROLES = ("time", "op", "pv", "sp", "mode")
 
