@@ -151,9 +151,9 @@ ROWS_3 = "10:00:00;1,5;2,5\n10:00:01;1,6;2,6\n10:00:02;1,7;2,7\n"
     [
         ("Zeit;OP;PV\nhh:mm:ss;%;m3/h\n", ["Line 2 holds units"]),
         ("Zeit;OP;PV\n;Ventil;Durchfluss\n;%;t/h\n", ["Line 2 holds descriptions", "Line 3 holds units"]),
-        ("Zeit;Ventil;Durchfluss\nTimestamp;FIC1.OUT;FIC1.PV\n", ["Line 1 holds descriptions"]),
+        ("Zeit;Ventil;Durchfluss\nTimestamp;FIC1.OUT;FIC1.PV\n", ["Line 1 was passed over"]),
         ("Trend of plant 1\nmade by x\n\nZeit;OP;PV\n", ["Lines 1 to 2 were passed over"]),
-        ("Server;PI1\nFrom;2024-03-01;\nZeit;OP;PV\n[s];[%];[bar]\n", ["Line 1 was", "Line 4 holds units"]),
+        ("Server;PI1\nFrom;2024-03-01;\nZeit;OP;PV\n[s];[%];[bar]\n", ["Lines 1 to 2 were", "Line 4 holds units"]),
     ],
 )
 def test_what_stands_above_the_rows(tmp_path, top, notes):

@@ -59,11 +59,10 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
         return None
     candidates = range(begin, rows[0])
     chosen = max(candidates, key=lambda number: (_recognised(split[number]), -number))
-    notes = [_passed(top[:begin])] if begin else []
-    for number in candidates:
-        if number != chosen:
-            what = "units" if _are_units(split[number]) else "descriptions"
-            notes.append(f"Line {top[number] + 1} holds {what} and was passed over.")
+    notes = [_passed(top[:chosen])] if chosen else []
+    for number in range(chosen + 1, rows[0]):
+        what = "units" if _are_units(split[number]) else "descriptions"
+        notes.append(f"Line {top[number] + 1} holds {what} and was passed over.")
     return Head(top[chosen], rows[0], tuple(notes))
 
 
