@@ -172,7 +172,6 @@ REFUSED = {
     "another dt": (text([f"{2 * k},1,{k % 5}" for k in range(100)]), {"dt": 3.0}),
     "another ts": (text([f"{2 * k},1,{k % 5},3" for k in range(100)], "time,OP,PV,ts"), {}),
     "one time": (text(["7,1,2"] * 60), {}),
-    "irregular": (text([f"{k**1.5},1,{k % 3}" for k in range(60)]), {}),
     "a date that is none": (text([f"2024-02-30 10:00:{k},1,2" for k in range(10, 50)]), {}),
     "a word as time": (text(["0,1,2", "soon,1,2", *ROWS[2:50]]), {}),
     "days or seconds": (text([f"{45000 + k / 100:.2f},1,{k % 3}" for k in range(50)]), {}),

@@ -3,7 +3,7 @@ import polars as pl
 import pytest
 
 from lostmotion import files
-from lostmotion.errors import TimeError
+from lostmotion.errors import ColumnError, TimeError
 
 
 def read(times, **settings):
@@ -346,10 +346,18 @@ def test_rounded_stamps_use_the_mean():
 def test_irregular():
     rng = np.random.default_rng(2)
     times = 5.0 + np.cumsum(rng.exponential(3.0, 300))
-    with pytest.raises(TimeError, match=r"equally spaced.*fixed interval.*time=False"):
+    with pytest.raises(TimeError, match=r"equally spaced.*fixed interval.*give dt=.*time=False") as caught:
         read(times)
+    (way,) = caught.value.ways
+    record = read(times, **way)
+    assert record.dt == way["dt"]
+    assert "of PV made up" in record.notes[-1]
+    np.testing.assert_allclose(
+        record.pv, np.interp(5 + (times[0] - 5) + np.arange(len(record)) * way["dt"], times, range(300))
+    )
+    assert set(record.op) <= set(range(300))
     with pytest.raises(TimeError):
-        read(times, dt=3.0)
+        read(times, dt=30.0)
 
 
 def test_scatter_about_a_given_dt_is_noted():
@@ -408,8 +416,7 @@ def test_stamps_that_change_once():
 def test_dt_that_fits_the_mean_but_not_the_steps():
     rng = np.random.default_rng(7)
     times = 5.0 + np.cumsum(np.where(rng.random(400) < 0.2, 40.123, 10.456))
-    with pytest.raises(TimeError, match="equally spaced"):
-        read(times, dt=10.456)
+    assert "were resampled to 10.456 s" in read(times, dt=10.456).notes[-1]
 
 
 def test_few_rows_far_apart_are_refused():
@@ -421,3 +428,68 @@ def test_bad_dt():
     for dt in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(ValueError, match="expected dt > 0"):
             read([0, 1, 2], dt=dt)
+
+
+def compressed(values, deviation):
+    """Places of values that exception reporting stores."""
+    kept, last = [0], values[0]
+    for place, value in enumerate(values):
+        if abs(value - last) > deviation:
+            kept.append(place)
+            last = value
+    return np.unique([*kept, len(values) - 1])
+
+
+def test_exception_reports_are_resampled_to_their_scan():
+    clean = np.sin(np.arange(2000) / 60.0) + np.random.default_rng(8).normal(scale=0.03, size=2000)
+    rows = compressed(clean, 0.08)
+    times = 5.0 * rows
+    frame = pl.DataFrame({"t_s": times, "OP": clean[rows], "PV": clean[rows]})
+    record = files.read_loop(frame)
+    assert (record.dt, len(record)) == (5.0, 2000)
+    np.testing.assert_array_equal(record.pv[rows], clean[rows])
+    held = clean[rows][np.searchsorted(rows, np.arange(2000), side="right") - 1]
+    np.testing.assert_array_equal(record.op, held)
+    share = 100 * (1 - len(rows) / 2000)
+    assert f"{share:.0f} % of OP, {share:.0f} % of PV made up" in record.notes[-1]
+
+
+def test_nothing_is_made_up_over_a_hole():
+    clean = np.sin(np.arange(3000) / 20.0)
+    rows = compressed(clean, 0.05)
+    rows = rows[(rows < 1000) | (rows > 2000)]
+    frame = pl.DataFrame({"t_s": 5.0 * rows, "OP": clean[rows], "PV": clean[rows]})
+    record = files.read_loop(frame, dt=5.0)
+    assert record.missing[1010:1990].all()
+    assert not record.missing[:990].any()
+
+
+def test_each_tag_with_its_own_stamps():
+    k = np.arange(400)
+    op = pl.DataFrame(
+        {"t_s": 10.0 * k + 3, "OP": np.sin(k / 9.0), "PV": [None] * 400}, schema_overrides={"PV": pl.Float64}
+    )
+    pv = pl.DataFrame({"t_s": 10.0 * k, "OP": [None] * 400, "PV": np.cos(k / 9.0)}, schema_overrides={"OP": pl.Float64})
+    record = files.read_loop(pl.concat([op, pv]).sort("t_s"))
+    assert record.dt == 10.0
+    np.testing.assert_array_equal(record.pv, np.cos(k / 9.0))
+    np.testing.assert_array_equal(record.op[1:], np.sin(k / 9.0)[:-1])
+
+
+def test_a_row_for_each_value_of_each_tag():
+    k = np.arange(300)
+    stamps = dated("2024-03-01T10:00:00", 5 * k)
+    parts = {"FIC7.OP": np.sin(k / 9.0), "FIC7.PV": np.cos(k / 9.0), "FIC8.OP": k / 1.0, "FIC8.PV": -k / 1.0}
+    long = pl.concat(
+        pl.DataFrame({"Tag": [tag] * 300, "Timestamp": stamps, "Value": values, "Quality": ["Good"] * 299 + ["Bad"]})
+        for tag, values in parts.items()
+    )
+    with pytest.raises(ColumnError, match="2 loops") as caught:
+        files.read_loop(long)
+    records = [files.read_loop(long, **way) for way in caught.value.ways]
+    np.testing.assert_array_equal(records[0].op[:-1], np.sin(k / 9.0)[:-1])
+    np.testing.assert_array_equal(records[1].pv[:-1], -k[:-1])
+    assert np.isnan(records[0].op[-1])
+    assert "bad quality" in " ".join(records[0].notes)
+    with pytest.raises(ColumnError, match="one value of a tag"):
+        files.read_loop(pl.concat([long, long.with_columns(pl.col("Value") + 1)]), loop="FIC7")

@@ -22,6 +22,7 @@ from lostmotion.files.rates import (
     tidy,
     uniform,
 )
+from lostmotion.files.resampled import usual_step
 from lostmotion.files.times import Stamps
 
 COARSE_SHARE = 0.1  # more repeated stamps than this mean stamps too coarse for the sampling, not faults
@@ -191,7 +192,7 @@ def _irregular(stamps: Stamps, seconds: FloatArray, steps: FloatArray, dt: float
     if dt is None:
         rate = scattered(steps) if whole else None
         if rate is None:
-            raise _irregular_error(stamps, steps)
+            raise _irregular_error(stamps, steps, dt, whole)
         return rate
     rate, share = near(seconds, steps, dt)
     if abs(rate.step - dt) > GIVEN_TOLERANCE * dt:
@@ -201,16 +202,20 @@ def _irregular(stamps: Stamps, seconds: FloatArray, steps: FloatArray, dt: float
     return replace(rate, note=f"{rate.note}; dt = {dt:g} s was given")
 
 
-def _irregular_error(stamps: Stamps, steps: FloatArray) -> TimeError:
+def _irregular_error(stamps: Stamps, steps: FloatArray, dt: float | None = None, whole: bool = False) -> TimeError:
     middle = float(np.median(steps))
     off = int(np.argmax(np.abs(steps - middle))) + 1
-    return TimeError.expected(
+    step = usual_step(steps)
+    even = whole and dt is None and bool((steps > 0).all())
+    also = f", or give dt={step:g} to resample them" if even else ""
+    error = TimeError.expected(
         f"equally spaced times in column {stamps.name!r}",
         f"steps from {steps.min():g} to {steps.max():g} s (mean {steps.mean():.4g} s), "
         f"such as {stamps.at(off)} after {stamps.at(off - 1)}",
-        "export raw values at a fixed interval; or, if rows are equally spaced in truth, "
+        f"export raw values at a fixed interval{also}, or, if rows are equally spaced in truth, "
         "pass dt=<seconds> and time=False to ignore the column",
     )
+    return error.leads_on({"dt": step}) if even else error
 
 
 def _settle(stamps: Stamps, rate: Rate, dt: float | None, ts: float | None, notes: tuple[str, ...]) -> Clock:

@@ -12,9 +12,11 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
 from lostmotion.files.order import arranged
+from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
 
@@ -95,6 +97,8 @@ def interpret(
     """
     check_dt(dt)
     table = with_moments(table) if time is None else table
+    if usable is None:
+        table = with_columns_of_tags(table)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
@@ -102,15 +106,21 @@ def interpret(
     roles = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
     used = tuple(name for name in roles if name is not None)
     decimal = decimal_mark(table, list(used))
+    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     signals, words = _signals(table, columns, decimal)
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
     if stamps is not None and usable is not None:
         stamps = usable(stamps)
     elif stamps is not None:
         table, signals, stamps = _in_order(table, signals, stamps)
+        even = resampled(stamps.seconds, signals, dt)
+        if even is not None:
+            clock = Clock(even.dt, (), (*stamps.notes, even.note))
+            assumed = (*table.notes, *columns.notes, *comma)
+            taken = table.taken(even.rows)
+            return Meaning(taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt))
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
     clock = find_clock(stamps, dt, ts, whole=usable is None)
-    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     assumed = (*table.notes, *columns.notes, *comma)
     return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
 

@@ -80,3 +80,12 @@ UNIT_ROW = UNITS | frozenset(SECONDS) | frozenset({
     "text", "mode", "dd/mm/yyyy", "mm/dd/yyyy", "yyyy-mm-dd", "dd.mm.yyyy", "hh:mm:ss", "dd/mm/yyyy hh:mm:ss",
     "mm/dd/yyyy hh:mm:ss", "yyyy-mm-dd hh:mm:ss", "dd.mm.yyyy hh:mm:ss",
 })  # fmt: skip
+
+# A row for each value of each tag: what the columns are called, and what a good quality is.
+LONG: dict[str, tuple[str, ...]] = {
+    "tag": ("tag", "tagname", "tag name", "point", "point name", "pointname", "pi tag", "item", "signal", "variable",
+            "messstelle", "messstellenname", "etiqueta", "nom", "nombre", "name"),
+    "value": ("value", "val", "wert", "messwert", "valeur", "valor"),
+    "quality": ("quality", "qual", "status", "opc quality", "qualitat", "qualite", "calidad", "qualidade"),
+}  # fmt: skip
+GOOD_QUALITY = frozenset({"good", "ok", "g", "192", "0xc0", "c0", "good (192)", "good, non-specific", "valid", "0"})
