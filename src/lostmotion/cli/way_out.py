@@ -100,6 +100,9 @@ def _flags(given: dict[str, Any]) -> list[str]:
     for name, value in given.items():
         if value is None or value is False:
             continue
+        if isinstance(value, list):
+            words += [word for one in value for word in (f"--{name.replace('_', '-')}", str(one))]
+            continue
         values = value if isinstance(value, tuple) else (value,)
         shown = [] if value is True else [f"{one:g}" if isinstance(one, float) else str(one) for one in values]
         words += [f"--{name.replace('_', '-')}", *shown]

@@ -40,6 +40,8 @@ class LoopRecord:
         Rows before which time is missing (the sample there does not follow its predecessor by dt).
     notes : tuple of str
         Sentences that say what was assumed when the record was read.
+    loop_type : str
+        What PV measures, as :func:`lostmotion.diagnose` takes it ("flow", "level" ..); empty: not known.
 
     Raises
     ------
@@ -66,6 +68,7 @@ class LoopRecord:
     source: str = ""
     gaps: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
+    loop_type: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.dt) and self.dt > 0):
