@@ -195,7 +195,8 @@ def test_repeated_names_have_to_be_told_apart(tmp_path):
         (b"1,2,3\n4,5,6\n", "column names in the first line"),
         (b"just words\nmore\n", "columns separated by"),
         (b"\x00\x01\x02OP,PV", "binary file"),
-        (b"PK\x03\x04....", "binary file"),
+        (b"PK\x03\x04....", "damaged"),
+        (b"%PDF-1.7", "binary file"),
         (b"PAR1 broken", "damaged"),
     ],
 )

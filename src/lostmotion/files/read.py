@@ -51,7 +51,8 @@ def read_loop(
     ----------
     source : path or data frame
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
-        or vectors; ``save -v7``), or a pandas, Polars or PyArrow frame.
+        or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
+        of one file; or a pandas, Polars or PyArrow frame.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -162,4 +163,7 @@ def _refuse_missing(meaning: Meaning) -> None:
 
 
 def _tag(source: Any) -> str:
-    return Path(source).stem if isinstance(source, str | os.PathLike) else ""
+    if not isinstance(source, str | os.PathLike):
+        return ""
+    path = Path(source)
+    return Path(path.stem).stem if path.suffix.lower() in (".gz", ".zip") else path.stem
