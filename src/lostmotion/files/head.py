@@ -63,7 +63,7 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
     for number in range(chosen + 1, rows[0]):
         what = "units" if _are_units(split[number]) else "descriptions"
         notes.append(f"Line {top[number] + 1} holds {what} and was passed over.")
-    return Head(top[chosen], rows[0], tuple(notes))
+    return Head(top[chosen], top[rows[0]], tuple(notes))
 
 
 def _columns(lines: list[str]) -> tuple[str, int]:
