@@ -1,4 +1,5 @@
 import csv
+import shlex
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ import pytest
 from lostmotion.errors import TimeError
 from lostmotion.files import read_loop
 from lostmotion.records import check
+from tests.e2e.test_commands import run
 from tests.shared_data import shared, shared_files
 
 # dt in seconds that the provenance of the files gives, where the time column is not a clock
@@ -117,3 +119,28 @@ def test_cascaded_tanks():
     assert (len(record), record.dt) == (1024, 4.0)
     np.testing.assert_allclose(record.pv[:2], [5.205, 5.2154])
     assert assert_checked(record).usable
+
+
+EVERY = [
+    path
+    for folder in ("isdb26", "isdb_more", "sacac", "refinery", "historian_week", "damadics", "dcmotor", "cascaded_tanks")
+    for path in shared_files(f"{folder}/*.csv")
+    if path.name not in ("labels.csv", "index.csv")
+]
+REFUSED = {  # own columns that contradict each other, or names that tell no role
+    *(f"CHEM{number}" for number in (8, 10, 11, 12, 23, 24, 39)), "BAS8", "stiction-L-paper-horch-2003", BROKEN,
+    "LIC-106", "lublin_actuator3_2001-10-11_1h", "run_minimal", "dataBenchmark",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", EVERY, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_as_it_comes_or_by_a_command_that_works(capsys, path):
+    path = shared(f"{path.parent.name}/{path.name}")
+    if path.stem not in REFUSED:
+        assert read_loop(path).dt > 0
+        return
+    error = run(capsys, "check", path)[2]
+    commands = [line.strip() for line in error.splitlines()[1:]]
+    assert commands
+    for command in commands:
+        assert run(capsys, *shlex.split(command)[1:])[2] == "", command
