@@ -123,7 +123,16 @@ def test_cascaded_tanks():
 
 EVERY = [
     path
-    for folder in ("isdb26", "isdb_more", "sacac", "refinery", "historian_week", "damadics", "dcmotor", "cascaded_tanks")
+    for folder in (
+        "isdb26",
+        "isdb_more",
+        "sacac",
+        "refinery",
+        "historian_week",
+        "damadics",
+        "dcmotor",
+        "cascaded_tanks",
+    )
     for path in shared_files(f"{folder}/*.csv")
     if path.name not in ("labels.csv", "index.csv")
 ]

@@ -4,6 +4,7 @@ import pytest
 
 from lostmotion import files
 from lostmotion.errors import ColumnError, TimeError
+from lostmotion.records.compression import compression
 
 
 def read(times, **settings):
@@ -452,6 +453,7 @@ def test_exception_reports_are_resampled_to_their_scan():
     np.testing.assert_array_equal(record.op, held)
     share = 100 * (1 - len(rows) / 2000)
     assert f"{share:.0f} % of OP, {share:.0f} % of PV made up" in record.notes[-1]
+    assert compression(record, "pv").share >= share / 100 - 0.01
 
 
 def test_nothing_is_made_up_over_a_hole():

@@ -43,6 +43,8 @@ class Meaning:
         Sampling time and gaps.
     assumed, words : tuple of str
         What was assumed about the columns; which words and times were passed over.
+    made_up : (float, float)
+        Shares of the samples of OP and PV that lie between stored values.
     """
 
     table: Table
@@ -54,6 +56,7 @@ class Meaning:
     clock: Clock
     assumed: tuple[str, ...]
     words: tuple[str, ...]
+    made_up: tuple[float, float] = (0.0, 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -118,7 +121,9 @@ def interpret(
             clock = Clock(even.dt, (), (*stamps.notes, even.note))
             assumed = (*table.notes, *columns.notes, *comma)
             taken = table.taken(even.rows)
-            return Meaning(taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt))
+            return Meaning(
+                taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt), even.made_up
+            )
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
     clock = find_clock(stamps, dt, ts, whole=usable is None)
     assumed = (*table.notes, *columns.notes, *comma)

@@ -127,6 +127,7 @@ def read_loop(
         gaps=meaning.clock.gaps,
         notes=meaning.notes,
         loop_type=kind,
+        made_up=meaning.made_up,
     )
 
 

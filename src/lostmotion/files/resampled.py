@@ -33,12 +33,15 @@ class Resampled:
         Row at or before each sample, from 0.
     note : str
         What was done, and the shares that were made up.
+    made_up : (float, float)
+        These shares, of OP and PV.
     """
 
     dt: float
     signals: dict[str, FloatArray]
     rows: IntArray
     note: str
+    made_up: tuple[float, float]
 
 
 def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float | None = None) -> Resampled | None:
@@ -84,17 +87,14 @@ def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float 
     grid = lead[0] + rate * np.arange(int((seconds[-1] - lead[0]) / rate * (1 + 1e-12)) + 1)
     hole = _in_hole(grid, seconds)
     made = {role: _values(role, grid, seconds, values, hole) for role, values in signals.items()}
-    shares = ", ".join(
-        f"{100 * _made_up(grid, seconds[~np.isnan(signals[role])], rate):.0f} % of {role.upper()}"
-        for role in ("op", "pv")
-    )
+    op, pv = (_made_up(grid, seconds[~np.isnan(signals[role])], rate) for role in ("op", "pv"))
     missing = f"; {int(hole.sum())} samples in holes are missing" if hole.any() else ""
     note = (
         f"Values stand at irregular times and were resampled to {rate:g} s, OP held and PV on lines between them: "
-        f"{shares} made up{missing}."
+        f"{100 * op:.0f} % of OP, {100 * pv:.0f} % of PV made up{missing}."
     )
     rows = np.clip(np.searchsorted(seconds, grid + 1e-9 * rate, side="right") - 1, 0, None)
-    return Resampled(rate, made, rows, note)
+    return Resampled(rate, made, rows, note, (op, pv))
 
 
 def _own_stamps(signals: Mapping[str, FloatArray]) -> bool:
@@ -163,6 +163,8 @@ def _values(
 
 def _made_up(grid: FloatArray, times: FloatArray, dt: float) -> float:
     """Share of the samples without a stored value within half a sampling time."""
+    if not len(times):
+        return 1.0
     place = np.searchsorted(times, grid)
     before, after = times[np.maximum(place - 1, 0)], times[np.minimum(place, len(times) - 1)]
     near = np.minimum(np.abs(grid - before), np.abs(after - grid)) <= 0.5 * dt * (1 + 1e-9)
