@@ -478,6 +478,25 @@ def test_each_tag_with_its_own_stamps():
     np.testing.assert_array_equal(record.op[1:], np.sin(k / 9.0)[:-1])
 
 
+def test_a_row_for_each_value_at_times_of_its_own():
+    k = np.arange(200)
+    op = [("FIC7.OP", 10 * n + 3, float(n)) for n in k]
+    pv = [("FIC7.PV", 10 * n, -float(n)) for n in k]
+    other = [("TI9", 7 * n + 1, 1.0) for n in k]
+    long = pl.DataFrame([*op, *pv, *other], schema=["Tag", "t_s", "Value"], orient="row")
+    record = files.read_loop(long)
+    assert (record.dt, record.gaps) == (10.0, ())
+    np.testing.assert_array_equal(record.pv, -k)
+    np.testing.assert_array_equal(record.op[1:200], k[:199])
+
+
+def test_empty_cells_on_regular_times_stay_missing():
+    k = np.arange(200.0)
+    op, pv = (np.where(np.random.default_rng(seed).random(200) < 0.4, k, np.nan) for seed in (1, 2))
+    record = files.read_loop(pl.DataFrame({"t_s": k, "OP": op, "PV": pv}).fill_nan(None))
+    np.testing.assert_array_equal(record.op, op)
+
+
 def test_a_row_for_each_value_of_each_tag():
     k = np.arange(300)
     stamps = dated("2024-03-01T10:00:00", 5 * k)

@@ -13,7 +13,6 @@ from lostmotion.files.tags import loops_of
 
 DELIMITERS = (";", "\t", ",")
 TOP = 60  # lines in which the header is looked for
-RUN = 2  # lines that follow each other where the rows begin
 SEEN = 20  # lines by which the columns are counted
 ROLES = ("time", "op", "pv", "sp", "mode")
 
@@ -49,11 +48,17 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
         return None
     split = [_fields(lines[place], delimiter) for place in top]
     fit = [len(fields) == width and _is_row(fields) for fields in split]
-    rows = [number for number in range(len(fit)) if all(fit[number : number + RUN])]
+    empty = [len(fields) == width and _is_missing(fields) for fields in split]
+    rows = [number for number in range(len(fit)) if fit[number] and all(_either(fit, empty, number + 1))]
     if not rows or rows[0] < 2:
         return None
     begin = rows[0]
-    while begin > 0 and abs(len(split[begin - 1]) - width) <= 1 and _fits(split[begin - 1], width):
+    while (
+        begin > 0
+        and abs(len(split[begin - 1]) - width) <= 1
+        and _fits(split[begin - 1], width)
+        and not empty[begin - 1]
+    ):
         begin -= 1
     if begin == rows[0]:
         return None
@@ -91,6 +96,16 @@ def _is_row(fields: list[str]) -> bool:
     numbers = [looks_numeric(field) or looks_like_a_time(field) for field in filled]
     bad = sum(field.lower() in BAD_WORDS for field in filled)
     return any(numbers) and (numbers[0] or 2 * (sum(numbers) + bad) >= len(filled))
+
+
+def _is_missing(fields: list[str]) -> bool:
+    """Nothing but empty cells and words for missing values."""
+    return all(not field or field.lower() in BAD_WORDS for field in fields)
+
+
+def _either(fit: list[bool], empty: list[bool], number: int) -> list[bool]:
+    """Whether the line, if there is one, is a row or holds missing values only."""
+    return [row or missing for row, missing in zip(fit[number : number + 1], empty[number : number + 1], strict=True)]
 
 
 def _recognised(fields: list[str]) -> int:

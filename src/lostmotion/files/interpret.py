@@ -15,7 +15,7 @@ from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
 from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
-from lostmotion.files.order import arranged
+from lostmotion.files.order import arranged, by_time
 from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
@@ -116,7 +116,7 @@ def interpret(
         stamps = usable(stamps)
     elif stamps is not None:
         table, signals, stamps = _in_order(table, signals, stamps)
-        even = resampled(stamps.seconds, signals, dt)
+        even = resampled(stamps.seconds, signals, dt, table.own_times)
         if even is not None:
             clock = Clock(even.dt, (), (*stamps.notes, even.note))
             assumed = (*table.notes, *columns.notes, *comma)
@@ -134,7 +134,7 @@ def _in_order(
     table: Table, signals: dict[str, FloatArray], stamps: Stamps
 ) -> tuple[Table, dict[str, FloatArray], Stamps]:
     """Rows in the order of time, and what was done to have them so."""
-    found = arranged(stamps, list(signals.values()))
+    found = by_time(stamps) if table.own_times else arranged(stamps, list(signals.values()))
     if np.array_equal(found.rows, np.arange(len(stamps.seconds))):
         return table, signals, replace(stamps, seconds=found.seconds, notes=(*stamps.notes, *found.notes))
     table = table.taken(found.rows)

@@ -58,7 +58,8 @@ def with_columns_of_tags(table: Table) -> Table:
     dropped = 0 if not quality else int((~good).sum())
     bad = (f"{dropped} values of bad quality count as missing.",) if dropped else ()
     note = f"A row holds one value of one tag: the columns are those of {tag!r}."
-    return replace(table, frame=nw.from_native(wide, eager_only=True), lines=None, notes=(*table.notes, note, *bad))
+    frame = nw.from_native(wide, eager_only=True)
+    return replace(table, frame=frame, lines=None, notes=(*table.notes, note, *bad), own_times=True)
 
 
 def _called(table: Table, role: str) -> str:

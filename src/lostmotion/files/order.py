@@ -39,6 +39,12 @@ class Arranged:
         return Arranged(self.rows[places], self.seconds[places], (*self.notes, note))
 
 
+def by_time(stamps: Stamps) -> Arranged:
+    """Rows whose order in the source means nothing, by their times."""
+    rows = np.argsort(stamps.seconds, kind="stable")
+    return Arranged(rows, stamps.seconds[rows])
+
+
 def arranged(stamps: Stamps, values: Sequence[FloatArray]) -> Arranged:
     """Put rows into the order of time and leave out those that stand twice.
 

@@ -41,7 +41,7 @@ def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
 
 def is_workbook(raw: bytes) -> bool:
     """Whether the bytes are those of a spreadsheet (.xlsx, .xlsm, .xlsb or .xls)."""
-    if raw.startswith(b"\xd0\xcf\x11\xe0"):
+    if raw.startswith(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"):
         return True
     if not raw.startswith(ZIP):
         return False

@@ -14,6 +14,7 @@ LONGEST_HOLE = 20  # usual steps between stored values: over a longer hole nothi
 SCAN_SHARE = 0.1  # of the steps are one scan long, at least, where the scan is told from the stamps
 SPREAD = 3.0  # scans: the longest tenth of the steps, at least, where a historian left values out
 OWN_SHARE = 0.5  # of the rows hold OP and PV both, at most, where each tag has stamps of its own
+EITHER_SHARE = 0.9  # of the rows hold OP or PV, at least; a third tag may have stamps of its own too
 SLOWEST, FASTEST = 2.0, 0.05  # a dt that is asked for, in usual steps between stored values
 FEWEST_STEPS = 20  # by which a scan is told
 MOST_SAMPLES = 20_000_000  # of a record: years of seconds; more is a wrong rate
@@ -44,7 +45,9 @@ class Resampled:
     made_up: tuple[float, float]
 
 
-def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float | None = None) -> Resampled | None:
+def resampled(
+    seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float | None = None, own_times: bool = False
+) -> Resampled | None:
     """Samples of values that a historian stored only when they had moved, or each tag at times of its own.
 
     Parameters
@@ -55,6 +58,9 @@ def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float 
         By role; NaN where a row holds no value of it.
     dt : float, optional
         Sampling time that was asked for; None: the scan of which the stamps are multiples.
+    own_times : bool
+        Signals are known to have times of their own. Otherwise only irregular stamps tell so: an empty cell on regular
+        ones is a missing value.
 
     Returns
     -------
@@ -74,11 +80,14 @@ def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float 
     >>> found.dt, found.signals["op"][:6], found.signals["pv"][:6]
     (1.0, array([1., 2., 2., 2., 2., 3.]), array([0., 1., 2., 3., 4., 5.]))
     """
-    if np.isnan(seconds).any() or len(seconds) < 3 or not (np.diff(seconds) > 0).all():
+    filled = np.any([~np.isnan(values) for values in signals.values()], axis=0) if own_times else np.isfinite(seconds)
+    if np.isnan(seconds).any() or filled.sum() < 3 or not (np.diff(seconds) > 0).all():
         return None
-    own = _own_stamps(signals)
+    seconds, signals = seconds[filled], {role: values[filled] for role, values in signals.items()}
     steps = np.diff(seconds)
-    if not own and (uniform(steps) or rounded(seconds, steps) or scattered(steps)):
+    regular = uniform(steps) or rounded(seconds, steps) or scattered(steps)
+    own = _own_stamps(signals, own_times) and (own_times or regular is None)
+    if regular is not None and not own:
         return None
     lead = seconds[~np.isnan(signals["pv"])] if own else seconds
     rate = _rate(lead, steps, own, dt)
@@ -93,14 +102,16 @@ def resampled(seconds: FloatArray, signals: Mapping[str, FloatArray], dt: float 
         f"Values stand at irregular times and were resampled to {rate:g} s, OP held and PV on lines between them: "
         f"{100 * op:.0f} % of OP, {100 * pv:.0f} % of PV made up{missing}."
     )
-    rows = np.clip(np.searchsorted(seconds, grid + 1e-9 * rate, side="right") - 1, 0, None)
+    rows = np.flatnonzero(filled)[np.clip(np.searchsorted(seconds, grid + 1e-9 * rate, side="right") - 1, 0, None)]
     return Resampled(rate, made, rows, note, (op, pv))
 
 
-def _own_stamps(signals: Mapping[str, FloatArray]) -> bool:
+def _own_stamps(signals: Mapping[str, FloatArray], known: bool) -> bool:
     """Whether few rows hold OP and PV both, and many one of them."""
     op, pv = (~np.isnan(signals[role]) for role in ("op", "pv"))
-    return float(np.mean(op & pv)) < OWN_SHARE and min(op.sum(), pv.sum()) > 2 and float(np.mean(op | pv)) > OWN_SHARE
+    if min(op.sum(), pv.sum()) < FEWEST_STEPS:
+        return False
+    return float(np.mean(op & pv)) < OWN_SHARE and (known or float(np.mean(op | pv)) > EITHER_SHARE)
 
 
 def _rate(lead: FloatArray, steps: FloatArray, own: bool, dt: float | None) -> float | None:

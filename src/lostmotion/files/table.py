@@ -28,6 +28,8 @@ class Table:
         Separator of a text file; empty for data frames and Parquet.
     notes : tuple of str
         What was assumed while opening it.
+    own_times : bool
+        Each column had times of its own: empty cells hold no new value rather than a missing one.
     """
 
     frame: nw.DataFrame[Any]
@@ -35,6 +37,7 @@ class Table:
     lines: Sequence[int] | None = None
     delimiter: str = ""
     notes: tuple[str, ...] = ()
+    own_times: bool = False
 
     @property
     def names(self) -> list[str]:
