@@ -490,6 +490,12 @@ def test_a_row_for_each_value_at_times_of_its_own():
     np.testing.assert_array_equal(record.op[1:200], k[:199])
 
 
+def test_a_wide_table_with_a_column_of_values_is_no_long_one():
+    k = np.arange(50)
+    frame = pl.DataFrame({"t_s": k, "Name": ["F7"] * 50, "OP": k, "PV": -k, "Value": k * 2})
+    np.testing.assert_array_equal(files.read_loop(frame).pv, -k)
+
+
 def test_empty_cells_on_regular_times_stay_missing():
     k = np.arange(200.0)
     op, pv = (np.where(np.random.default_rng(seed).random(200) < 0.4, k, np.nan) for seed in (1, 2))

@@ -36,7 +36,8 @@ def with_columns_of_tags(table: Table) -> Table:
     """
     tag, value, quality = (_called(table, role) for role in ("tag", "value", "quality"))
     time = usual("time", [name for name in table.names if name not in (tag, value, quality)])
-    if not tag or not value or len(time) != 1:
+    wide_already = all(usual(role, [name for name in table.names if name != value]) for role in ("op", "pv"))
+    if not tag or not value or len(time) != 1 or wide_already:
         return table
     values = table.column(value)
     cells = text_cells(values) if not values.dtype.is_numeric() else pl.Series(values.to_list())
