@@ -81,6 +81,13 @@ def test_packed(tmp_path, name, raw):
     assert (record.tag, record.dt, record.loop_type) == ("FIC-1", 1.0, "flow")
 
 
+def test_damaged_spreadsheet_of_the_old_kind(tmp_path):
+    path = tmp_path / "FIC-1.xls"
+    path.write_bytes(bytes.fromhex("d0cf11e0a1b11ae1") + b"x" * 100)
+    with pytest.raises(DataError, match=r"whole workbook|install lostmotion\[excel\]"):
+        read_loop(path)
+
+
 def test_spreadsheet(tmp_path):
     pytest.importorskip("fastexcel")
     path = tmp_path / "FIC-1.xlsx"

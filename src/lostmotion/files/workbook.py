@@ -17,16 +17,13 @@ def load_workbook(raw: bytes, source: str) -> Table:
     Raises
     ------
     DataError
-        Damaged, or several sheets hold rows.
-    ImportError
-        The reader is not installed.
+        Damaged, several sheets hold rows, or the reader is not installed.
     """
     try:
         import fastexcel  # noqa: PLC0415  only spreadsheets need it
     except ImportError as error:
-        raise ImportError(
-            f"expected the reader of spreadsheets for {source!r}, got none; "
-            "install lostmotion[excel], or save the sheet as CSV"
+        raise DataError.expected(
+            f"the reader of spreadsheets for {source!r}", "none", "install lostmotion[excel], or save the sheet as CSV"
         ) from error
     try:
         reader = fastexcel.read_excel(raw)
