@@ -91,7 +91,7 @@ def entries(data: Path) -> Iterator[Entry]:
     yield from _refinery(data)
     for tag, (op, pv) in WEEK.items():
         path = data / "historian_week" / f"{tag}.csv"
-        yield Entry(f"historian week, {tag}", "not known", path, {"op": op, "pv": pv}, "times in ascending order")
+        yield Entry(f"historian week, {tag}", "not known", path, {"op": op, "pv": pv})
 
 
 def _isdb_more(data: Path) -> Iterator[Entry]:

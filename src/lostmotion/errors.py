@@ -18,7 +18,7 @@ failure is a value: a :class:`Status`, whose text says what was found, why, and 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import Self
 
@@ -34,9 +34,12 @@ class InputError(LostMotionError, ValueError):
     ----------
     said : (str, str, str) or None
         What was expected, what was got and the remedy, where the message has these parts.
+    ways : tuple of dict
+        Settings of the function that was called, each of which leads on; empty where no value is known.
     """
 
     said: tuple[str, str, str] | None = None
+    ways: tuple[Mapping[str, object], ...] = ()
 
     @classmethod
     def expected(cls, expected: str, got: object, remedy: str) -> Self:
@@ -52,6 +55,11 @@ class InputError(LostMotionError, ValueError):
         error = cls(f"expected {expected}, got {got}; {remedy}")
         error.said = (expected, str(got), remedy)
         return error
+
+    def leads_on(self, *ways: Mapping[str, object]) -> Self:
+        """Error with settings that lead on, for those who can put them into a command line."""
+        self.ways = ways
+        return self
 
 
 class ParameterError(InputError):

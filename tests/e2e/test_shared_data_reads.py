@@ -1,4 +1,5 @@
 import csv
+import shlex
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ import pytest
 from lostmotion.errors import TimeError
 from lostmotion.files import read_loop
 from lostmotion.records import check
+from tests.e2e.test_commands import run
 from tests.shared_data import shared, shared_files
 
 # dt in seconds that the provenance of the files gives, where the time column is not a clock
@@ -59,19 +61,28 @@ def test_isdb_with_the_dt_of_the_labels(loop):
     assert assert_checked(record).usable
 
 
-@pytest.mark.parametrize("loop", ["CHEM23", "CHEM24", "CHEM10", "CHEM11", "CHEM12", "PAP5", "PAP9"])
+@pytest.mark.parametrize("loop", ["CHEM23", "CHEM24", "CHEM10", "CHEM11", "CHEM12"])
 def test_isdb_whose_times_disagree_needs_dt(loop):
-    with pytest.raises(TimeError, match="one sampling time"):
-        read_loop(shared("isdb26") / isdb()[loop]["file"])
+    path = shared("isdb26") / isdb()[loop]["file"]
+    with pytest.raises(TimeError, match="one sampling time") as caught:
+        read_loop(path)
+    assert [read_loop(path, **way).dt for way in caught.value.ways] == [way["dt"] for way in caught.value.ways]
+
+
+@pytest.mark.parametrize("loop", ["PAP5", "PAP9"])
+def test_isdb_whose_times_count_the_rows(loop):
+    row = isdb()[loop]
+    assert read_loop(shared("isdb26") / row["file"]).dt == float(row["dt_s"])
 
 
 @pytest.mark.parametrize("path", shared_files("sacac/*-*.csv"), ids=lambda path: path.stem)
 def test_sacac(path):
     path = shared(f"sacac/{path.name}")
     if path.stem == BROKEN:
-        for dt in (None, 1.0, 2.0):
-            with pytest.raises(TimeError):
-                read_loop(path, dt=dt)
+        with pytest.raises(TimeError) as caught:
+            read_loop(path)
+        for way in caught.value.ways:
+            assert "made up" in read_loop(path, **way).notes[-1]
         record = read_loop(path, dt=1.0, time=False)
     else:
         dt = next((value for start, value in SACAC_DT.items() if path.stem.startswith(start)), None)
@@ -83,10 +94,11 @@ def test_sacac(path):
 
 
 @pytest.mark.parametrize("kind", MINUTE_STAMPS)
-def test_sacac_minute_stamps_are_explained(kind):
+def test_sacac_minute_stamps_are_spread(kind):
     for path in shared_files(f"sacac/{kind}*.csv"):
-        with pytest.raises(TimeError, match=r"rows a minute.*give dt=\d"):
-            read_loop(shared(f"sacac/{path.name}"))
+        record = read_loop(shared(f"sacac/{path.name}"))
+        assert record.dt == pytest.approx(SACAC_DT[kind], rel=0.05)
+        assert any("spread evenly" in note for note in record.notes)
 
 
 def test_damadics():
@@ -107,3 +119,37 @@ def test_cascaded_tanks():
     assert (len(record), record.dt) == (1024, 4.0)
     np.testing.assert_allclose(record.pv[:2], [5.205, 5.2154])
     assert assert_checked(record).usable
+
+
+EVERY = [
+    path
+    for folder in (
+        "isdb26",
+        "isdb_more",
+        "sacac",
+        "refinery",
+        "historian_week",
+        "damadics",
+        "dcmotor",
+        "cascaded_tanks",
+    )
+    for path in shared_files(f"{folder}/*.csv")
+    if path.name not in ("labels.csv", "index.csv")
+]
+REFUSED = {  # own columns that contradict each other, or names that tell no role
+    *(f"CHEM{number}" for number in (8, 10, 11, 12, 23, 24, 39)), "BAS8", "stiction-L-paper-horch-2003", BROKEN,
+    "LIC-106", "lublin_actuator3_2001-10-11_1h", "run_minimal", "dataBenchmark",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", EVERY, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_as_it_comes_or_by_a_command_that_works(capsys, path):
+    path = shared(f"{path.parent.name}/{path.name}")
+    if path.stem not in REFUSED:
+        assert read_loop(path).dt > 0
+        return
+    error = run(capsys, "check", path)[2]
+    commands = [line.strip() for line in error.splitlines()[1:]]
+    assert commands
+    for command in commands:
+        assert run(capsys, *shlex.split(command)[1:])[2] == "", command

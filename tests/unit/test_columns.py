@@ -44,8 +44,65 @@ def test_cv_input_and_output_are_no_aliases():
 def test_tag_with_suffix():
     found = resolve(["FIC-101.OP", "FIC-101.PV", "FIC-101.SP"])
     assert (found.op, found.pv, found.sp) == ("FIC-101.OP", "FIC-101.PV", "FIC-101.SP")
+    assert resolve(["FIC-101.OP", "FIC-102.OP", "FIC-101.PV"]).op == "FIC-101.OP"
     with pytest.raises(ColumnError, match="one column for OP"):
-        resolve(["FIC-101.OP", "FIC-102.OP", "FIC-101.PV"])
+        resolve(["FIC-101.OP", "FIC-102.OP", "FT-101.PV"])
+
+
+TAGS = {
+    "DeltaV": ("FIC-{n}/PID1/OUT.CV", "FIC-{n}/PID1/PV.CV", "FIC-{n}/PID1/SP.CV"),
+    "Foxboro": ("UNIT1:FIC{n}.OUT", "UNIT1:FIC{n}.MEAS", "UNIT1:FIC{n}.SPT"),
+    "Yokogawa": ("FIC{n}.MV", "FIC{n}.PV", "FIC{n}.SV"),
+    "Honeywell": ("FIC{n}.OP", "FIC{n}.PV", "FIC{n}.SP"),
+    "Honeywell Experion": ("FIC{n}.PIDA.OP", "FIC{n}.PIDA.PV", "FIC{n}.PIDA.SP"),
+    "with units": ("FIC{n}.OP [%]", "FIC{n}.PV [m3/h]", "FIC{n}.SP (m3/h)"),
+    "underscores": ("FIC_{n}_OP", "FIC_{n}_PV", "FIC_{n}_SP"),
+    "blanks": ("FIC {n} OP %", "FIC {n} PV t/h", "FIC {n} SP t/h"),
+}
+
+
+@pytest.mark.parametrize("system", TAGS)
+def test_tags_of_control_systems(system):
+    one, two = ([name.format(n=n) for name in TAGS[system]] for n in (101, 102))
+    found = resolve(["Time", *one])
+    assert [found.op, found.pv, found.sp] == one
+    with pytest.raises(ColumnError, match="2 loops") as caught:
+        resolve(["Time", *one, *two])
+    for way, names in zip(caught.value.ways, (one, two), strict=True):
+        found = resolve(["Time", *one, *two], **way)
+        assert [found.op, found.pv, found.sp] == names
+    assert resolve(["Time", *one, *two], op=two[0]).pv == two[1]
+    with pytest.raises(ColumnError, match="FIC999"):
+        resolve(["Time", *one, *two], loop="FIC999")
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        ("Zeit", "Stellgröße", "Istwert", "Sollwert"),
+        ("Zeitstempel", "Stellgrad [%]", "Regelgröße [m³/h]", "Führungsgröße"),
+        ("Horodatage", "Commande", "Mesure", "Consigne"),
+        ("Fecha y hora", "Salida del controlador", "Medición", "Consigna"),
+        ("Data/Hora", "Saída do controlador", "Medição", "Referência"),
+    ],
+)
+def test_headers_in_other_languages(header):
+    found = resolve(header)
+    assert (found.time, found.op, found.pv, found.sp) == header
+
+
+def test_isa_tags_of_one_letter_and_number_are_a_loop():
+    found = resolve(["id", "FT_211", "FV_211"])
+    assert (found.op, found.pv) == ("FV_211", "FT_211")
+    with pytest.raises(ColumnError) as caught:
+        resolve(["id", "FT_115", "LV_106"])
+    assert caught.value.ways == ({"op": "LV_106", "pv": "FT_115"},)
+    assert resolve(["FT_211", "FV_211", "FT_212", "FV_212"], loop="FIC-212").op == "FV_212"
+
+
+def test_a_temperature_at_an_outlet_is_no_controller_output():
+    with pytest.raises(ColumnError):
+        resolve(["T_out", "T_in", "PV"])
 
 
 def test_explicit_name_is_exact_or_without_case():

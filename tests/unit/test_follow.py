@@ -293,7 +293,7 @@ def test_missing_samples_do_not_count_as_manual():
         (b"1,2,3\n" * 5, DataError, "column names"),
         (text(["0,1,2", "0,1,2", "0,1,3", "60,1,2", "60,1,2"]), TimeError, "several rows carry one stamp"),
         (text(["0,1,2", "7,1,2", "9,1,3", "60,1,2", "61,1,2"]), TimeError, "equally spaced"),
-        (text(["s,%,C", "0,1,2", "1,1,2", "2,1,3"]), DataError, "numbers in column"),
+        (text(["0,furlong,1", "0,1,2", "1,1,2", "2,1,3"]), DataError, "numbers in column"),
         (text(["0,1,2"] * 3, "time,OPP,PV"), ColumnError, "a column 'OP'"),
         (text(numbered(5)).decode().encode("utf-16"), DataError, "UTF-16"),
         (b"PAR1\0\0\n\0\n\0\n\0\n", DataError, "binary"),

@@ -5,7 +5,7 @@ import pytest
 from scipy.io import savemat
 
 from lostmotion import files
-from lostmotion.errors import ColumnError, DataError, TimeError
+from lostmotion.errors import ColumnError, DataError
 
 N = 50
 SIGNALS = {"OP": np.linspace(40.0, 60.0, N), "PV": np.sin(np.arange(N)), "SP": np.zeros(N)}
@@ -74,10 +74,11 @@ def test_column_that_is_not_there(tmp_path):
         files.read_loop(saved(tmp_path, {"OP": SIGNALS["OP"], "flow": SIGNALS["PV"]}), dt=1.0)
 
 
-def test_days_of_matlab_are_refused_not_taken_as_seconds(tmp_path):
+def test_days_of_matlab_are_not_taken_as_seconds(tmp_path):
     days = 738000.0 + np.arange(N) / 86400.0
-    with pytest.raises(TimeError, match="a day number of MATLAB"):
-        files.read_loop(saved(tmp_path, SIGNALS | {"time": days}))
+    record = files.read_loop(saved(tmp_path, SIGNALS | {"time": days}))
+    assert record.dt == 1.0
+    assert "day numbers of MATLAB" in record.notes[-1]
 
 
 def test_damaged_and_newer_files(tmp_path):

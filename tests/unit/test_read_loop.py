@@ -106,7 +106,7 @@ def test_text_in_a_numeric_column(tmp_path):
     with pytest.raises(ColumnError, match=r"numbers in column 'PV', got 'open' in row 2 \(line 5\)"):
         read(tmp_path, "# c\ntime,OP,PV\n0,1,2\n\n1,2,open\n")
     with pytest.raises(ColumnError, match="units, delete it"):
-        read(tmp_path, "time,OP,PV\ns,%,degC\n0,1,2\n1,2,3\n")
+        read(tmp_path, "time,OP,PV\n0,furlong,7\n0,1,2\n1,2,3\n")
 
 
 def test_infinite(tmp_path):
@@ -127,7 +127,45 @@ def test_decimal_marks_that_cannot_be_told(tmp_path):
     with pytest.raises(ColumnError, match="thousands separator"):
         read(tmp_path, 'time,OP,PV\n0,"1,500",2\n1,"2,500",3\n')
     with pytest.raises(ColumnError, match="numbers in column 'OP'"):
-        read(tmp_path, "time;OP;PV\n0;1.234,5;2\n1;2.234,5;3\n")
+        read(tmp_path, "time;OP;PV\n0;1.234,5;2.5\n1;2.234,5;3\n")
+
+
+@pytest.mark.parametrize(
+    ("big", "bigger", "small"),
+    [
+        ("1.234,5", "1.234.567,5", "2,25"), ("1,234.5", "1,234,567.5", "2.25"), ("1 234,5", "1 234 567,5", "2,25"),
+        ("1\u202f234,5", "1\u202f234\u202f567,5", "2,25"), ("1'234.5", "1'234'567.5", "2.25"),
+    ],
+)  # fmt: skip
+def test_thousands_separators(tmp_path, big, bigger, small):
+    record = read(tmp_path, f"time;OP;PV\n0;{big};{small}\n1;{bigger};{small}\n")
+    assert record.op.tolist() == [1234.5, 1234567.5]
+    assert record.pv.tolist() == [2.25, 2.25]
+
+
+ROWS_3 = "10:00:00;1,5;2,5\n10:00:01;1,6;2,6\n10:00:02;1,7;2,7\n"
+
+
+@pytest.mark.parametrize(
+    ("top", "notes"),
+    [
+        ("Zeit;OP;PV\nhh:mm:ss;%;m3/h\n", ["Line 2 holds units"]),
+        ("Zeit;OP;PV\n;Ventil;Durchfluss\n;%;t/h\n", ["Line 2 holds descriptions", "Line 3 holds units"]),
+        ("Zeit;Ventil;Durchfluss\nTimestamp;FIC1.OUT;FIC1.PV\n", ["Line 1 was passed over"]),
+        ("Trend of plant 1\nmade by x\n\nZeit;OP;PV\n", ["Lines 1 to 2 were passed over"]),
+        ("Server;PI1\nFrom;2024-03-01;\nZeit;OP;PV\n[s];[%];[bar]\n", ["Lines 1 to 2 were", "Line 4 holds units"]),
+    ],
+)
+def test_what_stands_above_the_rows(tmp_path, top, notes):
+    record = read(tmp_path, top + ROWS_3)
+    assert record.op.tolist() == [1.5, 1.6, 1.7]
+    assert all(any(note in said for said in record.notes) for note in notes)
+
+
+def test_a_header_that_stands_again(tmp_path):
+    record = read(tmp_path, "t_s,OP,PV\n0,1,2\n1,2,3\nt_s,OP,PV\n2,3,4\n")
+    assert record.op.tolist() == [1, 2, 3]
+    assert "stands again in 1 line" in record.notes[0]
 
 
 def test_decimal_comma_without_quotes_between_commas(tmp_path):
@@ -157,7 +195,8 @@ def test_repeated_names_have_to_be_told_apart(tmp_path):
         (b"1,2,3\n4,5,6\n", "column names in the first line"),
         (b"just words\nmore\n", "columns separated by"),
         (b"\x00\x01\x02OP,PV", "binary file"),
-        (b"PK\x03\x04....", "binary file"),
+        (b"PK\x03\x04....", "damaged"),
+        (b"%PDF-1.7", "binary file"),
         (b"PAR1 broken", "damaged"),
     ],
 )

@@ -3,7 +3,8 @@ import polars as pl
 import pytest
 
 from lostmotion import files
-from lostmotion.errors import TimeError
+from lostmotion.errors import ColumnError, TimeError
+from lostmotion.records.compression import compression
 
 
 def read(times, **settings):
@@ -96,28 +97,139 @@ def test_no_date(cells):
         read(cells)
 
 
-def test_minute_stamps_need_dt():
+def test_minute_stamps_are_spread():
     cells = minutes(26 * 60, 721, 12.0)
-    with pytest.raises(TimeError, match=r"about 5\.0 rows a minute, 12 s each; give dt=12"):
-        read(cells)
-    record = read(cells, dt=12.0)
+    record = read(cells)
     assert (record.dt, record.gaps) == (12.0, ())
-    assert "5.0 rows a minute" in record.notes[-1]
+    assert "about 5.0 rows a minute, 12 s each; they were spread evenly, 12 s apart" in record.notes[-1]
+    assert read(cells, dt=12.0).dt == 12.0
     with pytest.raises(TimeError, match="dt = 12 s as in"):
         read(cells, dt=20.0)
 
 
 @pytest.mark.parametrize("dt", [1.0, 7.0, 10.0, 40.0])
-def test_hint_of_minute_stamps_is_close(dt):
-    with pytest.raises(TimeError) as caught:
-        read(minutes(31, 600, dt))
-    hint = float(str(caught.value).split("give dt=")[1].split(" ")[0])
-    assert hint == pytest.approx(dt, rel=0.01)
+def test_rate_of_minute_stamps_is_close(dt):
+    assert read(minutes(31, 600, dt)).dt == pytest.approx(dt, rel=0.01)
+
+
+def test_minute_stamps_newest_first():
+    assert read(minutes(31, 600, 10.0)[::-1]).op[0] == 599
+
+
+def test_uneven_minute_stamps_need_dt():
+    rng = np.random.default_rng(5)
+    cells = minutes(0, 600, 10.0)
+    left = [cell for cell, kept in zip(cells, rng.random(600) < 0.6, strict=True) if kept]
+    with pytest.raises(TimeError, match=r"several rows carry one stamp.*give dt=") as caught:
+        read(left)
+    (way,) = caught.value.ways
+    assert read(left, **way).dt == way["dt"]
+
+
+def test_newest_first_is_turned_round():
+    record = read([8.0, 6.0, 4.0, 2.0, 0.5][:4])
+    assert record.op.tolist() == [3, 2, 1, 0]
+    assert "newest first" in record.notes[0]
+
+
+def test_newest_first_with_dates_of_two_readings():
+    cells = [f"{4 + k // 24:02d}/05/17 {k % 24}:00" for k in range(200)]
+    record = read(cells[::-1])
+    assert (record.dt, record.op[0]) == (3600.0, 199)
+
+
+def test_a_few_rows_in_disorder_are_sorted():
+    times = (2.0 * np.arange(100)).tolist()
+    times[10], times[11] = times[11], times[10]
+    times.append(times.pop(40))
+    record = read(times)
+    assert (record.dt, record.gaps) == (2.0, ())
+    np.testing.assert_array_equal(record.op[[10, 11, 40]], [11, 10, 99])
+    assert "out of order" in record.notes[0]
+
+
+def test_exact_duplicates_are_left_out():
+    times = np.repeat(2.0 * np.arange(50), np.where(np.arange(50) % 20 == 3, 2, 1))
+    values = np.round(np.sin(times), 3)
+    record = files.read_loop(pl.DataFrame({"time": times, "OP": values, "PV": values}))
+    assert (len(record), record.dt) == (50, 2.0)
+    assert "3 rows stood twice" in record.notes[0]
+
+
+def dated(start, seconds):
+    return (np.datetime64(start) + np.asarray(seconds).astype("timedelta64[s]")).astype(str).tolist()
+
+
+def test_overlap_of_two_exports():
+    seconds = np.r_[np.arange(0, 500, 5), np.arange(400, 900, 5)]
+    values = np.sin(seconds / 50.0)
+    frame = pl.DataFrame({"time": dated("2024-03-01T10:00:00", seconds), "OP": values, "PV": values})
+    record = files.read_loop(frame)
+    np.testing.assert_array_equal(record.op, np.sin(np.arange(0, 900, 5) / 50.0))
+    assert "20 rows stood twice" in record.notes[0]
+
+
+def test_overlap_that_contradicts_is_refused():
+    seconds = np.r_[np.arange(0, 500, 5), np.arange(400, 900, 5)]
+    cells = dated("2024-03-01T10:00:00", seconds)
+    with pytest.raises(TimeError, match="ascending order"):
+        read(cells)
+
+
+@pytest.mark.parametrize(("back", "day"), [(3, "2024-10-27"), (2, "2024-11-03")])
+def test_clock_set_back_in_autumn(back, day):
+    before = np.arange(-7200, 0, 10)
+    seconds = np.r_[before, np.arange(-3600, 3600, 10)]
+    cells = dated(f"{day}T0{back}:00:00", seconds)
+    record = read(cells)
+    assert (record.dt, record.gaps) == (10.0, ())
+    np.testing.assert_array_equal(record.op, np.arange(len(seconds)))
+    assert "set back an hour" in record.notes[0]
+    np.testing.assert_array_equal(read(cells[::-1]).op, np.arange(len(seconds))[::-1])
+
+
+def test_an_hour_back_on_another_day_is_refused():
+    seconds = np.r_[np.arange(-7200, 0, 10), np.arange(-3600, 3600, 10)]
+    with pytest.raises(TimeError, match="ascending order"):
+        read(dated("2024-10-23T03:00:00", seconds))
+
+
+def test_times_of_day_go_on_after_midnight():
+    cells = [f"{s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}" for s in range(86000, 87000, 10)]
+    record = read(cells)
+    assert (record.dt, record.gaps) == (10.0, ())
+    np.testing.assert_array_equal(record.op, np.arange(100))
+
+
+def test_recordings_one_into_the_other_are_refused():
+    times = np.r_[2.0 * np.arange(50), 1 + 2.0 * np.arange(50)] + 5
+    with pytest.raises(TimeError, match="ascending order"):
+        read(times)
+
+
+def test_jitter_of_a_scan():
+    rng = np.random.default_rng(4)
+    steps = rng.choice([10.0, 11.0, 12.0, 13.0, 19.0], size=500, p=[0.1, 0.5, 0.3, 0.09, 0.01])
+    record = read(np.r_[0.0, np.cumsum(steps)])
+    assert record.dt == pytest.approx(steps[steps < 19].mean(), rel=0.005)
+    assert "scatter from 10 to 19 s" in record.notes[0]
+    with_time = np.r_[0.0, np.cumsum(steps)]
+    assert "says 12 s" in with_ts(with_time, 12.0).notes[-1]
+    with pytest.raises(TimeError, match="one sampling time"):
+        with_ts(with_time, 20.0)
+
+
+def test_two_rates_in_one_file_are_refused():
+    rng = np.random.default_rng(6)
+    steps = np.r_[rng.choice([1.0, 2.0], size=300), np.full(300, 2.0)] + rng.uniform(0, 0.1, 600)
+    with pytest.raises(TimeError, match="equally spaced"):
+        read(np.r_[3.0, 3.0 + np.cumsum(steps)])
 
 
 def test_gap_in_minute_stamps():
     cells = minutes(0, 100, 12.0) + minutes(3600, 100, 12.0)
     assert read(cells, dt=12.0).gaps == (100,)
+    assert read(cells).gaps == (100,)
 
 
 def test_same_time_everywhere():
@@ -126,8 +238,8 @@ def test_same_time_everywhere():
 
 
 def test_unsorted_names_row_and_time():
-    with pytest.raises(TimeError, match=r"ascending.*got 1\.5 in row 4 after 2\.0 in row 3"):
-        read([0.5, 1.0, 2.0, 1.5, 3.0])
+    with pytest.raises(TimeError, match=r"ascending.*got 1\.0 in row 4 after 2\.0 in row 3"):
+        read([0.5, 1.0, 2.0, 1.0, 3.0])
 
 
 def test_repeated_names_row_and_time():
@@ -169,10 +281,28 @@ def with_ts(times, ts, **settings):
 def test_sampling_column_that_contradicts():
     with pytest.raises(TimeError, match=r"10 s from column 'Time' and 12 s.*dt=10"):
         with_ts([0, 10, 20], 12.0)
-    with pytest.raises(TimeError, match=r"1 s from column 'Time' and 20 s.*count the rows"):
-        with_ts([1, 2, 3], 20.0)
     assert "says 12 s" in with_ts([0, 10, 20], 12.0, dt=10.0).notes[0]
     assert with_ts([0, 10, 20], 10.0).dt == 10.0
+
+
+def test_a_counter_leaves_the_rate_to_the_sampling_column():
+    record = with_ts([1, 2, 3], 20.0)
+    assert record.dt == 20.0
+    assert "'Time' counts the rows; dt = 20 s" in record.notes[0]
+    assert with_ts([1, 2, 3], 20.0, dt=1.0).dt == 1.0
+
+
+def test_ways_out_of_a_contradiction_lead_on():
+    with pytest.raises(TimeError) as caught:
+        with_ts([0, 10, 20], 12.0)
+    assert [with_ts([0, 10, 20], 12.0, **way).dt for way in caught.value.ways] == [10.0, 12.0]
+    with pytest.raises(TimeError) as caught:
+        read([0, 30, 60, 90], dt=1.0)
+    assert [read([0, 30, 60, 90], **way).dt for way in caught.value.ways] == [30.0, 1.0]
+
+
+def test_sampling_column_near_the_mean_of_coarse_stamps_is_taken():
+    assert with_ts(minutes(0, 601, 9.994), 10.0).dt == 10.0
 
 
 def test_sampling_column_alone():
@@ -217,10 +347,18 @@ def test_rounded_stamps_use_the_mean():
 def test_irregular():
     rng = np.random.default_rng(2)
     times = 5.0 + np.cumsum(rng.exponential(3.0, 300))
-    with pytest.raises(TimeError, match=r"equally spaced.*fixed interval.*time=False"):
+    with pytest.raises(TimeError, match=r"equally spaced.*fixed interval.*give dt=.*time=False") as caught:
         read(times)
+    (way,) = caught.value.ways
+    record = read(times, **way)
+    assert record.dt == way["dt"]
+    assert "of PV made up" in record.notes[-1]
+    np.testing.assert_allclose(
+        record.pv, np.interp(5 + (times[0] - 5) + np.arange(len(record)) * way["dt"], times, range(300))
+    )
+    assert set(record.op) <= set(range(300))
     with pytest.raises(TimeError):
-        read(times, dt=3.0)
+        read(times, dt=30.0)
 
 
 def test_scatter_about_a_given_dt_is_noted():
@@ -241,9 +379,20 @@ def test_missing_times():
         read(pl.Series([None, None], dtype=pl.Float64))
 
 
-def test_day_numbers_of_a_spreadsheet():
-    with pytest.raises(TimeError, match="day number of a spreadsheet"):
-        read(42756.6389 + np.arange(100) / 8640)
+@pytest.mark.parametrize("first", [42756.6389, 736712.25])
+@pytest.mark.parametrize("step", [1.0, 10.0, 60.0, 3600.0])
+def test_day_numbers(first, step):
+    record = read(first + np.arange(100) * step / 86400)
+    assert record.dt == step
+    assert "day numbers" in record.notes[0]
+    assert read([f"{first + k * step / 86400:.6f}" for k in range(100)]).dt == pytest.approx(step, rel=0.01)
+
+
+def test_day_numbers_or_seconds():
+    times = 42756.5 + 0.01 * np.arange(100)
+    with pytest.raises(TimeError, match="seconds or day numbers of a spreadsheet") as caught:
+        read(times)
+    assert [read(times, **way).dt for way in caught.value.ways] == [0.01, 864.0]
 
 
 def test_stamps_of_mixed_kinds_are_refused():
@@ -268,8 +417,7 @@ def test_stamps_that_change_once():
 def test_dt_that_fits_the_mean_but_not_the_steps():
     rng = np.random.default_rng(7)
     times = 5.0 + np.cumsum(np.where(rng.random(400) < 0.2, 40.123, 10.456))
-    with pytest.raises(TimeError, match="equally spaced"):
-        read(times, dt=10.456)
+    assert "were resampled to 10.456 s" in read(times, dt=10.456).notes[-1]
 
 
 def test_few_rows_far_apart_are_refused():
@@ -281,3 +429,94 @@ def test_bad_dt():
     for dt in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(ValueError, match="expected dt > 0"):
             read([0, 1, 2], dt=dt)
+
+
+def compressed(values, deviation):
+    """Places of values that exception reporting stores."""
+    kept, last = [0], values[0]
+    for place, value in enumerate(values):
+        if abs(value - last) > deviation:
+            kept.append(place)
+            last = value
+    return np.unique([*kept, len(values) - 1])
+
+
+def test_exception_reports_are_resampled_to_their_scan():
+    clean = np.sin(np.arange(2000) / 60.0) + np.random.default_rng(8).normal(scale=0.03, size=2000)
+    rows = compressed(clean, 0.08)
+    times = 5.0 * rows
+    frame = pl.DataFrame({"t_s": times, "OP": clean[rows], "PV": clean[rows]})
+    record = files.read_loop(frame)
+    assert (record.dt, len(record)) == (5.0, 2000)
+    np.testing.assert_array_equal(record.pv[rows], clean[rows])
+    held = clean[rows][np.searchsorted(rows, np.arange(2000), side="right") - 1]
+    np.testing.assert_array_equal(record.op, held)
+    share = 100 * (1 - len(rows) / 2000)
+    assert f"{share:.0f} % of OP, {share:.0f} % of PV made up" in record.notes[-1]
+    assert compression(record, "pv").share >= share / 100 - 0.01
+
+
+def test_nothing_is_made_up_over_a_hole():
+    clean = np.sin(np.arange(3000) / 20.0)
+    rows = compressed(clean, 0.05)
+    rows = rows[(rows < 1000) | (rows > 2000)]
+    frame = pl.DataFrame({"t_s": 5.0 * rows, "OP": clean[rows], "PV": clean[rows]})
+    record = files.read_loop(frame, dt=5.0)
+    assert record.missing[1010:1990].all()
+    assert not record.missing[:990].any()
+
+
+def test_each_tag_with_its_own_stamps():
+    k = np.arange(400)
+    op = pl.DataFrame(
+        {"t_s": 10.0 * k + 3, "OP": np.sin(k / 9.0), "PV": [None] * 400}, schema_overrides={"PV": pl.Float64}
+    )
+    pv = pl.DataFrame({"t_s": 10.0 * k, "OP": [None] * 400, "PV": np.cos(k / 9.0)}, schema_overrides={"OP": pl.Float64})
+    record = files.read_loop(pl.concat([op, pv]).sort("t_s"))
+    assert record.dt == 10.0
+    np.testing.assert_array_equal(record.pv, np.cos(k / 9.0))
+    np.testing.assert_array_equal(record.op[1:], np.sin(k / 9.0)[:-1])
+
+
+def test_a_row_for_each_value_at_times_of_its_own():
+    k = np.arange(200)
+    op = [("FIC7.OP", 10 * n + 3, float(n)) for n in k]
+    pv = [("FIC7.PV", 10 * n, -float(n)) for n in k]
+    other = [("TI9", 7 * n + 1, 1.0) for n in k]
+    long = pl.DataFrame([*op, *pv, *other], schema=["Tag", "t_s", "Value"], orient="row")
+    record = files.read_loop(long)
+    assert (record.dt, record.gaps) == (10.0, ())
+    np.testing.assert_array_equal(record.pv, -k)
+    np.testing.assert_array_equal(record.op[1:200], k[:199])
+
+
+def test_a_wide_table_with_a_column_of_values_is_no_long_one():
+    k = np.arange(50)
+    frame = pl.DataFrame({"t_s": k, "Name": ["F7"] * 50, "OP": k, "PV": -k, "Value": k * 2})
+    np.testing.assert_array_equal(files.read_loop(frame).pv, -k)
+
+
+def test_empty_cells_on_regular_times_stay_missing():
+    k = np.arange(200.0)
+    op, pv = (np.where(np.random.default_rng(seed).random(200) < 0.4, k, np.nan) for seed in (1, 2))
+    record = files.read_loop(pl.DataFrame({"t_s": k, "OP": op, "PV": pv}).fill_nan(None))
+    np.testing.assert_array_equal(record.op, op)
+
+
+def test_a_row_for_each_value_of_each_tag():
+    k = np.arange(300)
+    stamps = dated("2024-03-01T10:00:00", 5 * k)
+    parts = {"FIC7.OP": np.sin(k / 9.0), "FIC7.PV": np.cos(k / 9.0), "FIC8.OP": k / 1.0, "FIC8.PV": -k / 1.0}
+    long = pl.concat(
+        pl.DataFrame({"Tag": [tag] * 300, "Timestamp": stamps, "Value": values, "Quality": ["Good"] * 299 + ["Bad"]})
+        for tag, values in parts.items()
+    )
+    with pytest.raises(ColumnError, match="2 loops") as caught:
+        files.read_loop(long)
+    records = [files.read_loop(long, **way) for way in caught.value.ways]
+    np.testing.assert_array_equal(records[0].op[:-1], np.sin(k / 9.0)[:-1])
+    np.testing.assert_array_equal(records[1].pv[:-1], -k[:-1])
+    assert np.isnan(records[0].op[-1])
+    assert "bad quality" in " ".join(records[0].notes)
+    with pytest.raises(ColumnError, match="one value of a tag"):
+        files.read_loop(pl.concat([long, long.with_columns(pl.col("Value") + 1)]), loop="FIC7")

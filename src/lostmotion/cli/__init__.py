@@ -44,5 +44,5 @@ def main(arguments: list[str] | None = None) -> Any:
     try:
         return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
-        say_error(error, "--json" in words)
+        say_error(error, "--json" in words, words)
         sys.exit(1)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import Files, RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.several import each, refuse_tag, tell
+
+if TYPE_CHECKING:
+    from lostmotion.records import LoopRecord
+    from lostmotion.records.checked import CheckedRecord
 
 
 def check(
@@ -27,8 +33,37 @@ def check(
 
     refuse_tag(files, columns)
 
-    def work(file: Path) -> CheckedRecord:
-        return CheckedRecord.of(columns.read(file))
+    def work(file: Path) -> Told:
+        record = columns.read(file)
+        return Told(CheckedRecord.of(record), record, file, columns)
 
-    found = each(files, work, checked_line, output.json)
-    raise tell(found, checked_table, output, lambda record: record.usable)
+    def line(name: str, told: Told | None, error: str | None) -> str:
+        return checked_line(name, None if told is None else told.found, error)
+
+    found = each(files, work, line, output.json)
+    raise tell(
+        found,
+        lambda rows: checked_table([(name, None if told is None else told.found) for name, told in rows]),
+        output,
+        lambda told: told.found.usable,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What was found in a record, with the file and options it was read by."""
+
+    found: CheckedRecord
+    record: LoopRecord
+    file: Path
+    columns: RecordOptions
+
+    def summary(self) -> str:
+        """In plain words, with the next command at the end."""
+        from lostmotion.cli.plain_check import plain
+
+        return plain(self.found, self.record, self.file, self.columns)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return self.found.to_dict()

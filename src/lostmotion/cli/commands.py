@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from lostmotion.cli.groups import spread
-from lostmotion.cli.wording import OFFERED
+from lostmotion.cli.wording import OFFERED, RUNNING
 
 COMMANDS = {  # the first line of each command's docstring; a test compares them
     "check": "Say what a record holds and what of it can be used: "
@@ -42,6 +42,7 @@ def command(name: str) -> Any:
     alone = typer.Typer(**PLAIN)
     alone.command(name)(spread(getattr(import_module(f"lostmotion.cli.{name}"), name)))
     made = typer.main.get_command(alone)
+    RUNNING.set(name)
     OFFERED.set(frozenset(option for parameter in made.params for option in parameter.opts))
     return made
 

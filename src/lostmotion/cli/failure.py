@@ -1,20 +1,24 @@
-"""An error as a command tells it: one line on standard error, and with --json an object on standard output."""
+"""An error as a command tells it: a line on standard error, commands that lead on, and with --json an object."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import typer
 
+from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import message
 from lostmotion.errors import LostMotionError
 
 
-def say_error(error: LostMotionError | ImportError, as_json: bool) -> None:
-    """Tell it."""
+def say_error(error: LostMotionError | ImportError, as_json: bool, words: Sequence[str] = ()) -> None:
+    """Tell it; `words` were typed behind ``lostmotion``."""
     progress("")
-    said = message(error)
+    said, lines = message(error), commands_on(error, words)
     if isinstance(error, LostMotionError) and as_json:
-        typer.echo(json.dumps({"error": type(error).__name__, "message": said}))
-    typer.echo(f"error: {said}", err=True)
+        typer.echo(
+            json.dumps({"error": type(error).__name__, "message": said} | ({"commands": lines} if lines else {}))
+        )
+    typer.echo("\n".join([f"error: {said}", *(f"    {line}" for line in lines)]), err=True)

@@ -43,7 +43,16 @@ PvSpan = Annotated[
     tuple[float, float] | None,
     number("--pv-span", "Range of the transmitter in units of PV, e.g. 0 250."),
 ]
+Loop = Annotated[str | None, number("--loop", "Tag of the loop, where a file holds several: FIC102.")]
 Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
+Automatic = Annotated[
+    list[str] | None,
+    number("--auto-value", "What the mode column holds in automatic; several times for several."),
+]
+Manual = Annotated[
+    list[str] | None,
+    number("--manual-value", "What the mode column holds in manual; several times for several."),
+]
 
 
 @dataclass(frozen=True)
@@ -64,7 +73,8 @@ class ColumnOptions:
     def read(self, path: Path, **other: Any) -> LoopRecord:
         """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
         known = asdict(self) | {"time": self.time_column}
-        del known["ignore_time"]
+        for name in ("ignore_time", "auto_value", "manual_value"):
+            known.pop(name, None)
         return lm.read_loop(path, **known, **other)
 
 
@@ -77,3 +87,10 @@ class RecordOptions(ColumnOptions):
     op_span: OpSpan = None
     pv_span: PvSpan = None
     mode: Mode = None
+    loop: Loop = None
+    auto_value: Automatic = None
+    manual_value: Manual = None
+
+    def read(self, path: Path, **other: Any) -> LoopRecord:
+        """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
+        return super().read(path, automatic=self.auto_value, manual=self.manual_value, **other)

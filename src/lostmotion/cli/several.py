@@ -9,10 +9,11 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import typer
 
+from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.progress import progress
-from lostmotion.cli.wording import message
+from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import LostMotionError
 
 
@@ -82,7 +83,9 @@ def _tried(file: Path, work: Callable[[Path], Result]) -> Outcome[Result]:
     try:
         return Outcome(file, work(file))
     except (LostMotionError, LinAlgError) as error:
-        return Outcome(file, None, type(error).__name__, message(error))
+        lines = commands_on(error, [RUNNING.get(), str(file)])
+        said = f"{message(error)}. Type {' or '.join(lines)}" if lines else message(error)
+        return Outcome(file, None, type(error).__name__, said)
 
 
 def data_of(found: list[Outcome[Result]], named: bool = False) -> Any:

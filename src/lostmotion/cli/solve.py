@@ -16,7 +16,7 @@ from lostmotion.cli.options import File, RecordOptions, number
 from lostmotion.cli.output import OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions
-from lostmotion.cli.way_out import command_lines
+from lostmotion.cli.way_out import command_lines, typed
 from lostmotion.cli.wording import as_options
 from lostmotion.errors import LostMotionError
 
@@ -75,7 +75,7 @@ def _record(file: Path, columns: RecordOptions, as_json: bool) -> LoopRecord:
     try:
         return columns.read(file)
     except LostMotionError as error:
-        say_error(error, as_json)
+        say_error(error, as_json, ["solve", str(file), *typed(columns)])
         raise typer.Exit(2) from error
 
 

@@ -33,7 +33,7 @@ def command_lines(solution: Solution, file: Path, columns: RecordOptions, asked:
     """
     step = solution.closed
     assert step is not None  # noqa: S101  nothing to open otherwise
-    words = [str(file), *_typed(columns)]
+    words = [str(file), *typed(columns)]
     lines = []
     if step.settings:
         lines.append(_line("solve", *words, *_flags({**asked, **step.settings})))
@@ -87,7 +87,7 @@ def _room(facts: FitFacts) -> tuple[float, float, tuple[float, float]]:
     return rounded[0], rounded[1], (rounded[2], rounded[3])
 
 
-def _typed(columns: RecordOptions) -> list[str]:
+def typed(columns: RecordOptions) -> list[str]:
     """Options of the record as they were given."""
     given = {
         one.name: getattr(columns, one.name) for one in fields(columns) if getattr(columns, one.name) != one.default
@@ -99,6 +99,9 @@ def _flags(given: dict[str, Any]) -> list[str]:
     words = []
     for name, value in given.items():
         if value is None or value is False:
+            continue
+        if isinstance(value, list):
+            words += [word for one in value for word in (f"--{name.replace('_', '-')}", str(one))]
             continue
         values = value if isinstance(value, tuple) else (value,)
         shown = [] if value is True else [f"{one:g}" if isinstance(one, float) else str(one) for one in values]

@@ -42,6 +42,7 @@ WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
 SETTING = re.compile(rf"(?<![\w-])([a-z]\w*)=({VALUE})?(?!=)")
 OFFERED: ContextVar[Collection[str]] = ContextVar("OFFERED", default=frozenset())  # options of the command that runs
+RUNNING: ContextVar[str] = ContextVar("RUNNING", default="check")  # its name
 
 
 def message(error: Exception, options: Collection[str] | None = None) -> str:

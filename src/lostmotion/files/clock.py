@@ -15,11 +15,14 @@ from lostmotion.files.rates import (
     NEAR_SHARE,
     Rate,
     coarse,
+    evenly_spread,
     near,
     rounded,
+    scattered,
     tidy,
     uniform,
 )
+from lostmotion.files.resampled import usual_step
 from lostmotion.files.times import Stamps
 
 COARSE_SHARE = 0.1  # more repeated stamps than this mean stamps too coarse for the sampling, not faults
@@ -34,7 +37,7 @@ class Clock:
     notes: tuple[str, ...] = ()
 
 
-def find_clock(stamps: Stamps | None, dt: float | None = None, ts: float | None = None) -> Clock:
+def find_clock(stamps: Stamps | None, dt: float | None = None, ts: float | None = None, whole: bool = True) -> Clock:
     """Decide the sampling time.
 
     Parameters
@@ -45,6 +48,9 @@ def find_clock(stamps: Stamps | None, dt: float | None = None, ts: float | None 
         Sampling time in seconds that the user gave. It wins over a column that counts samples.
     ts : float, optional
         Value of a column that holds the sampling time.
+    whole : bool
+        All rows are there. False, of the first ones of a growing file: a mean of coarse or scattered stamps is not
+        used unless `dt` is given.
 
     Raises
     ------
@@ -65,11 +71,11 @@ def find_clock(stamps: Stamps | None, dt: float | None = None, ts: float | None 
         return _counted(stamps, steps, dt, ts)
     still = float(np.mean(steps == 0)) if len(steps) else 0.0
     if still >= COARSE_SHARE:
-        rate = _coarse(stamps, steps, dt, ts)
+        rate = _coarse(stamps, steps, dt, ts, whole)
     elif still:
         raise _repeated(stamps, steps)
     else:
-        rate = uniform(steps) or rounded(seconds, steps) or _irregular(stamps, seconds, steps, dt)
+        rate = uniform(steps) or rounded(seconds, steps) or _irregular(stamps, seconds, steps, dt, whole)
     return _settle(stamps, rate, dt, ts, notes)
 
 
@@ -84,7 +90,7 @@ def _without_times(dt: float | None, ts: float | None) -> Clock:
 def _disagreement(dt: float, ts: float | None) -> tuple[str, ...]:
     if ts is None or np.isclose(ts, dt, rtol=JITTER):
         return ()
-    return (f"dt = {dt:g} s was given; the column of sampling times says {ts:g} s.",)
+    return (f"dt = {dt:g} s was used; the column of sampling times says {ts:g} s.",)
 
 
 def _filled(stamps: Stamps, dt: float | None) -> tuple[FloatArray, tuple[str, ...]]:
@@ -143,8 +149,11 @@ def counts_samples(stamps: Stamps, steps: FloatArray) -> bool:
 def _counted(stamps: Stamps, steps: FloatArray, dt: float | None, ts: float | None) -> Clock:
     gaps = Rate(1.0, steps > 1, JITTER).rows
     if dt is None and ts is not None and not np.isclose(ts, 1.0, rtol=JITTER):
-        remedy = f"give the true one, dt=1 or dt={ts:g}: {stamps.name!r} may only count the rows"
-        raise _contradiction(stamps, 1.0, ts, remedy)
+        note = (
+            f"{stamps.name!r} counts the rows; dt = {ts:g} s was taken from the column of sampling times. "
+            f"If {stamps.name!r} is in seconds, give dt=1."
+        )
+        return Clock(ts, gaps, (*stamps.notes, note))
     if dt is None and ts is None:
         note = f"{stamps.name!r} counts 0, 1, 2 or 1, 2, 3; it was taken as seconds, dt = 1 s."
         return Clock(1.0, gaps, (*stamps.notes, note))
@@ -155,29 +164,36 @@ def _counted(stamps: Stamps, steps: FloatArray, dt: float | None, ts: float | No
     return Clock(used, gaps, notes)
 
 
-def _coarse(stamps: Stamps, steps: FloatArray, dt: float | None, ts: float | None) -> Rate:
-    """Use the mean where several rows carry one stamp, but only if dt is given."""
+def _coarse(stamps: Stamps, steps: FloatArray, dt: float | None, ts: float | None, whole: bool) -> Rate:
+    """Spread the rows that carry one stamp evenly over it, where the stamps have nearly as many each or dt is given."""
     if not steps.any():
         raise _coarse_error(stamps, "the same time in every row", None, ts)
     rate, error = coarse(steps)
     if rate.gaps.mean() > GAP_SHARE:
         raise _irregular_error(stamps, steps)
-    if dt is None:
+    if dt is not None:
+        return replace(rate, note=f"{rate.note}; dt = {dt:g} s was given")
+    if not (whole and evenly_spread(steps)):
         raise _coarse_error(stamps, rate.note, tidy(rate.step, error), ts)
-    return replace(rate, note=f"{rate.note}; dt = {dt:g} s was given")
+    step = tidy(rate.step, error)
+    return replace(rate, step=step, note=f"{rate.note}; they were spread evenly, {step:g} s apart")
 
 
 def _coarse_error(stamps: Stamps, got: str, hint: float | None, ts: float | None) -> TimeError:
     ignore = "pass dt=<seconds> and time=False to ignore the column, if rows are equally spaced"
     remedy = ignore if hint is None else f"give dt={hint:g} if rows are equally spaced"
     also = "" if ts is None else f" (the column of sampling times says {ts:g} s)"
-    return TimeError.expected(f"a time for each row in column {stamps.name!r}", got, remedy + also)
+    error = TimeError.expected(f"a time for each row in column {stamps.name!r}", got, remedy + also)
+    return error if hint is None else error.leads_on({"dt": hint})
 
 
-def _irregular(stamps: Stamps, seconds: FloatArray, steps: FloatArray, dt: float | None) -> Rate:
-    """With dt given, take rows whose stamps scatter about it; without, refuse."""
+def _irregular(stamps: Stamps, seconds: FloatArray, steps: FloatArray, dt: float | None, whole: bool) -> Rate:
+    """Rows whose stamps scatter about the scan, or about the dt that is given; else refuse."""
     if dt is None:
-        raise _irregular_error(stamps, steps)
+        rate = scattered(steps) if whole else None
+        if rate is None:
+            raise _irregular_error(stamps, steps, dt, whole)
+        return rate
     rate, share = near(seconds, steps, dt)
     if abs(rate.step - dt) > GIVEN_TOLERANCE * dt:
         raise _given_contradicts(stamps, rate.step, dt)
@@ -186,16 +202,20 @@ def _irregular(stamps: Stamps, seconds: FloatArray, steps: FloatArray, dt: float
     return replace(rate, note=f"{rate.note}; dt = {dt:g} s was given")
 
 
-def _irregular_error(stamps: Stamps, steps: FloatArray) -> TimeError:
+def _irregular_error(stamps: Stamps, steps: FloatArray, dt: float | None = None, whole: bool = False) -> TimeError:
     middle = float(np.median(steps))
     off = int(np.argmax(np.abs(steps - middle))) + 1
-    return TimeError.expected(
+    step = usual_step(steps)
+    even = whole and dt is None and bool((steps > 0).all())
+    also = f", or give dt={step:g} to resample them" if even else ""
+    error = TimeError.expected(
         f"equally spaced times in column {stamps.name!r}",
         f"steps from {steps.min():g} to {steps.max():g} s (mean {steps.mean():.4g} s), "
         f"such as {stamps.at(off)} after {stamps.at(off - 1)}",
-        "export raw values at a fixed interval; or, if rows are equally spaced in truth, "
+        f"export raw values at a fixed interval{also}, or, if rows are equally spaced in truth, "
         "pass dt=<seconds> and time=False to ignore the column",
     )
+    return error.leads_on({"dt": step}) if even else error
 
 
 def _settle(stamps: Stamps, rate: Rate, dt: float | None, ts: float | None, notes: tuple[str, ...]) -> Clock:
@@ -203,22 +223,26 @@ def _settle(stamps: Stamps, rate: Rate, dt: float | None, ts: float | None, note
         notes = (*notes, f"In {stamps.name!r} {rate.note}.")
     if dt is None:
         if ts is not None and abs(ts - rate.step) > rate.tolerance * rate.step:
-            remedy = f"give the true one: dt={rate.step:.6g}, or dt={ts:g} with time=False to ignore the times"
-            raise _contradiction(stamps, rate.step, ts, remedy)
-        return Clock(rate.step, rate.rows, notes)
+            raise _contradiction(stamps, rate.step, ts)
+        nominal = ts is not None and abs(ts - rate.step) <= JITTER * rate.step
+        used = ts if ts is not None and nominal else rate.step
+        return Clock(used, rate.rows, (*notes, *_disagreement(used, ts)))
     if abs(dt - rate.step) > rate.tolerance * rate.step:
         raise _given_contradicts(stamps, rate.step, dt)
     return Clock(dt, rate.rows, (*notes, *_disagreement(dt, ts)))
 
 
-def _contradiction(stamps: Stamps, step: float, ts: float, remedy: str) -> TimeError:
+def _contradiction(stamps: Stamps, step: float, ts: float) -> TimeError:
     got = f"{step:.6g} s from column {stamps.name!r} and {ts:g} s from the column of sampling times"
-    return TimeError.expected("one sampling time", got, remedy)
+    remedy = f"give the true one: dt={step:.6g}, or dt={ts:g} and time=False to ignore the times"
+    error = TimeError.expected("one sampling time", got, remedy)
+    return error.leads_on({"dt": float(f"{step:.6g}")}, {"dt": ts, "time": False})
 
 
 def _given_contradicts(stamps: Stamps, step: float, dt: float) -> TimeError:
-    return TimeError.expected(
+    error = TimeError.expected(
         f"dt = {step:.6g} s as in column {stamps.name!r}",
         f"dt = {dt:g} s",
         "give the right one, or pass time=False as well to ignore the column",
     )
+    return error.leads_on({"dt": float(f"{step:.6g}")}, {"dt": dt, "time": False})

@@ -8,40 +8,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 from lostmotion.errors import ColumnError
+from lostmotion.files.hints import likely
+from lostmotion.files.names import ALIASES, SAMPLING_NAMES, SECONDS
+from lostmotion.files.tags import BRACKETS, folded, key, loops_of, same_tag, tag_and_role
 
 Wanted = str | Literal[False] | None
 
-# "CV" is no alias: it is the controlled variable in one place and the control valve in another.
-# "input" and "output" are none either: of the plant or of the controller?
-ALIASES: dict[str, tuple[str, ...]] = {
-    "op": ("co", "mv", "out", "u", "controller output", "controller out", "manipulated variable"),
-    "pv": ("y", "measurement", "process value", "process variable", "measured value"),
-    "sp": ("sv", "setpoint", "set point", "r", "ref", "reference"),
-    "position": ("pos", "zt", "stem", "stem position", "valve position", "actuator position", "travel"),
-    "mode": ("loop mode", "controller mode", "control mode", "auto man", "auto/man", "a/m"),
-    "time": (
-        "timestamp",
-        "time stamp",
-        "datetime",
-        "date time",
-        "date",
-        "t",
-        "elapsed",
-        "elapsed time",
-        "ts",
-    ),
-}
-SAMPLING_NAMES = ("ts", "dt", "sampling time", "sample time")
-UNITS = {
-    "ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0,
-    "min": 60.0, "mins": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hours": 3600.0,
-}  # fmt: skip
-_BRACKETS = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
+__all__ = ["SAMPLING_NAMES", "Columns", "Wanted", "by_alias", "key", "named", "resolve", "time_unit", "usual"]
+SHOWN = 8  # loops in a message
 
 
 @dataclass(frozen=True)
 class Columns:
-    """Which column plays which role; None: not there, or not wanted."""
+    """Which column plays which role, None: not there, or not wanted; and the tag that they share, where they do."""
 
     op: str
     pv: str
@@ -50,6 +29,7 @@ class Columns:
     time: str | None
     notes: tuple[str, ...] = ()
     mode: str | None = None
+    loop: str = ""
 
 
 def resolve(
@@ -60,6 +40,7 @@ def resolve(
     position: Wanted = None,
     time: Wanted = None,
     mode: Wanted = None,
+    loop: str | None = None,
 ) -> Columns:
     """Find the column of each role.
 
@@ -70,17 +51,21 @@ def resolve(
     op, pv, sp, position, time, mode : str, None or False
         Name of the column, matched exactly or else without regard to case. The defaults ("OP", "PV", "SP"
         and None) also accept the usual other names. ``sp=None`` and ``False`` for any: do not read it.
+    loop : str, optional
+        Tag of one of several loops; see :func:`lostmotion.files.tags.loops_of`.
 
     Raises
     ------
     ColumnError
-        A column is missing, or several fit and none has the exact name.
+        A column is missing, or several fit and none has the exact name; several loops and none is named.
 
     Examples
     --------
     >>> found = resolve(["Time", "CO", "pv"])
     >>> found.op, found.pv, found.sp, found.notes
     ('CO', 'pv', None, ("OP was read from column 'CO'.",))
+    >>> resolve(["Time", "FC1.PV", "FC1.OUT", "FC2.PV", "FC2.OUT"], loop="fc2").op
+    'FC2.OUT'
     """
     wanted: dict[str, Wanted] = {
         "op": op,
@@ -91,18 +76,23 @@ def resolve(
         "mode": mode,
     }
     found = {role: named(role, name, names) for role, name in wanted.items() if _is_named(role, name)}
-    notes = []
+    tag = _loop(names, found, loop)
+    if tag:
+        ours = loops_of(names)[tag]
+        found = {role: name for role, name in ours.items() if wanted[role] is not False} | found
+        names = [name for name in names if name in found.values() or tag_and_role(name) is None]
+    notes = [_note(role, name) for role, name in found.items() if not _is_named(role, wanted[role])]
     for role, name in wanted.items():
         if role in found or name is False:
             continue
         rest = [other for other in names if other not in found.values()]
         column = by_alias(role, rest)
         if column is None and isinstance(name, str) and role != "sp":
-            raise ColumnError.missing(_title(role), names, f"name it with {role}='<column>'")
+            raise _missing(role, names, found)
         if column is not None:
             found[role] = column
             if key(column) != role and role != "time":
-                notes.append(f"{_title(role)} was read from column {column!r}.")
+                notes.append(_note(role, column))
     _no_double(found)
     return Columns(
         found["op"],
@@ -112,7 +102,48 @@ def resolve(
         found.get("time"),
         tuple(notes),
         found.get("mode"),
+        tag,
     )
+
+
+def _note(role: str, column: str) -> str:
+    return f"{_title(role)} was read from column {column!r}."
+
+
+def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
+    """Tag whose columns are to be read: the one that was asked for, or the only one; empty: not told by tags."""
+    loops = loops_of(names)
+    if loop is not None:
+        fits = [tag for tag in loops if same_tag(tag, loop)]
+        if len(fits) != 1:
+            error = ColumnError.missing(loop, loops, "name one of them, loop='<tag>'")
+            return _raised(error.leads_on(*({"loop": tag} for tag in loops)))
+        return fits[0]
+    of_column = [tag for tag, roles in loops.items() if set(roles.values()) & set(found.values())]
+    if len(of_column) == 1 and not {"op", "pv"} <= set(found):
+        return of_column[0]
+    if {"op", "pv"} <= set(found) or any(usual(role, names, tags=False) for role in ("op", "pv")):
+        return ""
+    if len(loops) > 1:
+        tags = list(loops)
+        more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
+        error = ColumnError.expected(
+            "the columns of one loop",
+            f"{len(tags)} loops: {', '.join(tags[:SHOWN])}{more}",
+            f"name one: loop={tags[0]!r}",
+        )
+        return _raised(error.leads_on(*({"loop": tag} for tag in tags)))
+    return next(iter(loops), "")
+
+
+def _raised(error: ColumnError) -> str:
+    raise error
+
+
+def _missing(role: str, names: Sequence[str], found: dict[str, str]) -> ColumnError:
+    """Name what is missing, and the columns that it may be."""
+    error = ColumnError.missing(_title(role), names, f"name it with {role}='<column>'")
+    return error.leads_on(*likely(names, found))
 
 
 def by_alias(role: str, names: Sequence[str]) -> str | None:
@@ -135,8 +166,8 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
     return fits[0] if fits else None
 
 
-def usual(role: str, names: Sequence[str]) -> list[str]:
-    """Columns that fit a role equally well, and better than all others.
+def usual(role: str, names: Sequence[str], tags: bool = True) -> list[str]:
+    """Columns that fit a role equally well, and better than all others; `tags`: by the end of a tag if by nothing else.
 
     Examples
     --------
@@ -147,25 +178,11 @@ def usual(role: str, names: Sequence[str]) -> list[str]:
         [name for name in names if name.strip().lower() == role],
         [name for name in names if key(name) == role],
         [name for name in names if key(name) in ALIASES[role]],
-        [name for name in names if re.search(rf"[./:]{role}$", name.strip().lower())],
+        [name for name in names if tags and (tag_and_role(name) or ("", ""))[1] == role],
     ):
         if fits:
             return fits
     return []
-
-
-def key(name: str) -> str:
-    """Name without case, separators and unit, for comparison.
-
-    Examples
-    --------
-    >>> key("Set_Point [m3/h]"), key("t_s"), key("T (ms)")
-    ('set point', 't', 't')
-    """
-    bare = _words(_BRACKETS.sub("", name))
-    if len(bare) > 1 and bare[-1] in UNITS:
-        bare = bare[:-1]
-    return " ".join(bare)
 
 
 def time_unit(name: str) -> float | None:
@@ -176,15 +193,11 @@ def time_unit(name: str) -> float | None:
     >>> time_unit("t_ms"), time_unit("time [min]"), time_unit("Time")
     (0.001, 60.0, None)
     """
-    bracket = _BRACKETS.search(name)
+    bracket = BRACKETS.search(name)
     if bracket:
-        return UNITS.get(bracket.group(1).strip().lower())
-    words = _words(name)
-    return UNITS.get(words[-1]) if len(words) > 1 else None
-
-
-def _words(name: str) -> list[str]:
-    return re.split(r"[\s_\-.]+", name.strip().lower())
+        return SECONDS.get(bracket.group(1).strip().lower())
+    words = re.split(r"[\s_\-.]+", folded(name))
+    return SECONDS.get(words[-1]) if len(words) > 1 else None
 
 
 def _title(role: str) -> str:

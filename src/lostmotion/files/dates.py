@@ -176,7 +176,7 @@ def _choose(
     if not valid:
         wrong = np.sum([np.isnan(day) & filled for day in days.values()], axis=0)
         raise _no_date(table, name, cells, int(np.argmax(wrong)))
-    left = _distinct({order: time for order, time in valid.items() if _sorted(time)} or valid)
+    left = _distinct({order: time for order, time in valid.items() if _sorted(time) or _sorted(-time)} or valid)
     limit = LONGEST_STEP * min(_longest_step(time) for time in left.values())
     left = {order: time for order, time in left.items() if _longest_step(time) <= limit}
     if len(left) > 1:
@@ -280,6 +280,18 @@ def _no_date(table: Table, name: str, cells: pl.Series, row: int) -> TimeError:
         f"{cells[row]!r} in {table.where(row)}",
         "repair the cell, or pass dt=<seconds> and time=False to ignore the column",
     )
+
+
+def looks_like_a_time(cell: str) -> bool:
+    """Tell a date or a time of day from a word.
+
+    Examples
+    --------
+    >>> looks_like_a_time("17/01/17 9:00"), looks_like_a_time("10:00:05"), looks_like_a_time("FIC 101")
+    (True, True, False)
+    """
+    found = re.match(_DATE, cell)
+    return found is not None and (found["a"] is not None or found["hour"] is not None)
 
 
 def looks_numeric(cell: str) -> bool:

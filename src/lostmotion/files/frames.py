@@ -1,8 +1,9 @@
-"""Any source -> Table: a path to text, Parquet or MAT, or a pandas, Polars or PyArrow frame."""
+"""Any source -> Table: a path to text, Parquet, Feather, MAT or a spreadsheet, packed or not, or a data frame."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,13 @@ import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
+from lostmotion.files.packed import is_workbook, unpacked
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
+from lostmotion.files.workbook import load_workbook
 
 _PARQUET = b"PAR1"
+_ARROW = b"ARROW1"  # Feather
 
 
 def load(source: Any) -> Table:
@@ -23,7 +27,8 @@ def load(source: Any) -> Table:
     Parameters
     ----------
     source : path or data frame
-        Path to delimited text, Parquet or a MAT file (told by its content), or an eager frame that narwhals knows.
+        Path to delimited text, Parquet, Feather, a MAT file or a spreadsheet (told by its content; .gz, and .zip of one
+        file, are unpacked), or an eager frame that narwhals knows.
 
     Raises
     ------
@@ -53,18 +58,25 @@ def load(source: Any) -> Table:
 
 
 def _from_path(path: Path) -> Table:
-    raw = read_bytes(path)
+    raw, name = unpacked(read_bytes(path), path.name)
     if raw.startswith((MAT, MAT_HDF5)):
-        return load_mat(raw, path.name)
-    if not raw.startswith(_PARQUET):
-        return parse_text(raw, path.name)
+        return load_mat(raw, name)
+    if is_workbook(raw):
+        return load_workbook(raw, name)
+    for kind, start, read in (("Parquet", _PARQUET, pl.read_parquet), ("Feather", _ARROW, pl.read_ipc)):
+        if raw.startswith(start):
+            return _columns(raw, name, kind, read)
+    return parse_text(raw, name)
+
+
+def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:
     try:
-        frame = pl.read_parquet(raw)
+        frame = read(raw)
     except (pl.exceptions.PolarsError, OSError) as error:
         raise DataError.expected(
-            "a whole Parquet file", f"a damaged one, {path.name!r} ({error})", "export it again"
+            f"a whole {kind} file", f"a damaged one, {name!r} ({error})", "export it again"
         ) from error
-    return _checked(nw.from_native(frame, eager_only=True), path.name)
+    return _checked(nw.from_native(frame, eager_only=True), name)
 
 
 def read_bytes(path: Path) -> bytes:

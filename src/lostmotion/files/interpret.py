@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +12,11 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
+from lostmotion.files.order import arranged, by_time
+from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
 
@@ -40,6 +43,8 @@ class Meaning:
         Sampling time and gaps.
     assumed, words : tuple of str
         What was assumed about the columns; which words and times were passed over.
+    made_up : (float, float)
+        Shares of the samples of OP and PV that lie between stored values.
     """
 
     table: Table
@@ -51,6 +56,7 @@ class Meaning:
     clock: Clock
     assumed: tuple[str, ...]
     words: tuple[str, ...]
+    made_up: tuple[float, float] = (0.0, 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -67,14 +73,16 @@ def interpret(
     time: Wanted = None,
     mode: Wanted = None,
     dt: float | None = None,
-    usable: Callable[[Stamps], Stamps] = lambda stamps: stamps,
+    usable: Callable[[Stamps], Stamps] | None = None,
+    loop: str | None = None,
 ) -> Meaning:
     """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
 
     Parameters
     ----------
     usable : callable
-        Stamps -> those that the sampling time is told from. A growing file drops a few bad ones.
+        Stamps -> those that the sampling time is told from. A growing file, whose further rows are not known, drops
+        a few bad ones. None: all rows are here, and are put into the order of time.
 
     Raises
     ------
@@ -92,20 +100,46 @@ def interpret(
     """
     check_dt(dt)
     table = with_moments(table) if time is None else table
+    if usable is None:
+        table = with_columns_of_tags(table)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
-    columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode)
+    columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode, loop)
     roles = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
     used = tuple(name for name in roles if name is not None)
     decimal = decimal_mark(table, list(used))
+    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     signals, words = _signals(table, columns, decimal)
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
-    stamps = None if stamps is None else usable(stamps)
-    clock = find_clock(stamps, dt, None if sampling is None else _sampling_time(table, sampling, decimal))
-    comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
+    if stamps is not None and usable is not None:
+        stamps = usable(stamps)
+    elif stamps is not None:
+        table, signals, stamps = _in_order(table, signals, stamps)
+        even = resampled(stamps.seconds, signals, dt, table.own_times)
+        if even is not None:
+            clock = Clock(even.dt, (), (*stamps.notes, even.note))
+            assumed = (*table.notes, *columns.notes, *comma)
+            taken = table.taken(even.rows)
+            return Meaning(
+                taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt), even.made_up
+            )
+    ts = None if sampling is None else _sampling_time(table, sampling, decimal)
+    clock = find_clock(stamps, dt, ts, whole=usable is None)
     assumed = (*table.notes, *columns.notes, *comma)
     return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
+
+
+def _in_order(
+    table: Table, signals: dict[str, FloatArray], stamps: Stamps
+) -> tuple[Table, dict[str, FloatArray], Stamps]:
+    """Rows in the order of time, and what was done to have them so."""
+    found = by_time(stamps) if table.own_times else arranged(stamps, list(signals.values()))
+    if np.array_equal(found.rows, np.arange(len(stamps.seconds))):
+        return table, signals, replace(stamps, seconds=found.seconds, notes=(*stamps.notes, *found.notes))
+    table = table.taken(found.rows)
+    moved = replace(stamps, seconds=found.seconds - found.seconds[0], table=table, notes=(*stamps.notes, *found.notes))
+    return table, {role: values[found.rows] for role, values in signals.items()}, moved
 
 
 def check_dt(dt: float | None) -> None:

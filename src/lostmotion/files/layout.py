@@ -185,10 +185,10 @@ def find_layout(lines: list[str], source: str, asked: Asked) -> tuple[Layout, in
 
 def _first_table(lines: list[str], source: str) -> tuple[str, int, Table]:
     """Header, number of lines before the first row, and a table of the rows without repeated headers."""
-    header, rows = find_rows(lines, source)
+    header, rows, _ = find_rows(lines, source)
     before = rows[0]
     lines = [*lines[:before], *(line for line in lines[before:] if line != header)]
-    header, rows = find_rows(lines, source)
+    header, rows, _ = find_rows(lines, source)
     if len(rows) < FEWEST_ROWS:
         raise DataError.expected(f"at least {FEWEST_ROWS} complete rows", f"{len(rows)} in {source!r}", "wait for more")
     return header, before, parse_text("\n".join([*lines, ""]).encode(), source)

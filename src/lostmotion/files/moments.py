@@ -7,11 +7,11 @@ from dataclasses import replace
 import narwhals.stable.v2 as nw
 
 from lostmotion.files.dates import all_are
+from lostmotion.files.names import CLOCKS, DATES
 from lostmotion.files.number_cells import is_text, text_cells
 from lostmotion.files.table import Table
+from lostmotion.files.tags import folded
 
-DATES = ("date", "day")
-CLOCKS = ("time", "time of day", "clock")
 MOMENTS = "Date Time"
 
 
@@ -45,4 +45,4 @@ def moment_columns(table: Table) -> tuple[str, str] | None:
 
 
 def _called(table: Table, names: tuple[str, ...]) -> list[str]:
-    return [name for name in table.names if name.strip().lower() in names and is_text(table.column(name))]
+    return [name for name in table.names if folded(name) in names and is_text(table.column(name))]

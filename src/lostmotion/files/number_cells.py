@@ -28,6 +28,10 @@ LARGEST = 1e30
 DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
 DECIMAL_DOT = r"^[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?$"
 _MAYBE_THOUSANDS = r"^[+-]?[1-9]\d{0,2},\d{3}$"
+# Between thousands: a comma where the decimal mark is a dot, a dot where it is a comma; blanks and apostrophes.
+_GROUPED = {".": r"^[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?$", ",": r"^[+-]?[1-9]\d{0,2}(?:\.\d{3})+(?:,\d*)?$"}
+_BOTH = {".": r"^[+-]?[1-9]\d{0,2}(?:,\d{3})+\.\d*$", ",": r"^[+-]?[1-9]\d{0,2}(?:\.\d{3})+,\d*$"}
+_BLANK_GROUPS = r"^[+-]?[1-9]\d{0,2}(?:[ \x{A0}\x{202F}'’]\d{3})+(?:[.,]\d*)?$"
 
 
 def to_numbers(table: Table, name: str, decimal: str = ".") -> tuple[FloatArray, tuple[str, ...]]:
@@ -88,11 +92,12 @@ def decimal_mark(table: Table, names: list[str]) -> str:
     """
     comma = dot = None
     proven = False
-    for name in names:
-        series = table.column(name)
-        if not is_text(series):
-            continue
-        cells = text_cells(series)
+    texts = {name: text_cells(table.column(name)) for name in names if is_text(table.column(name))}
+    grouped = _grouped_mark(list(texts.values()))
+    if grouped:
+        return grouped
+    for name, whole in texts.items():
+        cells = _without_blanks(whole)
         with_comma = cells.filter(cells.str.contains(DECIMAL_COMMA))
         with_dot = cells.filter(cells.str.contains(DECIMAL_DOT))
         comma = comma or (f"{with_comma[0]!r} in {name!r}" if len(with_comma) else None)
@@ -109,6 +114,22 @@ def decimal_mark(table: Table, names: list[str]) -> str:
             "export with a decimal point, or with ';' between columns",
         )
     return ","
+
+
+def _grouped_mark(texts: list[pl.Series]) -> str:
+    """Decimal mark that a number with both marks proves, if every other number agrees; empty: none does."""
+    for mark, both in _BOTH.items():
+        other = {".": DECIMAL_COMMA, ",": DECIMAL_DOT}[mark]
+        if any(cells.str.contains(both).any() for cells in texts):
+            odd = [cells.filter(cells.str.contains(other) & ~cells.str.contains(_GROUPED[mark])) for cells in texts]
+            return "" if any(len(cells) for cells in odd) else mark
+    return ""
+
+
+def _without_blanks(cells: pl.Series) -> pl.Series:
+    """Cells without the blanks and apostrophes between thousands."""
+    grouped = cells.str.contains(_BLANK_GROUPS).fill_null(value=False)
+    return cells.zip_with(~grouped, cells.str.replace_all(r"[ \x{A0}\x{202F}'’]", "")) if grouped.any() else cells
 
 
 def is_text(series: nw.Series[Any]) -> bool:
@@ -134,7 +155,7 @@ def _is_none(value: object) -> bool:
 
 def _from_text(table: Table, name: str, decimal: str) -> tuple[FloatArray, tuple[str, ...]]:
     cells = text_cells(table.column(name))
-    plain = cells.str.replace(",", ".", literal=True) if decimal == "," else cells
+    plain = _plain(cells, decimal)
     parsed = plain.cast(pl.Float64, strict=False)
     odd = (parsed.is_null() & cells.is_not_null()).to_numpy()
     notes: tuple[str, ...] = ()
@@ -146,6 +167,16 @@ def _from_text(table: Table, name: str, decimal: str) -> tuple[FloatArray, tuple
         notes = (_missing_note(name, words),)
     values = parsed.cast(pl.Float64).fill_null(np.nan).to_numpy()
     return np.array(values, dtype=np.float64), notes
+
+
+def _plain(cells: pl.Series, decimal: str) -> pl.Series:
+    """Cells with a decimal point and nothing between thousands."""
+    cells = _without_blanks(cells)
+    grouped = cells.str.contains(_GROUPED[decimal]).fill_null(value=False)
+    if grouped.any():
+        between = "," if decimal == "." else "."
+        cells = cells.zip_with(~grouped, cells.str.replace_all(between, "", literal=True))
+    return cells.str.replace(",", ".", literal=True) if decimal == "," else cells
 
 
 def _not_a_number(table: Table, name: str, row: int, cells: pl.Series) -> ColumnError:

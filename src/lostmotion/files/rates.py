@@ -13,6 +13,11 @@ JITTER = 0.01  # steps within 1 % of a multiple of the median are one clock
 GIVEN_TOLERANCE = 0.05  # a given dt may differ this much from rounded or irregular stamps: plant clocks drift
 GAP_SHARE = 0.1  # more gaps than this are not gaps but irregular sampling
 NEAR_SHARE = 0.95  # with dt given, at least this share of steps within half a dt of it
+SCATTER = 0.25  # of the mean step, at most: standard deviation of the steps of one scan that jitters
+STEADY = 0.05  # the quarters of a record agree in their mean step to this share, or it has no one rate
+ROW_SPREAD = (0.1, 1.5)  # rows by which stamps of one rate differ: one, and for jitter a share of them, at most so many
+ROW_SHARE = 0.05  # or this share of them
+FEWEST_STAMPS = 2  # whole ones that the rows of a stamp are counted from
 RESOLUTIONS = (60.0, 1.0, 0.1, 0.01, 0.001)  # s: what stamps are rounded to
 
 
@@ -116,6 +121,52 @@ def coarse(steps: FloatArray) -> tuple[Rate, float]:
     what = {60.0: "a minute", 1.0: "a second"}.get(stamp, f"per {stamp:g} s stamp")
     note = f"several rows carry one stamp, about {stamp / step:.1f} rows {what}, {step:.3g} s each"
     return Rate(step, gaps, GIVEN_TOLERANCE + error / step, note), error
+
+
+def evenly_spread(steps: FloatArray) -> bool:
+    """Whether the stamps that several rows carry have nearly as many rows each, the first and the last aside.
+
+    Examples
+    --------
+    >>> seconds = np.floor(np.arange(50) * 12.0 / 60.0) * 60.0
+    >>> evenly_spread(np.diff(seconds)), evenly_spread(np.diff(np.delete(seconds, [20, 21, 22, 23])))
+    (True, False)
+    """
+    changes = np.flatnonzero(steps > 0)
+    stamp = float(steps[changes].min())
+    whole = steps[changes[:-1]] <= 1.5 * stamp  # what follows a gap may have begun before its first row
+    rows = np.diff(changes)[whole & (steps[changes[1:]] <= 1.5 * stamp)]
+    if len(rows) < FEWEST_STAMPS:
+        return False
+    mean = float(rows.mean())
+    spread = max(min(1.0 + ROW_SPREAD[0] * mean, ROW_SPREAD[1]), ROW_SHARE * mean)
+    return float(np.mean(np.abs(rows - mean) <= spread)) >= NEAR_SHARE
+
+
+def scattered(steps: FloatArray) -> Rate | None:
+    """Rate of a scan that jitters: nearly all steps within half of the median of it, at one mean all along.
+
+    Examples
+    --------
+    >>> steps = np.random.default_rng(0).choice([10.0, 11.0, 12.0, 15.0], size=400, p=[0.1, 0.5, 0.3, 0.1])
+    >>> scattered(steps).step
+    11.7
+    >>> scattered(np.random.default_rng(0).exponential(12.0, size=400))
+    """
+    middle = float(np.median(steps))
+    close = np.abs(steps - middle) <= 0.5 * middle
+    if not middle > 0 or close.mean() < NEAR_SHARE:
+        return None
+    mean, spread = float(steps[close].mean()), float(steps[close].std())
+    quarters = [float(part.mean()) for part in np.array_split(steps[close], 4) if len(part)]
+    if spread > SCATTER * mean or max(abs(quarter - mean) for quarter in quarters) > STEADY * mean:
+        return None
+    step = tidy(mean, spread / np.sqrt(close.sum()))
+    note = (
+        f"steps between rows scatter from {steps.min():g} to {steps.max():g} s; the rows were taken as samples "
+        f"of one scan of {step:g} s, their mean"
+    )
+    return Rate(step, ~close & (steps > middle), max(GIVEN_TOLERANCE, spread / mean), note)
 
 
 def near(seconds: FloatArray, steps: FloatArray, dt: float) -> tuple[Rate, float]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 
@@ -13,10 +14,20 @@ from lostmotion.files.columns import Wanted
 from lostmotion.files.frames import load
 from lostmotion.files.interpret import Meaning, check_dt, interpret
 from lostmotion.files.table import Table
+from lostmotion.files.tags import loop_type
+from lostmotion.records.modes import holds
 from lostmotion.records.record import LoopRecord, StringArray
 
 Span = tuple[float, float]
 _SHOWN = 5
+
+
+class Plant(TypedDict, total=False):
+    """What the plant calls things, beside its columns."""
+
+    loop: str | None
+    automatic: str | Sequence[str] | None
+    manual: str | Sequence[str] | None
 
 
 def read_loop(
@@ -32,6 +43,7 @@ def read_loop(
     pv_span: Span | None = None,
     missing: Literal["keep", "error"] = "keep",
     mode: Wanted = None,
+    **plant: Unpack[Plant],
 ) -> LoopRecord:
     """Read the record of one control loop.
 
@@ -39,7 +51,8 @@ def read_loop(
     ----------
     source : path or data frame
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
-        or vectors; ``save -v7``), or a pandas, Polars or PyArrow frame.
+        or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
+        of one file; or a pandas, Polars or PyArrow frame.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -62,6 +75,9 @@ def read_loop(
     mode : str, None or False
         Column with the mode of the controller (AUTO, MAN, CAS..), taken as text. None: if there is one of its
         usual names.
+    **plant
+        ``loop="FIC102"``: tag of the loop to read where a file holds several: columns FIC102.PV, FIC102.OUT .. or
+        FT_102 and FV_102. ``automatic="1"``, ``manual="0"``: what the mode column holds, a word or several.
 
     Returns
     -------
@@ -94,20 +110,24 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt)
+    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt, loop=plant.get("loop"))
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
+    name = (meaning.columns.loop if plant.get("loop") else _tag(source)) if tag is None else tag
+    kind = loop_type(name) or loop_type(meaning.columns.loop)
     return LoopRecord(
         **meaning.signals,
         dt=meaning.clock.dt,
-        mode=None if word is None else _words(meaning.table, word),
+        mode=None if word is None else _meant(_words(meaning.table, word), plant),
         op_span=op_span,
         pv_span=pv_span,
-        tag=_tag(source) if tag is None else tag,
+        tag=name,
         source=meaning.table.source,
         gaps=meaning.clock.gaps,
         notes=meaning.notes,
+        loop_type=kind,
+        made_up=meaning.made_up,
     )
 
 
@@ -115,6 +135,18 @@ def _words(table: Table, name: str) -> StringArray:
     """Cells of a column as text; empty where missing."""
     cells = table.column(name).to_list()
     return np.array(["" if cell is None else str(cell).strip() for cell in cells], dtype=np.str_)
+
+
+def _meant(words: StringArray, plant: Plant) -> StringArray:
+    """Modes with AUTO and MAN in place of the words that were said to mean them."""
+    meant = words.astype(object)
+    for word, given in (("AUTO", plant.get("automatic")), ("MAN", plant.get("manual"))):
+        listed = [given] if isinstance(given, str) else list(given or ())
+        lower = [str(one).strip().lower() for one in listed]
+        for cell in np.unique(words).tolist():
+            if holds(cell, lower):
+                meant[words == cell] = word
+    return meant.astype(np.str_)
 
 
 def _refuse_missing(meaning: Meaning) -> None:
@@ -132,4 +164,7 @@ def _refuse_missing(meaning: Meaning) -> None:
 
 
 def _tag(source: Any) -> str:
-    return Path(source).stem if isinstance(source, str | os.PathLike) else ""
+    if not isinstance(source, str | os.PathLike):
+        return ""
+    path = Path(source)
+    return Path(path.stem).stem if path.suffix.lower() in (".gz", ".zip") else path.stem

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import narwhals.stable.v2 as nw
+
+from lostmotion.arrays import IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,8 @@ class Table:
         Separator of a text file; empty for data frames and Parquet.
     notes : tuple of str
         What was assumed while opening it.
+    own_times : bool
+        Each column had times of its own: empty cells hold no new value rather than a missing one.
     """
 
     frame: nw.DataFrame[Any]
@@ -33,6 +37,7 @@ class Table:
     lines: Sequence[int] | None = None
     delimiter: str = ""
     notes: tuple[str, ...] = ()
+    own_times: bool = False
 
     @property
     def names(self) -> list[str]:
@@ -42,6 +47,12 @@ class Table:
     def column(self, name: str) -> nw.Series[Any]:
         """One column by its exact name."""
         return self.frame[name]
+
+    def taken(self, rows: IntArray) -> Table:
+        """Rows (from 0) in another order, or some of them."""
+        places = rows.tolist()
+        lines = None if self.lines is None else [self.lines[row] for row in places]
+        return replace(self, frame=self.frame[places], lines=lines)
 
     def where(self, row: int) -> str:
         """Say where a row (from 0) stands: "row 3 (line 4)", both counted from 1."""

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import codecs
 import csv
-import io
 import re
 
 import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError
+from lostmotion.files.head import DELIMITERS, find_head
 from lostmotion.files.table import Table, unique_names
 
-DELIMITERS = (";", "\t", ",")
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -44,14 +43,14 @@ def parse_text(raw: bytes, source: str) -> Table:
     """
     text = decode(raw, source).replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n")
-    header, rows = find_rows(lines, source)
+    header, rows, notes = find_rows(lines, source)
     body = [lines[row] for row in rows]
     delimiter = find_delimiter(header, body[:SAMPLE_LINES], source)
     names = split_line(header, delimiter)
     numbers = [row + 1 for row in rows]
     frame = _parse(body, names, delimiter, numbers, source)
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
-    return Table(nw.from_native(frame, eager_only=True), source, aligned, delimiter)
+    return Table(nw.from_native(frame, eager_only=True), source, aligned, delimiter, notes)
 
 
 def decode(raw: bytes, source: str) -> str:
@@ -133,8 +132,8 @@ def has_cells(line: str) -> bool:
     return bool(bare) and (bare[0] not in "#/\t" or not _COMMENT.match(line))
 
 
-def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:
-    """Header line and the places of the rows, without blank lines, comments and a blank tail.
+def find_rows(lines: list[str], source: str) -> tuple[str, list[int], tuple[str, ...]]:
+    """Header line, the places of the rows, and what was passed over besides blank lines and comments.
 
     Raises
     ------
@@ -147,7 +146,11 @@ def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:
     if not rows:
         raise DataError.expected("a header line and rows", f"none in {source!r}", "check the export")
     first = rows[0]
-    if not _is_numeric(lines[first]):
+    head = find_head(lines, rows)
+    notes: tuple[str, ...] = ()
+    if head is not None:
+        header, notes, rows = lines[head.header], head.notes, [place for place in rows if place >= head.first]
+    elif not _is_numeric(lines[first]):
         header, rows = lines[first], rows[1:]
     elif first and _COMMENT.match(lines[first - 1]):
         header = lines[first - 1].lstrip(" #/")
@@ -159,7 +162,11 @@ def find_rows(lines: list[str], source: str) -> tuple[str, list[int]]:
         )
     if not rows:
         raise DataError.expected("rows below the header", f"none in {source!r}", "check the export")
-    return header, rows
+    again = sum(lines[place] == header for place in rows)
+    if again:
+        rows = [place for place in rows if lines[place] != header]
+        notes = (*notes, f"The header stands again in {again} line{'s' if again > 1 else ''}, passed over.")
+    return header, rows, notes
 
 
 def _is_numeric(line: str) -> bool:
@@ -188,7 +195,8 @@ def _parse(body: list[str], names: list[str], delimiter: str, numbers: list[int]
     spare = f"c{len(names)}"  # one field more than the header: lines that end with a delimiter
     places = delimiter.join(f"c{place}" for place in range(len(names) + 1))
     try:
-        frame = pl.read_csv(io.StringIO("\n".join([places, *body, ""])), separator=delimiter, infer_schema=False)
+        whole = "\n".join([places, *body, ""]).encode()  # as text a stream of it would take four bytes a letter
+        frame = pl.read_csv(whole, separator=delimiter, infer_schema=False)
     except pl.exceptions.PolarsError as error:
         raise _ragged(body, len(names), delimiter, numbers, source) from error
     if (frame[spare].fill_null("").str.strip_chars() != "").any():

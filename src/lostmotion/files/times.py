@@ -12,15 +12,18 @@ import polars as pl
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.columns import time_unit
-from lostmotion.files.dates import looks_numeric, parse_dates
+from lostmotion.files.dates import all_are, looks_numeric, parse_dates, states_zone
 from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells, to_numbers
 from lostmotion.files.table import Table
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
 EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0, "s"))
-# Spreadsheets count days from 1900: 36526 is 2000 and 55153 is 2051.
-EXCEL_DAYS = (36526.0, 55153.0)
-MATLAB_DAYS = (719529.0, 767011.0)  # datenum counts them from the year 0: 1970 to 2099
+DAY_SPANS = {  # of whom: from 2000 or 1970 on, up to 2051 or 2099, and the number of 1970-01-01
+    "a spreadsheet": (36526.0, 55153.0, 25569.0),
+    "MATLAB": (719529.0, 767011.0, 719529.0),
+}
+DAY = 86400.0  # s
+DAY_DECIMALS = 3  # of a second: what a double of 45000 and some days resolves
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,10 @@ class Stamps:
         Seconds in one unit of a numeric column.
     epoch : bool
         Numbers that count from 1970.
+    origin : float
+        First time as it was read; seconds since 1970 for dates.
+    local : bool
+        Dates by the clock on the wall, which may be set back in autumn.
     """
 
     name: str
@@ -55,6 +62,8 @@ class Stamps:
     dates: pl.Series | None = field(default=None, repr=False)
     scale: float = 1.0
     epoch: bool = False
+    origin: float = 0.0
+    local: bool = False
 
     def at(self, row: int) -> str:
         """Say row, line and the time as it stands in the source."""
@@ -78,7 +87,8 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
     """
     series = table.column(name)
     if isinstance(series.dtype, nw.Datetime):
-        return _stamps(table, name, _float(series.dt.timestamp("us")) * 1e-6)
+        stamps = _stamps(table, name, _float(series.dt.timestamp("us")) * 1e-6)
+        return replace(stamps, local=series.dtype.time_zone is None)
     if isinstance(series.dtype, nw.Duration):
         return _stamps(table, name, _float(series.dt.total_microseconds()) * 1e-6)
     if isinstance(series.dtype, nw.Date):
@@ -89,7 +99,8 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
         known = cells.drop_nulls()
         if len(known) and not looks_numeric(known[0]):
             seconds, notes = parse_dates(table, name, cells)
-            return replace(_stamps(table, name, seconds, notes=notes), dates=cells)
+            local = not (states_zone(cells) or all_are(cells, dated=False))
+            return replace(_stamps(table, name, seconds, notes=notes), dates=cells, local=local)
     values, notes = to_numbers(table, name, decimal)
     return _from_numbers(table, name, values, notes)
 
@@ -120,14 +131,15 @@ def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str,
         note = f"Times in {name!r} were read as {label} since 1970."
         stamps = _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
         return replace(stamps, scale=scale, epoch=True)
-    middle = float(np.median(known)) if len(known) else 0.0
-    for span, origin in ((EXCEL_DAYS, "a spreadsheet"), (MATLAB_DAYS, "MATLAB")):
-        if _counts_days(known, middle, span):
-            raise TimeError.expected(
-                f"times in seconds or dates in column {name!r}",
-                f"{known[0]:.10g}, a day number of {origin}",
-                "export it as date and time or in seconds, or call the column time_s if it is in seconds",
-            )
+    days = day_numbers(known)
+    if days and not _round_steps(known):
+        seconds = np.round((values - known[0]) * DAY, DAY_DECIMALS)
+        note = f"Times in {name!r} were read as day numbers of {days}."
+        origin = float((known[0] - DAY_SPANS[days][2]) * DAY)
+        stamps = _stamps(table, name, seconds, notes=(*notes, note))
+        return replace(stamps, scale=DAY, local=True, origin=origin)
+    if days:
+        raise _days_or_seconds(name, known, days)
     return _stamps(table, name, values, plain=True, notes=notes)
 
 
@@ -149,11 +161,35 @@ def number_scale(name: str, known: FloatArray) -> tuple[float | None, str]:
     return None, ""
 
 
-def _counts_days(known: FloatArray, middle: float, span: tuple[float, float]) -> bool:
-    """Numbers of the size of today's day number that move by parts of a day."""
-    if not span[0] < middle < span[1] or len(known) < 2:
-        return False
-    return 0 < float(np.median(np.abs(np.diff(known)))) < 0.1
+def day_numbers(known: FloatArray) -> str:
+    """Whose day numbers the times look like: of the size of today's and moving by parts of a day; empty: no one's.
+
+    Examples
+    --------
+    >>> day_numbers(45000 + np.arange(5) / 1440), day_numbers(np.arange(5.0))
+    ('a spreadsheet', '')
+    """
+    if len(known) < 2:
+        return ""
+    middle = float(np.median(known))
+    moves = 0 < float(np.median(np.abs(np.diff(known)))) < 0.1
+    fits = [whose for whose, (first, last, _) in DAY_SPANS.items() if moves and first < middle < last]
+    return fits[0] if fits else ""
+
+
+def _round_steps(known: FloatArray) -> bool:
+    """Steps of whole milliseconds, as of a clock in seconds: a second is no such part of a day."""
+    step = float(np.median(np.abs(np.diff(known)))) * 1e3
+    return abs(step - round(step)) < 1e-6 * max(step, 1.0)
+
+
+def _days_or_seconds(name: str, known: FloatArray, whose: str) -> TimeError:
+    step = float(f"{np.median(np.abs(np.diff(known))):.6g}")
+    return TimeError.expected(
+        f"times with one reading in column {name!r}",
+        f"{known[0]:.10g} and steps of {step:g}, seconds or day numbers of {whose}",
+        f"give dt={step:g} and time=False if it is in seconds, or dt={step * DAY:g} and time=False if in days",
+    ).leads_on({"dt": step, "time": False}, {"dt": float(f"{step * DAY:g}"), "time": False})
 
 
 def _stamps(table: Table, name: str, seconds: FloatArray, plain: bool = False, notes: tuple[str, ...] = ()) -> Stamps:
@@ -163,7 +199,7 @@ def _stamps(table: Table, name: str, seconds: FloatArray, plain: bool = False, n
             f"times in column {name!r}", "none", "pass dt=<seconds> and time=False to ignore the column"
         )
     origin = 0.0 if plain else known[0]  # a counter is known by its first value
-    return Stamps(name, np.asarray(seconds - origin), table, plain, notes)
+    return Stamps(name, np.asarray(seconds - origin), table, plain, notes, origin=float(origin))
 
 
 def _float(series: nw.Series[Any]) -> FloatArray:

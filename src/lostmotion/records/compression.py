@@ -46,7 +46,7 @@ class Compression:
 
 
 def compression(record: LoopRecord, name: str) -> Compression:
-    """Shares of rows of OP or PV that look made up.
+    """Shares of rows of OP or PV that look made up, at least those that the reader made up.
 
     Parameters
     ----------
@@ -63,6 +63,15 @@ def compression(record: LoopRecord, name: str) -> Compression:
     >>> round(made_up.straight, 1), made_up.held
     (0.9, 0.0)
     """
+    seen = _seen(record, name)
+    known = record.made_up[0 if name == "op" else 1]
+    if name == "op":  # moves by hand are stored whole, however few they are
+        known = min(known, limits.COMPRESSED_REFUSE - 0.01)
+    return seen if seen.share >= known else Compression(known - seen.held, seen.held)
+
+
+def _seen(record: LoopRecord, name: str) -> Compression:
+    """Shares that the values themselves show."""
     values: FloatArray = getattr(record, name)
     known = values[~np.isnan(values)]
     if len(known) < limits.STRAIGHT_ROWS or known.min() == known.max():

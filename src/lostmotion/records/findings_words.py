@@ -31,7 +31,9 @@ def about_operation(record: LoopRecord, words: Mapping[str, str] | None = None) 
     strange = unknown_words(record.mode, words)
     if strange:
         shown = ", ".join(repr(word) for word in strange[:3]) + (" .." if len(strange) > 3 else "")
-        said.append(f"Modes {shown} are not known here; their rows were used. Name them with words={{..}}.")
+        said.append(
+            f"Modes {shown} are not known here; their rows were used. Say which means automatic: automatic=(..)."
+        )
     moves = sp_moves(record.sp)
     if moves and moves <= limits.MOVING_SHARE * len(record):
         said.append(f"SP moved in {moves} row{'s' if moves > 1 else ''}; that excites the loop and stays in.")

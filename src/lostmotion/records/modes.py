@@ -26,7 +26,7 @@ WORDS: dict[str, Kind] = {
 
 
 def rows_of(kind: Kind, mode: StringArray | None, words: Mapping[str, str] | None = None) -> Bools | None:
-    """Rows in a mode of this kind; None where no mode is recorded.
+    """Rows in a mode of this kind; None where no mode is recorded, or none of its words means anything here.
 
     Parameters
     ----------
@@ -41,10 +41,14 @@ def rows_of(kind: Kind, mode: StringArray | None, words: Mapping[str, str] | Non
     --------
     >>> rows_of("manual", np.array(["AUTO", "Man", "1"]), {"1": "manual"})
     array([False,  True,  True])
+    >>> rows_of("manual", np.array(["1", "1", "1"]))
     """
     if mode is None:
         return None
-    meant = [word for word, meaning in (WORDS | _checked(words)).items() if meaning == kind]
+    known = WORDS | _checked(words)
+    meant = [word for word, meaning in known.items() if meaning == kind]
+    if not any(holds(cell, known) for cell in np.unique(mode).tolist()):
+        return None
     cells, places = np.unique(mode, return_inverse=True)
     return np.array([holds(cell, meant) for cell in cells.tolist()], dtype=np.bool_)[places]
 

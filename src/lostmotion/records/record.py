@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import html
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -40,6 +41,10 @@ class LoopRecord:
         Rows before which time is missing (the sample there does not follow its predecessor by dt).
     notes : tuple of str
         Sentences that say what was assumed when the record was read.
+    loop_type : str
+        What PV measures, as :func:`lostmotion.diagnose` takes it ("flow", "level" ..); empty: not known.
+    made_up : (float, float)
+        Shares of the samples of OP and PV that the reader put between stored values.
 
     Raises
     ------
@@ -66,6 +71,8 @@ class LoopRecord:
     source: str = ""
     gaps: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
+    loop_type: str = field(default="", kw_only=True)
+    made_up: tuple[float, float] = field(default=(0.0, 0.0), kw_only=True)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.dt) and self.dt > 0):
@@ -110,6 +117,30 @@ class LoopRecord:
         for part in (self.op, self.pv, np.array([self.dt])):
             digest.update(np.ascontiguousarray(part).tobytes())
         return digest.hexdigest()[:16]
+
+    def __getitem__(self, rows: slice) -> LoopRecord:
+        """Rows as of a list: ``record[100:500]``, ``record[-600:]``.
+
+        Raises
+        ------
+        ParameterError
+            One row, or steps over rows: see :func:`lostmotion.records.resample`.
+        """
+        if not isinstance(rows, slice) or rows.step not in (None, 1):
+            raise ParameterError.expected("rows as start:stop", repr(rows), "e.g. record[100:500]")
+        start, stop, _ = rows.indices(len(self))
+        return self.cut(start, stop)
+
+    def between(self, start: float, stop: float) -> LoopRecord:
+        """Rows from `start` to `stop` seconds after the first one (exclusive); what gaps left out does not count."""
+        return self[max(round(start / self.dt), 0) : max(round(stop / self.dt), 0)]
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks: what the record holds and what was assumed."""
+        rows = [("Loop", self.tag or "-"), ("Source", self.source or "-"), ("Record", repr(self))]
+        rows += [("Read so", note) for note in self.notes]
+        cells = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in rows)
+        return f"<table>{cells}</table>"
 
     def cut(self, start: int, stop: int) -> LoopRecord:
         """Rows start to stop (exclusive) as a record of its own."""

@@ -1,0 +1,44 @@
+"""Commands that lead on after an error: what was typed, with the settings that the error names."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Collection, Sequence
+
+from lostmotion.cli.wording import FLAGS, OFFERED, OPTIONS
+
+MOST = 6  # commands under a message
+
+
+def commands_on(error: Exception, words: Sequence[str], offered: Collection[str] | None = None) -> list[str]:
+    """Command lines to paste, one for each setting that leads on and that the command has.
+
+    Parameters
+    ----------
+    error : Exception
+        With `ways`, where some are known.
+    words : sequence of str
+        What was typed behind ``lostmotion``; of options that stand twice the last counts.
+    offered : collection of str, optional
+        Options of the command; None: of the one that runs.
+
+    Examples
+    --------
+    >>> from lostmotion.errors import TimeError
+    >>> error = TimeError.expected("one time", "two", "..").leads_on({"dt": 30.0}, {"dt": 1.0, "time": False})
+    >>> commands_on(error, ["check", "a b.csv"], ["--dt", "--ignore-time"])
+    ["lostmotion check 'a b.csv' --dt 30", "lostmotion check 'a b.csv' --dt 1 --ignore-time"]
+    """
+    known = OFFERED.get() if offered is None else offered
+    lines = []
+    for way in getattr(error, "ways", ())[:MOST]:
+        options = [_option(name, value) for name, value in way.items()]
+        if all(option[0] in known for option in options):
+            lines.append(shlex.join(["lostmotion", *words, *(word for option in options for word in option)]))
+    return lines
+
+
+def _option(name: str, value: object) -> list[str]:
+    flag = FLAGS.get((name, str(value)))
+    shown = f"{value:.10g}" if isinstance(value, float) else str(value)
+    return [flag] if flag is not None else [OPTIONS[name], shown]

@@ -1,0 +1,69 @@
+"""Bytes of a file -> bytes of what is packed in it: gzip, or a zip archive of one file."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import zipfile
+import zlib
+
+from lostmotion.errors import DataError
+
+GZIP = b"\x1f\x8b"
+ZIP = b"PK\x03\x04"
+WORKBOOK = "xl/workbook"
+LARGEST = 1 << 33  # bytes unpacked: more is no record of a loop
+
+
+def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
+    """Content and name of what a file holds; the file itself where nothing is packed, or where it is a workbook.
+
+    Raises
+    ------
+    DataError
+        Damaged, several files in the archive, or more than 8 GiB.
+
+    Examples
+    --------
+    >>> unpacked(gzip.compress(b"OP,PV"), "FIC-1.csv.gz")
+    (b'OP,PV', 'FIC-1.csv')
+    """
+    try:
+        if raw.startswith(GZIP):
+            with gzip.GzipFile(fileobj=io.BytesIO(raw)) as stream:
+                return _limited(stream.read(LARGEST + 1), name), name.removesuffix(".gz")
+        if raw.startswith(ZIP):
+            return _from_zip(raw, name)
+    except (OSError, EOFError, zlib.error, zipfile.BadZipFile, RuntimeError) as error:
+        raise DataError.expected("a whole archive", f"a damaged one, {name!r} ({error})", "pack it again") from error
+    return raw, name
+
+
+def is_workbook(raw: bytes) -> bool:
+    """Whether the bytes are those of a spreadsheet (.xlsx, .xlsm, .xlsb or .xls)."""
+    if raw.startswith(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"):
+        return True
+    if not raw.startswith(ZIP):
+        return False
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        return any(member.startswith(WORKBOOK) for member in archive.namelist())
+
+
+def _from_zip(raw: bytes, name: str) -> tuple[bytes, str]:
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        members = [one for one in archive.infolist() if not one.is_dir() and not one.filename.startswith("__MACOSX/")]
+        if any(one.filename.startswith(WORKBOOK) for one in members):
+            return raw, name
+        if len(members) != 1:
+            listed = ", ".join(one.filename for one in members[:4]) or "none"
+            raise DataError.expected(
+                f"one file in {name!r}", f"{len(members)}: {listed}", "unpack it and give one file"
+            )
+        with archive.open(members[0]) as stream:
+            return _limited(stream.read(LARGEST + 1), name), members[0].filename
+
+
+def _limited(content: bytes, name: str) -> bytes:
+    if len(content) > LARGEST:
+        raise DataError.expected("a record of a loop", f"more than {LARGEST >> 30} GiB in {name!r}", "cut the export")
+    return content

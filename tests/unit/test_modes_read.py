@@ -1,0 +1,44 @@
+"""Modes as plants write them: what means nothing here is unknown, and --auto-value says what it means."""
+
+import json
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.diagnose.diagnose import _manual
+from lostmotion.records.modes import rows_of
+from tests.e2e.test_commands import run
+
+
+@pytest.fixture
+def path(tmp_path):
+    k = np.arange(400)
+    path = tmp_path / "FIC-1.csv"
+    rows = [f"{n},{50 + 5 * np.sin(n / 9):.3f},{np.cos(n / 9):.3f},0,{1 if n < 300 else 0}" for n in k]
+    path.write_text("\n".join(["time_s,OP,PV,SP,mode", *rows, ""]))
+    return path
+
+
+def test_a_mode_that_means_nothing_here_is_unknown(path):
+    record = lm.read_loop(path)
+    assert rows_of("automatic", record.mode) is None
+    assert _manual(record) == 0.0
+    assert _manual(lm.read_loop(path, automatic="1")) == pytest.approx(0.25)
+    np.testing.assert_array_equal(
+        rows_of("manual", lm.read_loop(path, automatic=["1"], manual="0").mode), np.arange(400) >= 300
+    )
+
+
+def test_options_say_what_the_modes_mean(capsys, path):
+    code, text, _ = run(capsys, "check", path, "--auto-value", 1, "--manual-value", 0, "--json")
+    assert code == 0
+    assert "Manual in 100 rows" in text
+    assert "not known here" not in text
+    assert json.loads(text)["usable"]
+    said = run(capsys, "check", path)[1]
+    assert "--auto-value" in said
+    assert said.splitlines()[0].startswith(
+        "FIC-1.csv holds loop 'FIC-1', a flow loop by its tag: 400 samples of OP, PV"
+    )
+    assert said.splitlines()[-1] == f"Next: lostmotion diagnose {path}"
