@@ -4,7 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import lostmotion as lm
 from lostmotion.errors import ParameterError
+from lostmotion.evaluate import random_faulty_loop
 from lostmotion.files.coerced import as_record, as_records
 from lostmotion.records import LoopRecord
 
@@ -39,3 +41,14 @@ def test_html_of_a_record_is_escaped():
     text = RECORD._repr_html_()
     assert "&lt;FIC-1&gt;" in text
     assert "a &amp; b" in text
+
+
+def test_paths_and_frames_are_identified_and_diagnosed(tmp_path):
+    loop = random_faulty_loop(4, cause="stiction", process="flow")
+    path = tmp_path / "FIC-7.csv"
+    frame = pd.DataFrame({"t_s": np.arange(loop.op.size), "OP": loop.op, "PV": loop.pv, "SP": loop.sp})
+    frame.to_csv(path, index=False)
+    found = lm.diagnose(path)
+    assert (found.verdict, found.performance.loop_type) == ("stiction", "flow")  # the tag says so
+    assert lm.diagnose(frame).verdict == lm.diagnose(str(path)).verdict == "stiction"
+    assert lm.identify(path, nonlinearity="none").parameters == lm.identify(frame, nonlinearity="none").parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from os import PathLike
 from typing import overload
 
 from lostmotion.diagnose.clean_bill import TOLERANCE
@@ -17,7 +18,7 @@ from lostmotion.records import LoopRecord
 
 @overload
 def diagnose(
-    record: LoopRecord,
+    record: LoopRecord | str | PathLike[str],
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
@@ -28,7 +29,7 @@ def diagnose(
 
 @overload
 def diagnose(
-    record: Sequence[LoopRecord],
+    record: Sequence[LoopRecord | PathLike[str]],
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
@@ -39,7 +40,7 @@ def diagnose(
 
 
 def diagnose(
-    record: LoopRecord | Sequence[LoopRecord],
+    record: LoopRecord | str | PathLike[str] | Sequence[LoopRecord | PathLike[str]],
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
@@ -56,12 +57,13 @@ def diagnose(
 
     Parameters
     ----------
-    record : LoopRecord, or a sequence of them
-        OP and PV, with SP where known. Each is prepared first (:func:`lostmotion.records.prepare`).
+    record : LoopRecord, path or data frame, or a sequence of them
+        OP and PV, with SP where known; a path or a frame is read by :func:`lostmotion.read_loop`. Each is prepared
+        first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
         Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
-        What PV measures: the classes of performance depend on it.
+        What PV measures: the classes of performance depend on it. None: as the tag of the record says.
     tolerance : float
         Lost motion that does not matter, as a share of the span of OP. The actuator is cleared only where the records
         exclude larger ones.
@@ -92,11 +94,17 @@ def diagnose(
     >>> diagnose(record).verdict
     'stiction'
     """
-    asked = Asked(integrating, loop_type, tolerance)
     if not isinstance(record, LoopRecord):
-        return diagnose_together(record, asked, starts, progress)
+        from lostmotion.files.coerced import as_records  # noqa: PLC0415  readers are heavy, and records need none
+
+        read: LoopRecord | list[LoopRecord] = as_records(record)
+    else:
+        read = record
+    asked = Asked(integrating, loop_type, tolerance)
+    if not isinstance(read, LoopRecord):
+        return diagnose_together(read, asked, starts, progress)
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
-    if len(record) > LONG:
-        return diagnose_long(record, asked, progress)
-    return diagnose_one(record, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    if len(read) > LONG:
+        return diagnose_long(read, asked, progress)
+    return diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance)

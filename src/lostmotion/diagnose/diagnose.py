@@ -37,7 +37,7 @@ def diagnose(
     """Say what is wrong with a loop, from its routine record.
 
     Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
-    are weighed in by log-odds that were calibrated on simulated loops (docs/diagnosis.md).
+    are weighed in by log-odds that were calibrated on simulated and labelled real loops (docs/diagnosis.md).
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def diagnose(
     integrating : bool, optional
         Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
-        What PV measures: the classes of performance depend on it.
+        What PV measures: the classes of performance depend on it. None: as the tag of the record says.
     tolerance : float
         Lost motion that does not matter, as a share of the span of OP. The actuator is cleared only where the record
         excludes larger ones.
@@ -72,6 +72,8 @@ def diagnose(
     'stiction'
     """
     kinds = sorted(LEAST_INDEX)
+    if loop_type is None and record.loop_type in kinds:
+        loop_type = record.loop_type
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
     # "does not" is not handed on: without integrating starts the search met poorer structures of real loops (PAP4)

@@ -63,7 +63,8 @@ class Diagnosis:
     size_percent : float
         Of the OP span.
     confidence : float
-        Probability of a fault of the actuator, or of none, as the verdict says; calibrated on simulated loops.
+        Probability of a fault of the actuator, or of none, as the verdict says; calibrated on simulated and real
+        loops (docs/diagnosis.md).
     probabilities : dict of float
         Of "none" and "actuator", a fault of the actuator.
     evidence : tuple of Item

@@ -58,10 +58,10 @@ def identify(
 
     Parameters
     ----------
-    u : array_like (n,), LoopRecord, Prepared or a list of these
-        Command to the actuator (OP), or the record(s) of a loop. A list is fitted as one data set, each piece
-        with its own initial state. Records are prepared first (:func:`lostmotion.records.prepare`): what cannot be
-        used is left out, and the report says so.
+    u : array_like (n,), LoopRecord, Prepared, path, data frame or a list of these
+        Command to the actuator (OP), or the record(s) of a loop; paths and frames are read by ``read_loop``. A list
+        is fitted as one data set, each piece with its own initial state. Records are prepared first
+        (:func:`lostmotion.records.prepare`): what cannot be used is left out, and the report says so.
     y : array_like (n,), optional
         Measurement (PV), with arrays only.
     dt : float, optional
@@ -148,6 +148,10 @@ def _asked_for(
         if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
     _check_choice("offset", offset, ("auto", "free", "zero"))
+    if y is None and not isinstance(u, LoopRecord | Prepared):
+        from lostmotion.files.coerced import as_records  # noqa: PLC0415  readers are heavy, and arrays need none
+
+        u = as_records(u)
     data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, asked.needed))
     _check_length(data, asked)
     settings: dict[str, Any] = {
