@@ -8,7 +8,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.verdict import LIMITED, MOSTLY, SURE, decide, fault_probability
+from lostmotion.diagnose.verdict import LIMITED, MOSTLY, NOT_SHOWN, SURE, decide, fault_probability
 from lostmotion.diagnose.weights import NAMES, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example
@@ -134,6 +134,14 @@ def test_a_valve_does_not_stick_where_op_stands_at_its_limit():
     sticking = fit_of(BAND, {"none": 0.0, "backlash": 50.0})
     assert verdict(Features(memory=STRONG), sticking, limited=0.5 * MOSTLY).verdict == "backlash"
     assert verdict(Features(memory=STRONG), sticking, limited=1.1 * MOSTLY).verdict == "saturation"
+
+
+@pytest.mark.parametrize("status", NOT_SHOWN)
+def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
+    found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, status))
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert found.limit == example().fit.parameters["width"]
+    assert "whole" in found.why
 
 
 def test_contributions_are_weight_times_value():

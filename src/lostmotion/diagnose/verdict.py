@@ -18,6 +18,8 @@ CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 MOSTLY = 0.5  # of the time with OP at a limit: what is left does not show a valve that sticks
+# of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
+NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
 
 
@@ -69,10 +71,14 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised)
     else:
         verdict, kind = "cannot tell", "unknown"
+    why, limit = "", float("nan")
+    if verdict == fit.kind.name and fit.kind.dead_between and fit.status in NOT_SHOWN:
+        verdict, kind, why = "cannot tell", "unknown", f"a {verdict} fits, but the record does not show it whole"
+        limit = fit.parameters["width"]
     if limited > (MOSTLY if _sticks(verdict) else LIMITED):
-        verdict, kind = "saturation", "actuator"  # seen in OP itself; at a limit nothing answers, as in a dead zone
+        verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
-    return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts)
+    return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts, why, limit)
 
 
 def _no_fault(
