@@ -13,12 +13,12 @@ from lostmotion.diagnose.weights import NAMES, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example
 
-SWING = Features(regular=1.0)
+SWING = Features(shape=-0.2)
 OWN = LoopStability(0.4, 0.1, 0.001, 0.02, 50.0)
 
 
 def measured(features, integrating=False, period=50.0, driven=False):
-    swings = features.regular or driven
+    swings = features.shape != 0.0 or driven
     return Measured(features, SILENT, SILENT, period if swings else np.nan, integrating, {}, driven)
 
 
@@ -39,7 +39,7 @@ def test_weights_belong_to_the_features():
     assert len(WEIGHTS) == len(NAMES) == len(fields(Features))
 
 
-@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape", "lag"])
+@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape"])
 def test_more_evidence_never_speaks_for_a_sound_actuator(name):
     weak, strong = (fault_probability(Features(**{name: value})) for value in (0.0, 2.0))
     assert 0.0 < weak <= strong < 1.0
@@ -76,8 +76,8 @@ def test_a_swing_that_is_commanded_is_a_disturbance():
 
 
 STRONG = 9.0
-TRIANGLES = Features(dead_zone=STRONG, regular=1.0, shape=0.4)
-SWINGING = Features(memory=STRONG, regular=1.0, shape=0.4)
+TRIANGLES = Features(dead_zone=STRONG, shape=0.4)
+SWINGING = Features(memory=STRONG, shape=0.4)
 BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
 
 
@@ -94,16 +94,16 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         # unless the likelihood says that the valve never slips
         (SWINGING, BAND, {"backlash": 50.0, "stiction": 46.0}, False, "backlash"),
         # but it may follow one that comes from outside
-        (Features(memory=STRONG, regular=1.0), BAND, {"backlash": 50.0}, False, "backlash"),
+        (Features(memory=STRONG, shape=0.01), BAND, {"backlash": 50.0}, False, "backlash"),
         # a dead zone makes sines, no triangles
-        (Features(dead_zone=STRONG, regular=1.0, shape=0.0), ZONE, {"dead zone": 50.0}, False, "dead zone"),
+        (Features(dead_zone=STRONG, shape=-0.01), ZONE, {"dead zone": 50.0}, False, "dead zone"),
         (TRIANGLES, ZONE, {"dead zone": 50.0, "backlash": 1.0}, False, "stiction"),
         (TRIANGLES, ZONE, {"dead zone": 50.0, "stiction": 9.0}, False, "stiction"),
         # and stands where no valve that sticks explains anything: the loop may be a level that nobody called so
         (TRIANGLES, ZONE, {"dead zone": 50.0}, False, "dead zone"),
         # but behind a level; a saturation never
         (TRIANGLES, ZONE, {"dead zone": 50.0}, True, "dead zone"),
-        (Features(saturation=STRONG, regular=1.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
+        (Features(saturation=STRONG, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):

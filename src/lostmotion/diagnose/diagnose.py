@@ -19,7 +19,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.kernels.threads import one_thread
-from lostmotion.records import LoopRecord, check, prepare
+from lostmotion.records import LoopRecord, Prepared, RecordReport, check, prepare
 from lostmotion.records.modes import rows_of
 
 INTEGRATES = {"flow": False, "pressure": False, "temperature": False, "level": True}  # unless said otherwise
@@ -89,9 +89,10 @@ def diagnose(
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
     span = op_span(record)
     bill = clean_bill(fit, tolerance, span)
-    verdict = decide(fit, measured, stability, quantised, _limited(record))
+    report = check(record)
+    verdict = decide(fit, measured, stability, quantised, _limited(report))
     verdict = bill.weigh(verdict, measured, float(np.std(fit.data.u)))
-    return _package(record, fit, sp, measured, stability, verdict, bill, prepared.notes, loop_type)
+    return _package(record, fit, sp, measured, stability, verdict, bill, _notes(prepared, report), loop_type)
 
 
 def _set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:
@@ -153,10 +154,16 @@ def _advice(
     return advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings)
 
 
-def _limited(record: LoopRecord) -> float:
+def _limited(report: RecordReport) -> float:
     """Share of the rows in which OP stands at the lower or upper end of its range or span."""
-    loop = check(record).loop
+    loop = report.loop
     return 0.0 if loop is None else loop.saturated_low + loop.saturated_high
+
+
+def _notes(prepared: Prepared, report: RecordReport) -> tuple[str, ...]:
+    """What was assumed or left out, and what ``check`` warns of."""
+    warned = (f"{found.what} {found.why}".strip() for found in report.findings if found.level == "warning")
+    return (*prepared.notes, *warned)
 
 
 def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float, tuple[float, float], tuple[str, ...]]:

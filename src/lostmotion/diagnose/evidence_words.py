@@ -13,8 +13,6 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "memory": ("sticking predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "saturation": ("limit predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
-        "lag": ("PV behind OP", "above 0: more than 37 degrees, in a self-regulating loop"),
-        "regular": ("regularity", "logarithm; 0: barely regular"),
     }
 )
 CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})

@@ -23,8 +23,6 @@ SAME = 0.1  # relative difference of two periods that are one
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
-OPEN = 0.6  # share of an ellipse: a lag of 37 degrees
-REGULAR = (0.2, 50.0)  # regularities beyond these say no more
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
 
@@ -43,19 +41,12 @@ class Features:
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
-    lag : float
-        Share of the PV-OP ellipse that is open, less 0.6, of a self-regulating loop that swings: the sine of the phase
-        between OP and PV.
-    regular : float
-        Logarithm of the regularity of OP or PV, the larger one.
     """
 
     dead_zone: float = 0.0
     memory: float = 0.0
     saturation: float = 0.0
     shape: float = 0.0
-    lag: float = 0.0
-    regular: float = 0.0
 
     def values(self) -> FloatArray:
         """All in order."""
@@ -121,8 +112,6 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     features = Features(
         **_gains(fit),
         shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
-        lag=0.0 if levels else indices.get("ellipse_share", OPEN) - OPEN,
-        regular=float(np.log(np.clip(max(of_op.regularity, of_pv.regularity), *REGULAR))),
     )
     return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
 

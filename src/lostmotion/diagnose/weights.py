@@ -11,6 +11,6 @@ from dataclasses import fields
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.92  # log-odds where all features are 0
-WEIGHTS = (1.37, 1.4, 1.12, 5.6, 1.6, 0.1)  # in the order of NAMES
-SIMULATED = (-0.34, 1.37, 1.95, 1.12, 3.0, 0.06, -0.71)  # constant and weights by simulated loops alone
+CONSTANT = -1.89  # log-odds where all features are 0
+WEIGHTS = (0.97, 1.45, 1.29, 8.3)  # in the order of NAMES
+SIMULATED = (-1.5, 0.97, 1.97, 1.29, 8.96)  # constant and weights by simulated loops alone

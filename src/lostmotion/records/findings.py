@@ -147,7 +147,7 @@ def _excitation(loop: LoopFacts, op: SignalFacts) -> Iterator[Finding]:
     if loop.op_reversals < limits.FEW_REVERSALS:
         yield Finding(
             "warning",
-            f"OP turned round only {loop.op_reversals} times.",
+            f"OP turned round only {loop.op_reversals} times by more than a tenth of its amplitude.",
             "Lost motion shows only when OP turns round.",
             "Use a longer record, or a test that moves OP up and down several times.",
         )

@@ -223,7 +223,11 @@ def _stability(diagnosis: Diagnosis) -> str:
     if found.unexplained >= EXACT:
         left = f"{100 * min(found.unexplained, 1.0):.0f} %"
         return fill(f"Controller: a PI leaves {left} of the moves of OP unexplained, so the tuning cannot be judged.")
-    reset = f", reset time {plain(found.kp / found.ki * dt)} s" if found.ki and found.kp / found.ki > 0 else ""
+    if found.kp * found.ki < 0.0 or abs(found.kp) < abs(found.ki):
+        return fill(
+            "Controller: the PI that explains OP best has no reset time of a sample or more, so it is not shown."
+        )
+    reset = f", reset time {plain(found.kp / found.ki * dt)} s" if found.ki else ""
     root = "no root of the loop oscillates"
     if math.isfinite(found.period):
         light = f"lightly damped, the limit is {LIGHTLY_DAMPED:g}" if found.damping < LIGHTLY_DAMPED else "damped"
