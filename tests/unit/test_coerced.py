@@ -43,6 +43,7 @@ def test_html_of_a_record_is_escaped():
     assert "a &amp; b" in text
 
 
+@pytest.mark.statistics
 def test_paths_and_frames_are_identified_and_diagnosed(tmp_path):
     loop = random_faulty_loop(4, cause="stiction", process="flow")
     path = tmp_path / "FIC-7.csv"

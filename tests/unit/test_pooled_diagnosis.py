@@ -32,6 +32,7 @@ def of_three():
     return lm.diagnose([response(seed, 500) for seed in (1, 2, 3)], starts=[0.0, 86400.0, 5 * 86400.0])
 
 
+@pytest.mark.statistics
 def test_three_records_of_one_valve_are_one_answer():
     found = of_three()
     assert isinstance(found, lm.PooledDiagnosis)
@@ -45,6 +46,7 @@ def test_three_records_of_one_valve_are_one_answer():
     assert [one.record.tag for one in found.diagnoses] == ["run 1", "run 2", "run 3"]
 
 
+@pytest.mark.statistics
 def test_it_prints_and_is_json():
     found = of_three()
     text = found.summary()
@@ -56,6 +58,7 @@ def test_it_prints_and_is_json():
     assert data["size"] == pytest.approx(found.size)
 
 
+@pytest.mark.statistics
 def test_it_is_drawn():
     pytest.importorskip("matplotlib")
     sizes, gains = of_three().plot().axes
@@ -79,6 +82,7 @@ def test_records_that_stand_still_are_not_the_same_record():
     assert kept == [still, still]
 
 
+@pytest.mark.statistics
 def test_a_record_that_is_refused_is_left_out_with_the_reason():
     refused = lm.LoopRecord(np.full(300, 50.0), np.full(300, 20.0), dt=1.0, op_span=(0.0, 100.0), tag="dead")
     found = lm.diagnose([response(1, 400), refused])
@@ -109,6 +113,7 @@ def test_bad_arguments_are_refused():
         lm.diagnose([])
 
 
+@pytest.mark.statistics
 def test_a_long_record_is_read_by_windows(monkeypatch):
     monkeypatch.setattr(any_record, "LONG", 3000)
     monkeypatch.setattr(windows, "MOST", 3)
@@ -124,6 +129,7 @@ def test_a_long_record_is_read_by_windows(monkeypatch):
     assert found.diagnoses == ()
 
 
+@pytest.mark.statistics
 def test_the_command_pools_files_of_one_loop(tmp_path):
     paths = []
     for seed in (1, 2):
