@@ -225,7 +225,8 @@ QUOTES = (
         "a fault of the actuator named in {:.0f} loops, the right one in {:.0f}; where the record tells the fault it "
         "is named in {:.0f} of {:.0f}; false alarms in {:.0f} of {:.0f} loops without one; real loops right where "
         "told: {:.0f} of {:.0f} of the comparison set of the International Stiction Data Base ({:.0f} left open), "
-        "{:.0f} of {:.0f} of its others ({:.0f}), {:.0f} of {:.0f} of SACAC ({:.0f}), {:.0f} of {:.0f} of a refinery ({:.0f})",
+        "{:.0f} of {:.0f} of its others ({:.0f}), {:.0f} of {:.0f} of SACAC ({:.0f}), {:.0f} of {:.0f} of a refinery "
+        "({:.0f})",
         "diagnosis",
         diagnosed,
     ),
