@@ -76,7 +76,7 @@ def test_a_swing_that_is_commanded_is_a_disturbance():
 
 
 STRONG = 9.0
-TRIANGLES = Features(dead_zone=STRONG, shape=0.4)
+TRIANGLES = Features(dead_zone=STRONG, memory=0.5, shape=0.4)
 SWINGING = Features(memory=STRONG, shape=0.4)
 BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
 
@@ -134,6 +134,17 @@ def test_a_valve_does_not_stick_where_op_stands_at_its_limit():
     sticking = fit_of(BAND, {"none": 0.0, "backlash": 50.0})
     assert verdict(Features(memory=STRONG), sticking, limited=0.5 * MOSTLY).verdict == "backlash"
     assert verdict(Features(memory=STRONG), sticking, limited=1.1 * MOSTLY).verdict == "saturation"
+
+
+def test_a_wave_alone_does_not_make_a_valve_stick():
+    wave, level = Features(shape=0.5), {"none": 0.0}
+    found = verdict(wave)
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert "wave" in found.why
+    assert found.limit > 0.0
+    assert (
+        verdict(wave, fit_of(lm.Identity(), level), integrating=True).verdict == "stiction"
+    )  # behind a level it hides
 
 
 @pytest.mark.parametrize("status", NOT_SHOWN)

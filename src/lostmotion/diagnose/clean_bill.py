@@ -8,15 +8,12 @@ import numpy as np
 
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.op_span import OpSpan
-from lostmotion.diagnose.verdict import Verdict
+from lostmotion.diagnose.verdict import CARRIES, Verdict
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
 
 TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
-# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
-# so what is much smaller does not carry the swing
-CARRIES = 0.2
 MOST_RECORDS = 30  # times as much of the same record: more is not worth telling
 
 

@@ -20,6 +20,9 @@ LIMITED = 0.1  # share of the time with OP at a limit, from which on that is wha
 MOSTLY = 0.5  # of the time with OP at a limit: what is left does not show a valve that sticks
 # of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
 NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
+# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
+# so what is much smaller does not carry the swing
+CARRIES = 0.2
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
 
 
@@ -75,6 +78,10 @@ def decide(
     if verdict == fit.kind.name and fit.kind.dead_between and fit.status in NOT_SHOWN:
         verdict, kind, why = "cannot tell", "unknown", f"a {verdict} fits, but the record does not show it whole"
         limit = fit.parameters["width"]
+    elif _sticks(verdict) and features.memory == 0.0 and not _answers_as_a_level(fit, measured):
+        verdict, kind = "cannot tell", "unknown"
+        why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
+        limit = CARRIES * float(np.ptp(fit.data.u))
     if limited > (MOSTLY if _sticks(verdict) else LIMITED):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
@@ -108,7 +115,7 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
     best = fit.kind
     swings = measured.swings and not measured.driven
     angular = swings and measured.features.shape > TRIANGLE
-    level = measured.integrating or _slower_than_its_swing(fit, measured.period)
+    level = _answers_as_a_level(fit, measured)
     likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
     sticking = max(likelihoods.get(kind.name, 0.0) for kind in faults() if kind.sticks)
     possible = not angular or best.angular == "always" or (best.angular == "level" and (level or sticking <= 0.0))
@@ -127,7 +134,7 @@ def _sticks(verdict: str) -> bool:
     return any(kind.sticks for kind in faults() if kind.name == verdict)
 
 
-def _slower_than_its_swing(fit: HammersteinFit, period: float) -> bool:
-    """Whether the process lags so far behind a swing of this period that it answers as an integrator does."""
+def _answers_as_a_level(fit: HammersteinFit, measured: Measured) -> bool:
+    """Whether the process integrates, or lags so far behind the swing that it answers as an integrator does."""
     slowest = float(np.abs(fit.linear.poles).max(initial=0.0))
-    return slowest >= 1.0 or fit.linear.slowest_lag(within=1.0) > period
+    return measured.integrating or slowest >= 1.0 or fit.linear.slowest_lag(within=1.0) > measured.period
