@@ -215,7 +215,7 @@ QUOTES = (
         lambda p: [min(p.said("are # (left) and # (right) times smaller"))],
     ),
     Quote(
-        "{:,.0f} samples, one thread | the likelihood refinement takes {:.1f} of the time of a plain "
+        "{:,.0f} samples, one thread | the likelihood refinement takes {:.2f} of the time of a plain "
         "`scipy.optimize.least_squares` fit from a generic start that is told orders and noise; the whole `identify` "
         "with orders and noise given, which searches globally, settles the offset and tests the result, {:.1f} of it",
         "speed",
