@@ -13,7 +13,7 @@ from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
-SURE = 0.55  # least probability of a verdict: no false alarm on the calm loops of the calibration; more loses faults
+SURE = 0.55  # least probability of a verdict: at 0.5 simulated false alarms double, and a coin is nothing to act on
 CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
