@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from lostmotion.diagnose.features import Features
-from lostmotion.diagnose.verdict import SURE, fault_probability
-from lostmotion.diagnose.weights import CONSTANT, NAMES, SIMULATED, WEIGHTS
+from lostmotion.diagnose.verdict import CLEARED, SURE, fault_probability
+from lostmotion.diagnose.weights import CONSTANTS, NAMES, SIMULATED, WEIGHTS
 from lostmotion.evaluate.workers import run_all
 from pages import publish
 from verdicts import page, reliability
@@ -29,7 +29,7 @@ OUTPUT = ROOT / "docs" / "diagnosis.md"
 DATA = ROOT.parent / "shared" / "data"
 CALIBRATION, EVALUATION = 1000, 50_000  # first seeds: no loop is in both
 SETS = {"ISDB": "isdb26", "MORE": "isdb_more", "SACAC": "sacac", "REFINERY": "refinery"}
-PRIOR = Weights(SIMULATED[0], np.array(SIMULATED[1:]))
+PRIOR = Weights(SIMULATED[:2], np.array(SIMULATED[2:]))
 
 
 def main() -> None:
@@ -60,7 +60,7 @@ def calibrate(rows: list[Row], real: list[Row]) -> None:
     print(
         "# of simulated loops alone",
         prior.as_code(),
-        "# moved by real loops",
+        "# discounted as real loops show",
         with_real(prior, real).as_code(),
         sep="\n",
     )
@@ -82,6 +82,7 @@ def written(rows: list[Row], wild: list[Row], other: list[Row], real: list[Row])
         "SECOND_CASES": f"{len(other)}",
         "WEIGHTS": weight_table(),
         "SURE": f"{SURE:g}",
+        "CLEARED": f"{CLEARED:g}",
         "ABLATION": ablation(rows, by_loop(real, "isdb26")),
         "RELIABILITY": reliability.score_table(PRIOR, told),
         "DIAGRAM": reliability.diagram(PRIOR, told),
@@ -100,7 +101,7 @@ def loops_of(real: list[Row]) -> dict[str, list[tuple[str, str, list[Row], str]]
 
 def weight_table() -> str:
     lines = ["| evidence | weight | of simulated loops alone |", "|---|---|---|"]
-    both = zip(("constant", *NAMES), (CONSTANT, *WEIGHTS), SIMULATED, strict=True)
+    both = zip(("sticking", "other fault", *NAMES), (*CONSTANTS, *WEIGHTS), SIMULATED, strict=True)
     lines += [f"| {name} | {weight:+.2f} | {alone:+.2f} |" for name, weight, alone in both]
     return "\n".join(lines)
 

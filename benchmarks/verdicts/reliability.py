@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from verdicts.calibrate import Array, Weights, features_of, shares, sticks, with_real, without_simulated_part
+from verdicts.calibrate import Array, Weights, features_of, shares, sticks, with_real
 from verdicts.cases import Row
 
 EDGES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
@@ -19,7 +19,7 @@ def left_out(prior: Weights, rows: list[Row]) -> Array:
     for by in sorted({row.contributor for row in rows}):
         here = np.array([row.contributor == by for row in rows])
         weights = with_real(prior, [row for row in rows if row.contributor != by])
-        chance[here] = weights.chance(without_simulated_part(features_of(rows)[here]))
+        chance[here] = weights.chance(features_of(rows)[here])
     return chance
 
 
@@ -40,10 +40,10 @@ def score_table(prior: Weights, rows: list[Row]) -> str:
         "| weights | Brier score | area under the curve | claims of 0.9 and more that are right |",
         "|---|---|---|---|",
     ]
-    alone = prior.chance(without_simulated_part(features_of(rows)))
+    alone = prior.chance(features_of(rows))
     for name, chance in (
         ("of simulated loops alone", alone),
-        ("moved by the other contributors' loops", left_out(prior, rows)),
+        ("discounted as the other contributors' loops show", left_out(prior, rows)),
     ):
         brier, area, right, claims = scores(chance, rows)
         lines.append(f"| {name} | {brier:.3f} | {area:.2f} | {right:.1f} of {claims:.1f} loops |")

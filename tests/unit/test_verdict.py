@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.features import SILENT, Features, Measured
+from lostmotion.diagnose.features import NOT_SHOWN, SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.verdict import LIMITED, MOSTLY, NOT_SHOWN, SURE, decide, fault_probability
-from lostmotion.diagnose.weights import NAMES, WEIGHTS
+from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
+from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example
 
@@ -36,19 +36,21 @@ def verdict(features, fit=LINEAR, *, stability=OWN, quantised=False, limited=0.0
 
 
 def test_weights_belong_to_the_features():
-    assert len(WEIGHTS) == len(NAMES) == len(fields(Features))
+    assert len(WEIGHTS) == len(NAMES) == len(OF_STICKING) == len(fields(Features))
+    assert OF_STICKING.any()
+    assert not OF_STICKING.all()
 
 
-@pytest.mark.parametrize("name", ["dead_zone", "memory", "saturation", "shape"])
+@pytest.mark.parametrize("name", NAMES)
 def test_more_evidence_never_speaks_for_a_sound_actuator(name):
-    weak, strong = (fault_probability(Features(**{name: value})) for value in (0.0, 2.0))
+    weak, strong = (fault_probability(Features(**{name: value})) for value in (-0.1, 0.1))
     assert 0.0 < weak <= strong < 1.0
 
 
 def test_nothing_at_all_is_no_fault():
     found = verdict(Features())
     assert (found.verdict, found.kind) == ("none", "none")
-    assert found.confidence == found.probabilities["none"] > SURE
+    assert found.confidence == found.probabilities["none"] > CLEARED
 
 
 def test_nothing_where_op_does_not_move_pv_cannot_be_told():
@@ -120,9 +122,24 @@ def test_behind_a_process_slower_than_its_swing_a_dead_zone_swings_as_behind_a_l
 
 
 def test_between_fault_and_none_nothing_is_said():
-    memory = float(-np.log(1.0 / 0.5 - 1.0))
-    level = next(value for value in np.linspace(0, 9, 9001) if fault_probability(Features(memory=value)) > 0.5)
-    assert verdict(Features(memory=float(level) + memory)).verdict == "cannot tell"
+    between = 0.5 * (SURE + 1.0 - CLEARED)
+    value = next(value for value in np.linspace(0, 9, 9001) if fault_probability(Features(memory=value)) > between)
+    assert verdict(Features(memory=float(value))).verdict == "cannot tell"
+
+
+def test_a_fault_that_does_not_stick_counts_by_itself():
+    """That the trend does not look stuck says nothing of a dead zone."""
+    zone, sine = Features(dead_zone=STRONG), Features(dead_zone=STRONG, waveform=-4.0)
+    assert log_odds(zone)[1] == log_odds(sine)[1]
+    assert log_odds(zone)[0] > log_odds(sine)[0]
+
+
+def test_the_likelier_group_says_the_kind():
+    """A limit that fits behind what looks stuck in every other way."""
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0, "stiction": 20.0})
+    stuck = Features(memory=2.0, shape=0.05, waveform=4.0, saturation=1.0)
+    assert verdict(stuck, clamp).verdict == "stiction"
+    assert verdict(replace(stuck, saturation=STRONG), clamp).verdict == "saturation"
 
 
 def test_a_controller_at_its_limit_is_a_saturation():
@@ -156,8 +173,11 @@ def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
 
 
 def test_contributions_are_weight_times_value():
-    found = verdict(Features(memory=2.0))
+    found = verdict(Features(memory=2.0, dead_zone=0.5))
     assert found.contributions["memory"] == (2.0, 2.0 * WEIGHTS[NAMES.index("memory")])
-    odds = np.log(found.probabilities["actuator"] / found.probabilities["none"])
+    assert found.contributions["dead_zone"] == (0.5, 0.0)  # of the fault that is less likely: only shown
+    assert "sine" not in found.contributions
     total = sum(part for _, part in found.contributions.values())
-    assert odds - total == pytest.approx(np.log(fault_probability(Features()) / (1 - fault_probability(Features()))))
+    assert total == pytest.approx(log_odds(Features(memory=2.0))[0] - log_odds(Features())[0])
+    sticking, other = np.exp(log_odds(Features(memory=2.0, dead_zone=0.5)))
+    assert found.probabilities["none"] == pytest.approx(1.0 / (1.0 + sticking + other))

@@ -11,6 +11,7 @@ from lostmotion.diagnose.oscillation import Oscillation, find_oscillation
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
 from lostmotion.diagnose.relay import Relay, relay_index
 from lostmotion.diagnose.shape import Shape, shape_index
+from lostmotion.diagnose.waveform import Waveform, waveform_index
 from lostmotion.diagnose.yamashita import Qualitative, yamashita_index
 from lostmotion.records.movement import reversals_per_hour, share_at_limits, travel_per_hour
 
@@ -26,6 +27,7 @@ __all__ = [
     "Qualitative",
     "Relay",
     "Shape",
+    "Waveform",
     "apparent_stiction",
     "audit_class",
     "bicoherence_indices",
@@ -38,5 +40,6 @@ __all__ = [
     "shape_index",
     "share_at_limits",
     "travel_per_hour",
+    "waveform_index",
     "yamashita_index",
 ]

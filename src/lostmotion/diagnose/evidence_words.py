@@ -9,10 +9,12 @@ from types import MappingProxyType
 
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
     {
-        "dead_zone": ("dead zone predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "memory": ("sticking predicts", "log(1 + gain / 3), in likelihood over a linear process"),
-        "saturation": ("limit predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
+        "waveform": ("trend looks stuck", "log-odds by networks that saw simulated loops"),
+        "dead_zone": ("dead zone predicts", "log(1 + gain), in likelihood over a linear process"),
+        "saturation": ("limit predicts", "log(1 + gain), in likelihood over a linear process"),
+        "sine": ("swings as a sine", "below 0: moved from outside, or badly tuned"),
     }
 )
 CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})
@@ -38,7 +40,7 @@ class Balance:
     fault : str
         Class of the verdict, in words.
     before : float
-        Without any evidence.
+        Without any of this evidence.
     total : float
         With all of it.
     """

@@ -13,7 +13,8 @@ from lostmotion.diagnose.ellipse import apparent_stiction
 from lostmotion.diagnose.oscillation import BAND, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
-from lostmotion.errors import DataError
+from lostmotion.diagnose.waveform import waveform_index
+from lostmotion.errors import DataError, Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
@@ -23,6 +24,11 @@ SAME = 0.1  # relative difference of two periods that are one
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
+MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
+SINE = 0.1  # below 0.5: He's published limit of a sine
+DOUBTFUL = (Status.MISFIT, Status.COLOURED)  # of the model
+# of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
+NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
 
@@ -32,21 +38,30 @@ class Features:
 
     Attributes
     ----------
-    dead_zone, saturation : float
-        log(1 + gain / 3) where the likelihood chose that kind, the firm gain in log-likelihood over the linear model,
-        less what its parameters cost, 3 being the least that counts; 0 for the other kinds.
     memory : float
-        The same of backlash or stiction, the larger one, whether or not it was chosen: a gain that something set aside
-        still speaks.
+        Of a valve that sticks: log(1 + gain / 3) of backlash or stiction, the larger one, whether or not it was chosen
+        (a gain that something set aside still speaks). The gain is the firm one in log-likelihood over the linear
+        model, less what its parameters cost, 3 being the least that counts.
     shape : float
         He's index minus 0.5: triangle above 0, sine below. The larger one of OP (where the triangle is in a
         self-regulating loop) and PV (where it is in a level loop): routine records tell these two badly apart.
+    waveform : float
+        Log-odds of the waveform index, within -4 and 4.
+    dead_zone, saturation : float
+        Of the other faults: log(1 + gain) where the likelihood chose that kind and what it leaves over is white: where
+        the model does not fit, its gain is no evidence of a fault. A dead zone that the record does not show whole is
+        none either.
+    sine : float
+        The negative part of `shape`, down to -0.1, He's limit of a sine: what swings so is moved from outside or badly
+        tuned.
     """
 
-    dead_zone: float = 0.0
     memory: float = 0.0
-    saturation: float = 0.0
     shape: float = 0.0
+    waveform: float = 0.0
+    dead_zone: float = 0.0
+    saturation: float = 0.0
+    sine: float = 0.0
 
     def values(self) -> FloatArray:
         """All in order."""
@@ -109,10 +124,10 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
     driven = _driven(fit, float(period)) or (sp is not None and _commanded(sp[rows], pv, float(period)))
-    features = Features(
-        **_gains(fit),
-        shape=max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5,
-    )
+    shape = max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5
+    indices |= _waveform(op, pv, levels)
+    odds = float(np.clip(indices.get("waveform", 0.0), -MOST_ODDS, MOST_ODDS))
+    features = Features(**_gains(fit), shape=shape, waveform=odds, sine=float(np.clip(shape, -SINE, 0.0)))
     return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
 
 
@@ -138,9 +153,11 @@ def _gains(fit: HammersteinFit) -> dict[str, float]:
     found: dict[str, float] = {}
     firm = fit.kinds.firm if fit.kinds is not None else {}
     for kind in faults():
-        if kind.sticks or fit.kind is kind:
-            gain = float(np.log1p(max(firm.get(kind.name, 0.0), 0.0) / NEEDED))
-            found[kind.evidence] = max(found.get(kind.evidence, 0.0), gain)
+        gain = max(firm.get(kind.name, 0.0), 0.0)
+        if kind.sticks:
+            found[kind.evidence] = max(found.get(kind.evidence, 0.0), float(np.log1p(gain / NEEDED)))
+        elif fit.kind is kind and fit.status not in (DOUBTFUL + NOT_SHOWN if kind.dead_between else DOUBTFUL):
+            found[kind.evidence] = float(np.log1p(gain))
     return found
 
 
@@ -164,6 +181,13 @@ def _indices(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
         except DataError:  # too few cycles for this one
             continue
     return found
+
+
+def _waveform(op: FloatArray, pv: FloatArray, integrating: bool) -> dict[str, float]:
+    try:
+        return {"waveform": waveform_index(op, pv, integrating).log_odds}
+    except DataError:  # too short
+        return {}
 
 
 def _shapes(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:

@@ -6,20 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.features import Features, Measured
+from lostmotion.diagnose.features import NOT_SHOWN, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.weights import CONSTANT, NAMES, WEIGHTS
+from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
-SURE = 0.55  # least probability of a verdict: at 0.5 simulated false alarms double, and a coin is nothing to act on
+SURE = 0.5  # least probability of a fault
+CLEARED = 0.55  # least probability of none
 CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 MOSTLY = 0.5  # of the time with OP at a limit: what is left does not show a valve that sticks
-# of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
-NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
 # of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
 # so what is much smaller does not carry the swing
 CARRIES = 0.2
@@ -57,7 +56,22 @@ class Verdict:
 
 def fault_probability(features: Features) -> float:
     """Probability that the actuator is at fault."""
-    return float(1.0 / (1.0 + np.exp(-(CONSTANT + np.dot(WEIGHTS, features.values())))))
+    sticking, other = log_odds(features)
+    return float(1.0 - 1.0 / (1.0 + np.exp(sticking) + np.exp(other)))
+
+
+def log_odds(features: Features) -> tuple[float, float]:
+    """Of a valve that sticks, and of another fault of the actuator, both against none."""
+    parts = np.array(WEIGHTS) * features.values()
+    return float(CONSTANTS[0] + parts[OF_STICKING].sum()), float(CONSTANTS[1] + parts[~OF_STICKING].sum())
+
+
+def _contributions(features: Features) -> dict[str, tuple[float, float]]:
+    """Value and weight of all features of the likelier fault, and of those of the other that are there."""
+    sticking, other = log_odds(features)
+    counts = [bool(mine) == (sticking >= other) for mine in OF_STICKING]
+    values = zip(NAMES, features.values().tolist(), WEIGHTS, counts, strict=True)
+    return {name: (value, weight * value if mine else 0.0) for name, value, weight, mine in values if mine or value}
 
 
 def decide(
@@ -66,11 +80,11 @@ def decide(
     """Verdict of one loop; `limited` is the share of the rows with OP at a limit."""
     features = measured.features
     chance = fault_probability(features)
-    values = zip(NAMES, features.values().tolist(), WEIGHTS, strict=True)
-    parts = {name: (value, weight * value) for name, value, weight in values}
+    parts = _contributions(features)
     if chance > SURE:
-        verdict, kind = _fault(fit, measured), "actuator"
-    elif chance < 1.0 - SURE:
+        sticking, other = log_odds(features)
+        verdict, kind = _fault(fit, measured, sticking > other), "actuator"
+    elif chance < 1.0 - CLEARED:
         verdict, kind = _no_fault(fit, measured, stability, quantised)
     else:
         verdict, kind = "cannot tell", "unknown"
@@ -102,13 +116,14 @@ def _no_fault(
     return "other oscillation", "tuning" if stability.explains(measured.period) else "disturbance"
 
 
-def _fault(fit: HammersteinFit, measured: Measured) -> str:
+def _fault(fit: HammersteinFit, measured: Measured, sticking_likelier: bool) -> str:
     """Kind of the fault.
 
-    The likelihood names it, but for what cannot be in a loop with a PI controller that swings by itself. A dead zone
-    only lowers the gain of a self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine,
-    but makes no triangles and squares; a level it lets swing in any shape (the paper's tank). Neither does a
-    saturation, anywhere. And a dead band alone does not make a self-regulating loop swing for ever (its describing
+    The likelihood names it, among the kinds that stick or the others, whichever are likelier by all evidence, but for
+    what cannot be in a loop with a PI controller that swings by itself. A dead zone only lowers the gain of a
+    self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine, but makes no triangles and
+    squares; a level it lets swing in any shape (the paper's tank). Neither does a saturation, anywhere. And a dead band
+    alone does not make a self-regulating loop swing for ever (its describing
     function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, and
     the likelihood does not say clearly that the valve never slips, it slips.
     """
@@ -119,7 +134,7 @@ def _fault(fit: HammersteinFit, measured: Measured) -> str:
     likelihoods = fit.kinds.likelihoods if fit.kinds is not None else {}
     sticking = max(likelihoods.get(kind.name, 0.0) for kind in faults() if kind.sticks)
     possible = not angular or best.angular == "always" or (best.angular == "level" and (level or sticking <= 0.0))
-    if best.name != NO_FAULT and not best.sticks and possible:
+    if best.name != NO_FAULT and not best.sticks and possible and not sticking_likelier:
         return best.name
     ahead = likelihoods.get("backlash", 0.0) - likelihoods.get("stiction", 0.0)
     if angular and not level:

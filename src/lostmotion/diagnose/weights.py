@@ -1,16 +1,20 @@
-"""Weights of evidence for a fault of the actuator: simulated loops as the prior, labelled real loops as the data.
+"""Weights of evidence for a fault of the actuator: simulated loops say them, labelled real loops what they are worth.
 
-Made by ``benchmarks/diagnosis.py --calibrate --cases 400`` (how: benchmarks/verdicts/calibrate.py). Log-odds =
-constant + sum of weight times feature.
+Made by ``benchmarks/diagnosis.py --calibrate --cases 400`` (how: benchmarks/verdicts/calibrate.py). Two faults are
+weighed against none: a valve that sticks, and a dead zone or saturation; log-odds = constant + sum of weight times
+feature, over the features of each.
 """
 
 from __future__ import annotations
 
 from dataclasses import fields
 
+import numpy as np
+
 from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
-CONSTANT = -1.91  # log-odds where all features are 0
-WEIGHTS = (0.97, 1.46, 1.29, 8.33)  # in the order of NAMES
-SIMULATED = (-1.75, 0.97, 1.97, 1.29, 8.96)  # constant and weights by simulated loops alone
+OF_STICKING = np.array([name in ("memory", "shape", "waveform") for name in NAMES])  # the rest: of the other faults
+CONSTANTS = (-1.28, -1.77)  # log-odds of the two where all features are 0
+WEIGHTS = (0.90, 2.63, 0.37, 0.83, 1.23, 44.80)  # in the order of NAMES
+SIMULATED = (-1.43, -1.77, 2.78, 8.12, 1.13, 0.83, 1.23, 44.80)  # constants and weights by simulated loops alone
