@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.features import NOT_SHOWN, SILENT, Features, Measured
+from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
+from lostmotion.diagnose.shown import NOT_SHOWN
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice

@@ -13,6 +13,7 @@ from lostmotion.diagnose.ellipse import apparent_stiction
 from lostmotion.diagnose.oscillation import BAND, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
+from lostmotion.diagnose.shown import not_shown
 from lostmotion.diagnose.waveform import waveform_index
 from lostmotion.errors import DataError, Status
 from lostmotion.identify import HammersteinFit
@@ -27,8 +28,6 @@ MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
 SINE = 0.1  # below 0.5: He's published limit of a sine
 DOUBTFUL = (Status.MISFIT, Status.COLOURED)  # of the model
-# of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
-NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
 
@@ -156,7 +155,7 @@ def _gains(fit: HammersteinFit) -> dict[str, float]:
         gain = max(firm.get(kind.name, 0.0), 0.0)
         if kind.sticks:
             found[kind.evidence] = max(found.get(kind.evidence, 0.0), float(np.log1p(gain / NEEDED)))
-        elif fit.kind is kind and fit.status not in (DOUBTFUL + NOT_SHOWN if kind.dead_between else DOUBTFUL):
+        elif fit.kind is kind and fit.status not in DOUBTFUL and not not_shown(fit):
             found[kind.evidence] = float(np.log1p(gain))
     return found
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.features import NOT_SHOWN, Features, Measured
+from lostmotion.diagnose.features import Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
+from lostmotion.diagnose.shown import not_shown
 from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
@@ -89,9 +90,9 @@ def decide(
     else:
         verdict, kind = "cannot tell", "unknown"
     why, limit = "", float("nan")
-    if verdict == fit.kind.name and fit.kind.dead_between and fit.status in NOT_SHOWN:
-        verdict, kind, why = "cannot tell", "unknown", f"a {verdict} fits, but the record does not show it whole"
-        limit = fit.parameters["width"]
+    doubt = not_shown(fit)
+    if doubt and verdict in (fit.kind.name, NO_FAULT):
+        verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters["width"]
     elif _sticks(verdict) and features.memory == 0.0 and not _answers_as_a_level(fit, measured):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"

@@ -15,6 +15,6 @@ from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
 OF_STICKING = np.array([name in ("memory", "shape", "waveform") for name in NAMES])  # the rest: of the other faults
-CONSTANTS = (-1.28, -1.77)  # log-odds of the two where all features are 0
-WEIGHTS = (0.90, 2.63, 0.37, 0.83, 1.23, 44.80)  # in the order of NAMES
-SIMULATED = (-1.43, -1.77, 2.78, 8.12, 1.13, 0.83, 1.23, 44.80)  # constants and weights by simulated loops alone
+CONSTANTS = (-1.28, -1.79)  # log-odds of the two where all features are 0
+WEIGHTS = (0.90, 2.63, 0.37, 1.95, 1.35, 52.74)  # in the order of NAMES
+SIMULATED = (-1.43, -1.79, 2.78, 8.12, 1.13, 1.95, 1.35, 52.74)  # constants and weights by simulated loops alone
