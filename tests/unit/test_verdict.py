@@ -8,7 +8,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import NOT_SHOWN
+from lostmotion.diagnose.shown import FEWEST_CROSSINGS, NOT_SHOWN
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
@@ -171,6 +171,19 @@ def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
     assert (found.verdict, found.kind) == ("cannot tell", "unknown")
     assert found.limit == example().fit.parameters["width"]
     assert "whole" in found.why
+
+
+@pytest.mark.parametrize(("times", "said"), [(0, "never"), (1, "once"), (2, "twice"), (3, "3 times"), (4, "")])
+def test_a_dead_zone_that_op_hardly_crosses_is_not_named(times, said):
+    fit = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0})
+    left, right = fit.parameters["left"], fit.parameters["right"]
+    ends = np.resize([right + 1.0, left - 1.0], times + 1)
+    op = np.resize(np.repeat(ends, -(-fit.data.u.size // (times + 1))), fit.data.u.size)
+    op[: fit.data.u.size // (2 * times + 2)] = 0.5 * (left + right)  # inside is no side
+    crossed = replace(fit, data=replace(fit.data, u=op))
+    found = verdict(Features(dead_zone=STRONG), crossed)
+    assert (found.verdict == "dead zone") == (times >= FEWEST_CROSSINGS)
+    assert said in found.why
 
 
 def test_contributions_are_weight_times_value():
