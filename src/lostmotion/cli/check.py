@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lostmotion.cli.options import Files, RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.several import each, refuse_tag, tell
+from lostmotion.cli.sources import sources
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -31,6 +32,7 @@ def check(
     """
     from lostmotion.records.checked import CheckedRecord, checked_line, checked_table
 
+    files = sources(files, columns)
     refuse_tag(files, columns)
 
     def work(file: Path) -> Told:

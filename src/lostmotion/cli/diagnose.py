@@ -14,6 +14,7 @@ from lostmotion.cli.options import Files, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
 from lostmotion.cli.several import data_of, each, refuse_tag, tell
+from lostmotion.cli.sources import sources
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -70,6 +71,7 @@ def diagnose(
     """
     from lostmotion.report import diagnosis_line, diagnosis_table
 
+    files = sources(files, columns, every_loop=not same_loop)
     if same_loop:
         raise _together(files, integrating, loop_type, tolerance, figure, out, columns, output)
     refuse_tag(files, columns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -70,12 +71,12 @@ class ColumnOptions:
         """As the readers want it: False where the times are to be ignored."""
         return False if self.ignore_time else self.time
 
-    def read(self, path: Path, **other: Any) -> LoopRecord:
+    def read(self, path: Any, **other: Any) -> LoopRecord:
         """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
         known = asdict(self) | {"time": self.time_column}
         for name in ("ignore_time", "auto_value", "manual_value"):
             known.pop(name, None)
-        return lm.read_loop(path, **known, **other)
+        return lm.read_loop(path, **known | other)
 
 
 @dataclass(frozen=True)
@@ -92,5 +93,8 @@ class RecordOptions(ColumnOptions):
     manual_value: Manual = None
 
     def read(self, path: Path, **other: Any) -> LoopRecord:
-        """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
-        return super().read(path, automatic=self.auto_value, manual=self.manual_value, **other)
+        """Record of a file, or of what a Source stands for; `other` are further arguments of read_loop."""
+        from lostmotion.cli.sources import read_as
+
+        known = {"automatic": self.auto_value, "manual": self.manual_value} | other
+        return read_as(path, partial(super().read, **known), self)

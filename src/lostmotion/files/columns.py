@@ -18,6 +18,12 @@ __all__ = ["SAMPLING_NAMES", "Columns", "Wanted", "by_alias", "key", "named", "r
 SHOWN = 8  # loops in a message
 
 
+class SeveralLoopsError(ColumnError):
+    """Columns of several loops, and none was named; `loops` are their tags."""
+
+    loops: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True)
 class Columns:
     """Which column plays which role, None: not there, or not wanted; and the tag that they share, where they do."""
@@ -116,8 +122,7 @@ def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
     if loop is not None:
         fits = [tag for tag in loops if same_tag(tag, loop)]
         if len(fits) != 1:
-            error = ColumnError.missing(loop, loops, "name one of them, loop='<tag>'")
-            return _raised(error.leads_on(*({"loop": tag} for tag in loops)))
+            raise no_such_loop(loop, list(loops))
         return fits[0]
     of_column = [tag for tag, roles in loops.items() if set(roles.values()) & set(found.values())]
     if len(of_column) == 1 and not {"op", "pv"} <= set(found):
@@ -125,19 +130,23 @@ def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
     if {"op", "pv"} <= set(found) or any(usual(role, names, tags=False) for role in ("op", "pv")):
         return ""
     if len(loops) > 1:
-        tags = list(loops)
-        more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
-        error = ColumnError.expected(
-            "the columns of one loop",
-            f"{len(tags)} loops: {', '.join(tags[:SHOWN])}{more}",
-            f"name one: loop={tags[0]!r}",
-        )
-        return _raised(error.leads_on(*({"loop": tag} for tag in tags)))
+        raise several_loops(list(loops), "the columns of one loop")
     return next(iter(loops), "")
 
 
-def _raised(error: ColumnError) -> str:
-    raise error
+def several_loops(tags: Sequence[str], expected: str) -> SeveralLoopsError:
+    """Error that names the loops, and leads on to each."""
+    more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
+    said = f"{len(tags)} loops: {', '.join(tags[:SHOWN])}{more}"
+    error = SeveralLoopsError.expected(expected, said, f"name one: loop={tags[0]!r}")
+    error.loops = tuple(tags)
+    return error.leads_on(*({"loop": tag} for tag in tags))
+
+
+def no_such_loop(loop: str, tags: Sequence[str]) -> ColumnError:
+    """Error for the tag of a loop that is not there."""
+    error = ColumnError.missing(loop, tags, "name one of them, loop='<tag>'")
+    return error.leads_on(*({"loop": tag} for tag in tags))
 
 
 def _missing(role: str, names: Sequence[str], found: dict[str, str]) -> ColumnError:
@@ -162,7 +171,8 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
     fits = usual(role, names)
     if len(fits) > 1:
         remedy = f"rename the others, or say which: {role}={fits[0]!r}"
-        raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
+        error = ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
+        raise error.leads_on(*({role: name} for name in fits))
     return fits[0] if fits else None
 
 

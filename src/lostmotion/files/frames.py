@@ -12,13 +12,14 @@ import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
-from lostmotion.files.packed import is_workbook, unpacked
+from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
 from lostmotion.files.workbook import load_workbook
 
 _PARQUET = b"PAR1"
 _ARROW = b"ARROW1"  # Feather
+PEEKED = 1 << 16  # bytes of text that show its columns
 
 
 def load(source: Any) -> Table:
@@ -26,7 +27,7 @@ def load(source: Any) -> Table:
 
     Parameters
     ----------
-    source : path or data frame
+    source : path, data frame or Table
         Path to delimited text, Parquet, Feather, a MAT file or a spreadsheet (told by its content; .gz, and .zip of one
         file, are unpacked), or an eager frame that narwhals knows.
 
@@ -44,6 +45,8 @@ def load(source: Any) -> Table:
     >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
     ['OP', 'PV']
     """
+    if isinstance(source, Table):
+        return source
     if isinstance(source, str | os.PathLike):
         return _from_path(Path(source))
     try:
@@ -67,6 +70,25 @@ def _from_path(path: Path) -> Table:
         if raw.startswith(start):
             return _columns(raw, name, kind, read)
     return parse_text(raw, name)
+
+
+def peeked(path: Path) -> Table:
+    """Table of the first rows of a text file, for its columns; of any other file the whole.
+
+    Raises
+    ------
+    FileAccessError, DataError
+        As in :func:`load`.
+    """
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(PEEKED)
+    except OSError:
+        return load(path)  # says what is wrong
+    binary = start.startswith((MAT, MAT_HDF5, _PARQUET, _ARROW, GZIP, ZIP)) or b"\0" in start
+    if binary or len(start) < PEEKED:
+        return load(path)
+    return parse_text(start[: start.rfind(b"\n") + 1] or start, path.name)
 
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import narwhals.stable.v2 as nw
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.held import held
 from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
@@ -116,6 +118,7 @@ def interpret(
         stamps = usable(stamps)
     elif stamps is not None:
         table, signals, stamps = _in_order(table, signals, stamps)
+        table = _holding(table, columns.mode)
         even = resampled(stamps.seconds, signals, dt, table.own_times)
         if even is not None:
             clock = Clock(even.dt, (), (*stamps.notes, even.note))
@@ -124,10 +127,23 @@ def interpret(
             return Meaning(
                 taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt), even.made_up
             )
+    made_up = (0.0, 0.0)
+    if usable is None and table.own_times:
+        filled = held(table, {role: getattr(columns, role) for role in signals}, signals)
+        table, signals, made_up = table.taken(filled.rows), filled.signals, filled.made_up
+        words = (*words, *filled.notes)
+        stamps = None if stamps is None else _of_rows(stamps, table, filled.rows)
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
     clock = find_clock(stamps, dt, ts, whole=usable is None)
     assumed = (*table.notes, *columns.notes, *comma)
-    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
+    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt), made_up)
+
+
+def _of_rows(stamps: Stamps, table: Table, rows: IntArray) -> Stamps:
+    """Times of some of the rows."""
+    seconds = stamps.seconds[rows]
+    dates = None if stamps.dates is None else stamps.dates[rows.tolist()]
+    return replace(stamps, seconds=seconds - seconds[:1], table=table, dates=dates)
 
 
 def _in_order(
@@ -140,6 +156,13 @@ def _in_order(
     table = table.taken(found.rows)
     moved = replace(stamps, seconds=found.seconds - found.seconds[0], table=table, notes=(*stamps.notes, *found.notes))
     return table, {role: values[found.rows] for role, values in signals.items()}, moved
+
+
+def _holding(table: Table, mode: str | None) -> Table:
+    """Modes hold until the next one, where each tag has times of its own."""
+    if mode is None or not table.own_times:
+        return table
+    return replace(table, frame=table.frame.with_columns(nw.col(mode).fill_null(strategy="forward")))
 
 
 def check_dt(dt: float | None) -> None:

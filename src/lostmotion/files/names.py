@@ -88,4 +88,19 @@ LONG: dict[str, tuple[str, ...]] = {
     "value": ("value", "val", "wert", "messwert", "valeur", "valor"),
     "quality": ("quality", "qual", "status", "opc quality", "qualitat", "qualite", "calidad", "qualidade"),
 }  # fmt: skip
+BESIDE = (
+    "id",
+    "index",
+    "row",
+    "no",
+    "nr",
+    "unit",
+    "units",
+    "eu",
+    "description",
+    "einheit",
+    "unite",
+    "unidad",
+    "unidade",
+)
 GOOD_QUALITY = frozenset({"good", "ok", "g", "192", "0xc0", "c0", "good (192)", "good, non-specific", "valid", "0"})

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.columns import Wanted
-from lostmotion.files.frames import load
 from lostmotion.files.interpret import Meaning, check_dt, interpret
+from lostmotion.files.opened import opened
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loop_type
 from lostmotion.records.modes import holds
@@ -49,10 +47,11 @@ def read_loop(
 
     Parameters
     ----------
-    source : path or data frame
+    source : path, data frame or list of paths
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
         or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
-        of one file; or a pandas, Polars or PyArrow frame.
+        of one file; or a pandas, Polars or PyArrow frame. A list of files, a folder or a pattern (``FIC101_*.csv``):
+        files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one record.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -110,11 +109,14 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt, loop=plant.get("loop"))
+    content = opened(source, [name for name in (op, pv, sp, position, mode) if isinstance(name, str)])
+    table, loop = content.table(plant.get("loop"))
+    meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop)
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
-    name = (meaning.columns.loop if plant.get("loop") else _tag(source)) if tag is None else tag
+    by_columns = meaning.columns.loop if content.by_tags or plant.get("loop") else ""
+    name = (by_columns or plant.get("loop") or content.name) if tag is None else tag
     kind = loop_type(name) or loop_type(meaning.columns.loop)
     return LoopRecord(
         **meaning.signals,
@@ -161,10 +163,3 @@ def _refuse_missing(meaning: Meaning) -> None:
                 f"{len(rows)} missing: {shown}{more}",
                 "repair the export, or read with missing='keep'",
             )
-
-
-def _tag(source: Any) -> str:
-    if not isinstance(source, str | os.PathLike):
-        return ""
-    path = Path(source)
-    return Path(path.stem).stem if path.suffix.lower() in (".gz", ".zip") else path.stem

@@ -1,0 +1,142 @@
+"""What a command reads a record from: a file, several files of one tag each, a folder of them, one loop of many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lostmotion.errors import InputError
+
+if TYPE_CHECKING:
+    from lostmotion.cli.options import RecordOptions
+    from lostmotion.files.opened import Opened
+    from lostmotion.records import LoopRecord
+
+    _Path = Path
+else:
+    _Path = type(Path())  # of the system; only from Python 3.12 on Path itself can be inherited from
+
+
+class Source(_Path):
+    """A path that stands for more than a file, or for less: it prints and is named as the commands want it.
+
+    Attributes
+    ----------
+    words : tuple of str
+        What is typed for it.
+    loop : str or None
+        The one loop of it that is meant.
+    """
+
+    words: tuple[str, ...] = ()
+    loop: str | None = None
+
+    @classmethod
+    def of(cls, words: Sequence[str], loop: str | None = None) -> Source:
+        """Source of what was typed."""
+        made = cls(words[0])
+        made.words, made.loop = tuple(words), loop
+        return made
+
+    @property
+    def stem(self) -> str:
+        """Name of the loop, or of what was typed, without its ending."""
+        if self.loop is not None:
+            return "".join("_" if sign in "/\\:" else sign for sign in self.loop)
+        return Path(self.words[0]).absolute().stem if self.words else super().stem
+
+    def __str__(self) -> str:
+        return " ".join(self.words) or super().__str__()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Source) and (self.words, self.loop) == (other.words, other.loop)
+
+    def __hash__(self) -> int:
+        return hash((self.words, self.loop))
+
+
+def words_of(file: Path) -> list[str]:
+    """What is typed for a file, without the options."""
+    return list(file.words) if isinstance(file, Source) else [str(file)]
+
+
+def sources(files: list[Path], columns: RecordOptions, every_loop: bool = False) -> list[Path]:
+    """One for each record: files of one tag each are one together, those of a folder or a pattern are told apart.
+
+    Parameters
+    ----------
+    files : list of Path
+        As they were typed.
+    columns : RecordOptions
+        Options of the record.
+    every_loop : bool
+        Each loop of a wide file is a record, where none was named.
+    """
+    _content.cache_clear()
+    found = [one for typed in _by_record(files) for one in typed]
+    if not every_loop or columns.loop is not None:
+        return found
+    return [one for file in found for one in _by_loop(file, columns, alone=len(found) == 1)]
+
+
+def _by_record(files: list[Path]) -> list[list[Path]]:
+    from lostmotion.files.gathered import gathered, grouped
+
+    several = {file: inside for file in files if (inside := gathered(file)) is not None}
+    if len(files) == 1 and not several:
+        return [list(files)]
+    flat = [path for file in files for path in several.get(file, (file,))]
+    groups = grouped(list(dict.fromkeys(flat))) if len(set(flat)) == len(flat) else list(flat)
+    if len(groups) == 1 and isinstance(groups[0], tuple):
+        return [[Source.of([str(file) for file in files])]]
+    return [[Source.of([str(path) for path in one]) if isinstance(one, tuple) else one] for one in groups]
+
+
+def _by_loop(file: Path, columns: RecordOptions, alone: bool) -> list[Path]:
+    loops = loops_in(file, columns, alone)
+    return [Source.of(words_of(file), loop) for loop in loops] if loops else [file]
+
+
+def loops_in(file: Path, columns: RecordOptions, alone: bool = True) -> tuple[str, ...]:
+    """Names of the loops of a file that holds several, where none was named.
+
+    A file that cannot be opened has none here: reading it says why. Of several files only the first rows are read.
+    """
+    from lostmotion.errors import LostMotionError
+    from lostmotion.files.opened import loops_of_file
+
+    if columns.loop is not None:
+        return ()
+    try:
+        if alone or isinstance(file, Source):
+            return content_of(file, columns).loops(columns.op, columns.pv)
+        return loops_of_file(file, columns.op, columns.pv)
+    except LostMotionError:
+        return ()
+
+
+def content_of(file: Path, columns: RecordOptions) -> Opened:
+    """What a file holds; it is opened once for all loops that are read from it one after another."""
+    return _content(tuple(words_of(file)), columns.op, columns.pv, columns.sp, columns.mode)
+
+
+@lru_cache(maxsize=1)
+def _content(words: tuple[str, ...], *asked: str | None) -> Opened:
+    from lostmotion.files.opened import opened
+
+    return opened(list(words) if len(words) > 1 else words[0], [name for name in asked if name])
+
+
+def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:
+    """Record of a file by `read`; an error of one loop leads on by commands that name it."""
+    loop = file.loop if isinstance(file, Source) else None
+    if loop is None:
+        content = content_of(file, columns)
+        _content.cache_clear()  # not kept while the record is worked on
+        return read(content)
+    try:
+        return read(content_of(file, columns), loop=loop)
+    except InputError as error:
+        raise error.leads_on(*({"loop": loop, **way} for way in error.ways)) from None
