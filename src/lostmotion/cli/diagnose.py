@@ -64,8 +64,9 @@ def diagnose(
 
     Example: lostmotion diagnose FIC-101.csv --loop-type flow --figure fic101.png
 
-    Several files give one line each as they are done, then a table with the worst first. With --same-loop they are
-    records of one valve: what they say is added up, in the order given. Long records are read by their windows.
+    Several files, or the loops of one, give one line each as they are done, then a table with the worst first. With
+    --same-loop they are records of one valve: what they say is added up, in the order given. Long records are read by
+    their windows.
 
     Exit code 0 where nothing is wrong with the actuator; 1 for a finding, a record that does not tell, or a failure.
     """

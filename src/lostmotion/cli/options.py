@@ -21,12 +21,19 @@ def number(flag: str, help_: str) -> Any:
 
 
 File = Annotated[
-    Path, typer.Argument(help="CSV, text, Parquet or MAT file with the record of one loop.", show_default=False)
+    Path,
+    typer.Argument(
+        help="CSV, text, Parquet or MAT file with the record of one loop, or a folder of files of one tag each.",
+        show_default=False,
+    ),
 ]
 Files = Annotated[
     list[Path],
     typer.Argument(
-        metavar="FILE", help="Records (CSV, text, Parquet, MAT), one file for each loop.", show_default=False
+        metavar="FILE",
+        help="Records (CSV, text, Parquet, MAT): a file for each loop, a file or a folder with several loops, or a "
+        "file for each tag (FIC101_OP.csv FIC101_PV.csv).",
+        show_default=False,
     ),
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]

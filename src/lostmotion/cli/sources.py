@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lostmotion.cli.commands_on import commands_on
+from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,7 +51,8 @@ class Source(_Path):
         return Path(self.words[0]).absolute().stem if self.words else super().stem
 
     def __str__(self) -> str:
-        return " ".join(self.words) or super().__str__()
+        named = ["--loop", self.loop] if self.loop is not None else []
+        return shlex.join([*self.words, *named]) if self.words else super().__str__()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Source) and (self.words, self.loop) == (other.words, other.loop)
@@ -139,4 +143,10 @@ def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions)
     try:
         return read(content_of(file, columns), loop=loop)
     except InputError as error:
-        raise error.leads_on(*({"loop": loop, **way} for way in error.ways)) from None
+        raise _of_loop(error, words_of(file), loop) from error
+
+
+def _of_loop(error: InputError, words: list[str], loop: str) -> InputError:
+    """The same error with commands that name the loop."""
+    lines = commands_on(error.leads_on(*({"loop": loop, **way} for way in error.ways)), [RUNNING.get(), *words])
+    return type(error)(". Type ".join([message(error), " or ".join(lines)]) if lines else message(error))

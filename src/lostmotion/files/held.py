@@ -57,11 +57,11 @@ def held(table: Table, columns: Mapping[str, str], signals: Mapping[str, FloatAr
     --------
     >>> import narwhals.stable.v2 as nw
     >>> import polars as pl
-    >>> frame = pl.DataFrame({"OP": [1.0, None, None], "PV": [3.0, None, 5.0]})
-    >>> signals = {"op": np.array([1, np.nan, np.nan]), "pv": np.array([3, np.nan, 5])}
+    >>> frame = pl.DataFrame({"OP": [1.0, 2.0, None], "PV": [3.0, None, 5.0]})
+    >>> signals = {"op": np.array([1, 2, np.nan]), "pv": np.array([3, np.nan, 5])}
     >>> found = held(Table(nw.from_native(frame, eager_only=True), "a"), {"op": "OP", "pv": "PV"}, signals)
     >>> found.signals["op"], found.signals["pv"]
-    (array([1., 1., 1.]), array([3., 4., 5.]))
+    (array([1., 2., 2.]), array([3., 4., 5.]))
     """
     absent = {role: table.column(columns[role]).is_null().to_numpy() for role in signals}
     rows = np.flatnonzero(~(absent["op"] & absent["pv"]))

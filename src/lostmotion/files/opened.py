@@ -77,6 +77,16 @@ class Opened:
             return ()
         return ()
 
+    def columns(self, loop: str) -> dict[str, str]:
+        """Column of each role of a loop; empty where they do not tell."""
+        table, tag = self.table(loop)
+        try:
+            found = resolve(with_columns_of_tags(with_moments(table)).names, loop=tag)
+        except DataError:
+            return {}
+        roles = {role: getattr(found, role) for role in ("op", "pv", "sp", "position", "mode")}
+        return {role: name for role, name in roles.items() if name is not None}
+
 
 def opened(source: Any, asked: Collection[str] = ()) -> Opened:
     """Read a source, but do not yet choose a loop.
