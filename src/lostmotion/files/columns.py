@@ -145,7 +145,10 @@ def several_loops(tags: Sequence[str], expected: str) -> SeveralLoopsError:
 
 def no_such_loop(loop: str, tags: Sequence[str]) -> ColumnError:
     """Error for the tag of a loop that is not there."""
-    error = ColumnError.missing(loop, tags, "name one of them, loop='<tag>'")
+    more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
+    said = f"{', '.join(tags[:SHOWN])}{more}" if tags else "no columns that tell a loop"
+    remedy = f"name one: loop={tags[0]!r}" if tags else "name columns: op='<column>' and pv='<column>'"
+    error = ColumnError.expected(f"a loop {loop!r}", said, remedy)
     return error.leads_on(*({"loop": tag} for tag in tags))
 
 

@@ -11,19 +11,42 @@ import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError
+from lostmotion.files.columns import several_loops
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
 from lostmotion.files.workbook import load_workbook
 
+SEVERAL = "the table of one loop"
 _PARQUET = b"PAR1"
 _ARROW = b"ARROW1"  # Feather
 PEEKED = 1 << 16  # bytes of text that show its columns
 
 
 def load(source: Any) -> Table:
-    """Open a path or take a data frame.
+    """The one table of a source.
+
+    Raises
+    ------
+    ColumnError
+        It holds several: the error names them.
+    LostMotionError
+        As in :func:`tables`.
+
+    Examples
+    --------
+    >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
+    ['OP', 'PV']
+    """
+    found = tables(source)
+    if len(found) > 1:
+        raise several_loops(list(found), SEVERAL)
+    return next(iter(found.values()))
+
+
+def tables(source: Any) -> dict[str, Table]:
+    """Open a path or take a data frame: a table under "", or of a file with several one for each loop by its name.
 
     Parameters
     ----------
@@ -42,11 +65,11 @@ def load(source: Any) -> Table:
 
     Examples
     --------
-    >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
-    ['OP', 'PV']
+    >>> list(tables(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})))
+    ['']
     """
     if isinstance(source, Table):
-        return source
+        return {"": source}
     if isinstance(source, str | os.PathLike):
         return _from_path(Path(source))
     try:
@@ -57,19 +80,19 @@ def load(source: Any) -> Table:
             type(source).__name__,
             "collect a lazy frame first; for arrays build LoopRecord(op=..., pv=..., dt=...)",
         ) from error
-    return _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")
+    return {"": _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")}
 
 
-def _from_path(path: Path) -> Table:
+def _from_path(path: Path) -> dict[str, Table]:
     raw, name = unpacked(read_bytes(path), path.name)
     if raw.startswith((MAT, MAT_HDF5)):
         return load_mat(raw, name)
     if is_workbook(raw):
-        return load_workbook(raw, name)
+        return {"": load_workbook(raw, name)}
     for kind, start, read in (("Parquet", _PARQUET, pl.read_parquet), ("Feather", _ARROW, pl.read_ipc)):
         if raw.startswith(start):
-            return _columns(raw, name, kind, read)
-    return parse_text(raw, name)
+            return {"": _columns(raw, name, kind, read)}
+    return {"": parse_text(raw, name)}
 
 
 def peeked(path: Path) -> Table:

@@ -9,7 +9,7 @@ from typing import Any
 
 from lostmotion.errors import ColumnError, DataError
 from lostmotion.files.columns import SeveralLoopsError, no_such_loop, resolve, several_loops
-from lostmotion.files.frames import load, peeked
+from lostmotion.files.frames import SEVERAL, peeked, tables
 from lostmotion.files.gathered import gathered, is_folder, is_path
 from lostmotion.files.joined import joined, path_stem
 from lostmotion.files.long import called, with_columns_of_tags
@@ -52,8 +52,8 @@ class Opened:
         if names == [""]:
             return self.tables[""], loop
         if loop is None and len(names) > 1:
-            raise several_loops(names, "the vectors of one loop")
-        fits = [name for name in names if loop in (None, name)] or [name for name in names if same_tag(name, str(loop))]
+            raise several_loops(names, SEVERAL)
+        fits = [name for name in names if loop in (None, name)] or _called_so(names, str(loop))
         if len(fits) != 1:
             raise no_such_loop(str(loop), names)
         return self.tables[fits[0]], None
@@ -107,17 +107,19 @@ def opened(source: Any, asked: Collection[str] = ()) -> Opened:
         return source
     paths = gathered(source)
     if paths is None:
-        table = load(source)
+        found = tables(source)
+        table = next(iter(found.values()))
         if is_path(source) and len(table.names) <= MOST_COLUMNS and one_tag(table) is not None:
             raise _one_tag_alone(Path(source))
-        return Opened({"": table}, path_stem(Path(source)) if is_path(source) else "")
+        return Opened(found, path_stem(Path(source)) if is_path(source) else "")
     if len(paths) == 1:
         return opened(paths[0])
-    found = [one_tag(load(path)) for path in paths]
-    whole = [path for path, one in zip(paths, found, strict=True) if one is None]
+    loaded = [tables(path) for path in paths]
+    each = [one_tag(found[""]) if "" in found else None for found in loaded]
+    whole = [path for path, one in zip(paths, each, strict=True) if one is None]
     if whole:
         raise _whole_records(paths, whole)
-    files = [(path, one) for path, one in zip(paths, found, strict=True) if one is not None]
+    files = [(path, one) for path, one in zip(paths, each, strict=True) if one is not None]
     folder = Path(source) if is_path(source) and is_folder(Path(source)) else paths[0].absolute().parent
     return Opened({"": joined(files, _called(source, paths), asked)}, folder.absolute().name, by_tags=True)
 
@@ -130,9 +132,19 @@ def loops_of_file(path: Path, op: str = "OP", pv: str = "PV") -> tuple[str, ...]
     FileAccessError, DataError
         As in :func:`opened`.
     """
-    table = peeked(path)
+    try:
+        table = peeked(path)
+    except SeveralLoopsError as error:
+        return error.loops
     listed = all(called(table, role) for role in ("tag", "value"))
     return (opened(path) if listed else Opened({"": table})).loops(op, pv)
+
+
+def _called_so(names: Sequence[str], loop: str) -> list[str]:
+    """Names that are the same but for case and separators, or end so: loop1 is data.loop1."""
+    return [name for name in names if same_tag(name, loop)] or [
+        name for name in names if same_tag(name.rpartition(".")[2], loop)
+    ]
 
 
 def _one_tag_alone(path: Path) -> ColumnError:
