@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Collection, Sequence
 
+from lostmotion.addresses import without_password
 from lostmotion.cli.wording import FLAGS, OFFERED, OPTIONS
 
 MOST = 6  # commands under a message
@@ -30,11 +31,12 @@ def commands_on(error: Exception, words: Sequence[str], offered: Collection[str]
     ["lostmotion check 'a b.csv' --dt 30", "lostmotion check 'a b.csv' --dt 1 --ignore-time"]
     """
     known = OFFERED.get() if offered is None else offered
+    shown = ["lostmotion", *map(without_password, words)]
     lines = []
     for way in getattr(error, "ways", ())[:MOST]:
         options = [_option(name, value) for name, value in way.items()]
         if all(option[0] in known for option in options):
-            lines.append(shlex.join(["lostmotion", *words, *(word for option in options for word in option)]))
+            lines.append(shlex.join([*shown, *(word for option in options for word in option)]))
     return lines
 
 

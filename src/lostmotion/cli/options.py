@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.sources import as_path, read_as
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -25,6 +26,7 @@ File = Annotated[
     typer.Argument(
         help="CSV, text, Parquet or MAT file with the record of one loop, or a folder of files of one tag each.",
         show_default=False,
+        parser=as_path,
     ),
 ]
 Files = Annotated[
@@ -32,8 +34,9 @@ Files = Annotated[
     typer.Argument(
         metavar="FILE",
         help="Records (CSV, text, Parquet, MAT): a file for each loop, a file or a folder with several loops, or a "
-        "file for each tag (FIC101_OP.csv FIC101_PV.csv).",
+        "file for each tag (FIC101_OP.csv FIC101_PV.csv); or the URL of a database, with --query.",
         show_default=False,
+        parser=as_path,
     ),
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
@@ -52,6 +55,7 @@ PvSpan = Annotated[
     number("--pv-span", "Range of the transmitter in units of PV, e.g. 0 250."),
 ]
 Loop = Annotated[str | None, number("--loop", "Tag of the loop, where a file holds several: FIC102.")]
+Query = Annotated[str | None, number("--query", "SQL that gives the rows; FILE is then the URL of a database.")]
 Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
 Automatic = Annotated[
     list[str] | None,
@@ -96,12 +100,11 @@ class RecordOptions(ColumnOptions):
     pv_span: PvSpan = None
     mode: Mode = None
     loop: Loop = None
+    query: Query = None
     auto_value: Automatic = None
     manual_value: Manual = None
 
     def read(self, path: Path, **other: Any) -> LoopRecord:
         """Record of a file, or of what a Source stands for; `other` are further arguments of read_loop."""
-        from lostmotion.cli.sources import read_as
-
         known = {"automatic": self.auto_value, "manual": self.manual_value} | other
         return read_as(path, partial(super().read, **known), self)

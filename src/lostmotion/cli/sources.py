@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lostmotion.addresses import is_url, without_password
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import InputError
@@ -48,11 +49,15 @@ class Source(_Path):
         """Name of the loop, or of what was typed, without its ending."""
         if self.loop is not None:
             return "".join("_" if sign in "/\\:" else sign for sign in self.loop)
-        return Path(self.words[0]).absolute().stem if self.words else super().stem
+        if not self.words:
+            return super().stem
+        if is_url(self.words[0]):
+            return Path(self.words[0].split("?", maxsplit=1)[0]).stem
+        return Path(self.words[0]).absolute().stem
 
     def __str__(self) -> str:
         named = ["--loop", self.loop] if self.loop is not None else []
-        return shlex.join([*self.words, *named]) if self.words else super().__str__()
+        return shlex.join([*words_of(self), *named]) if self.words else super().__str__()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Source) and (self.words, self.loop) == (other.words, other.loop)
@@ -63,7 +68,17 @@ class Source(_Path):
 
 def words_of(file: Path) -> list[str]:
     """What is typed for a file, without the options."""
-    return list(file.words) if isinstance(file, Source) else [str(file)]
+    return [without_password(word) for word in file.words] if isinstance(file, Source) else [str(file)]
+
+
+def is_address(file: Path) -> bool:
+    """Whether a file is the address of a database."""
+    return isinstance(file, Source) and is_url(file.words[0])
+
+
+def as_path(typed: str | Path) -> Path:
+    """What was typed as a path; the address of a database keeps its slashes."""
+    return Source.of([str(typed)]) if is_url(str(typed)) else Path(typed)
 
 
 def sources(files: list[Path], columns: RecordOptions, every_loop: bool = False) -> list[Path]:
@@ -88,7 +103,7 @@ def sources(files: list[Path], columns: RecordOptions, every_loop: bool = False)
 def _by_record(files: list[Path]) -> list[list[Path]]:
     from lostmotion.files.gathered import gathered, grouped
 
-    several = {file: inside for file in files if (inside := gathered(file)) is not None}
+    several = {file: inside for file in files if not is_address(file) and (inside := gathered(file)) is not None}
     if len(files) == 1 and not several:
         return [list(files)]
     flat = [path for file in files for path in several.get(file, (file,))]
@@ -100,7 +115,8 @@ def _by_record(files: list[Path]) -> list[list[Path]]:
 
 def _by_loop(file: Path, columns: RecordOptions, alone: bool) -> list[Path]:
     loops = loops_in(file, columns, alone)
-    return [Source.of(words_of(file), loop) for loop in loops] if loops else [file]
+    words = file.words if isinstance(file, Source) else (str(file),)
+    return [Source.of(words, loop) for loop in loops] if loops else [file]
 
 
 def loops_in(file: Path, columns: RecordOptions, alone: bool = True) -> tuple[str, ...]:
@@ -123,14 +139,15 @@ def loops_in(file: Path, columns: RecordOptions, alone: bool = True) -> tuple[st
 
 def content_of(file: Path, columns: RecordOptions) -> Opened:
     """What a file holds; it is opened once for all loops that are read from it one after another."""
-    return _content(tuple(words_of(file)), columns.op, columns.pv, columns.sp, columns.mode)
+    words = file.words if isinstance(file, Source) else (str(file),)
+    return _content(words, columns.query, columns.op, columns.pv, columns.sp, columns.mode)
 
 
 @lru_cache(maxsize=1)
-def _content(words: tuple[str, ...], *asked: str | None) -> Opened:
+def _content(words: tuple[str, ...], query: str | None, *asked: str | None) -> Opened:
     from lostmotion.files.opened import opened
 
-    return opened(list(words) if len(words) > 1 else words[0], [name for name in asked if name])
+    return opened(list(words) if len(words) > 1 else words[0], [name for name in asked if name], query)
 
 
 def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:

@@ -29,6 +29,7 @@ OPTIONS = {
     "pv": "--pv",
     "pv_limits": "--pv-limits",
     "pv_span": "--pv-span",
+    "query": "--query",
     "raw": "--raw",
     "sp": "--sp",
     "scan_time": "--scan-time",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from lostmotion.files.gathered import holds_one_tag, is_path
+from lostmotion.files.gathered import holds_one_tag
+from lostmotion.files.paths import is_path
 from lostmotion.files.read import read_loop
 from lostmotion.records.record import LoopRecord
 

@@ -46,7 +46,7 @@ def read_loops(source: Any, **settings: Any) -> dict[str, LoopRecord]:
         raise ParameterError.expected("settings for all loops alike", f"{named[0]}=..", "read that loop with read_loop")
     paths = gathered(source)
     if paths is None:
-        return _loops(opened(source), settings)
+        return _loops(opened(source, query=settings.pop("query", None)), settings)
     found: dict[str, LoopRecord] = {}
     for group in grouped(paths):
         records = _loops(opened(list(group) if isinstance(group, tuple) else group), settings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,14 @@ from typing import Any
 import narwhals.stable.v2 as nw
 import polars as pl
 
-from lostmotion.errors import DataError, FileAccessError, InputError
+from lostmotion.addresses import is_url
+from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
 from lostmotion.files.columns import several_loops
+from lostmotion.files.database import SQLITE, read_query
+from lostmotion.files.dataset import pieces_of, read_dataset
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
+from lostmotion.files.paths import is_path
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
 from lostmotion.files.workbook import load_workbook
@@ -45,7 +48,7 @@ def load(source: Any) -> Table:
     return next(iter(found.values()))
 
 
-def tables(source: Any) -> dict[str, Table]:
+def tables(source: Any, query: str | None = None) -> dict[str, Table]:
     """Open a path or take a data frame: a table under "", or of a file with several one for each loop by its name.
 
     Parameters
@@ -70,7 +73,11 @@ def tables(source: Any) -> dict[str, Table]:
     """
     if isinstance(source, Table):
         return {"": source}
-    if isinstance(source, str | os.PathLike):
+    if is_path(source) and (is_url(source) or is_database(Path(source))):
+        return {"": read_query(str(source), query)}
+    if query is not None:
+        raise ParameterError.expected("a query of a database only", "a file or a frame", "leave it out")
+    if is_path(source):
         return _from_path(Path(source))
     try:
         frame: nw.DataFrame[Any] = nw.from_native(source, eager_only=True)
@@ -83,7 +90,19 @@ def tables(source: Any) -> dict[str, Table]:
     return {"": _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")}
 
 
+def is_database(path: Path) -> bool:
+    """Whether a path is an SQLite file, by its content."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(SQLITE)) == SQLITE
+    except (OSError, ValueError):
+        return False
+
+
 def _from_path(path: Path) -> dict[str, Table]:
+    pieces = pieces_of(path)
+    if pieces:
+        return read_dataset(path, pieces)
     raw, name = unpacked(read_bytes(path), path.name)
     if raw.startswith((MAT, MAT_HDF5)):
         return load_mat(raw, name)

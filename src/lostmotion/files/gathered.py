@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from glob import glob
 from pathlib import Path
 from typing import Any
 
+from lostmotion.addresses import is_url
 from lostmotion.errors import FileAccessError, LostMotionError
+from lostmotion.files.dataset import pieces_of
 from lostmotion.files.frames import peeked
 from lostmotion.files.one_tag import one_tag
+from lostmotion.files.paths import is_folder, is_path, is_pattern
 
 ENDINGS = (
     ".csv", ".txt", ".tsv", ".dat", ".asc", ".parquet", ".pq", ".feather", ".arrow", ".mat", ".xlsx", ".xls", ".xlsm",
@@ -20,13 +21,8 @@ ENDINGS = (
 Group = Path | tuple[Path, ...]
 
 
-def is_path(source: Any) -> bool:
-    """Whether a source is a path; a list of them is none."""
-    return isinstance(source, str | os.PathLike)
-
-
 def gathered(source: Any) -> tuple[Path, ...] | None:
-    """Files of a folder, of a pattern such as ``FIC101_*.csv`` or of a list; None: one file, or no path.
+    """Files of a folder, of a pattern such as ``FIC101_*.csv`` or of a list; None: one table, or no path.
 
     Parameters
     ----------
@@ -45,9 +41,11 @@ def gathered(source: Any) -> tuple[Path, ...] | None:
     """
     if isinstance(source, list | tuple) and source and all(is_path(one) for one in source):
         return tuple(path for one in source for path in gathered(one) or (Path(one),))
-    if not is_path(source):
+    if not is_path(source) or is_url(source):
         return None
     path = Path(source)
+    if pieces_of(path):
+        return None
     if is_folder(path):
         inside = [one for one in path.iterdir() if one.is_file() and not one.name.startswith(".")]
         return _found([one for one in inside if one.suffix.lower() in ENDINGS], f"none in the folder {str(path)!r}")
@@ -55,23 +53,6 @@ def gathered(source: Any) -> tuple[Path, ...] | None:
         fitting = [Path(one) for one in glob(str(path))]  # noqa: PTH207  a path with a pattern in its folders too
         return _found([one for one in fitting if one.is_file()], f"none like {str(path)!r}")
     return None
-
-
-def is_pattern(path: Path) -> bool:
-    """Whether a path stands for several files: it has * or ? in it, or [..], and there is no file of that name."""
-    return bool(re.search(r"[*?\[]", str(path))) and not _is(path.exists)
-
-
-def is_folder(path: Path) -> bool:
-    """Whether a path is a folder; one that no system can have is none."""
-    return _is(path.is_dir)
-
-
-def _is(asked: Callable[[], bool]) -> bool:
-    try:
-        return asked()
-    except (OSError, ValueError):  # a name that is too long, or has a zero in it
-        return False
 
 
 def _found(paths: list[Path], none: str) -> tuple[Path, ...]:

@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lostmotion.addresses import is_url
 from lostmotion.errors import ColumnError, DataError
 from lostmotion.files.columns import SeveralLoopsError, no_such_loop, resolve, several_loops
+from lostmotion.files.database import database_name
 from lostmotion.files.frames import SEVERAL, peeked, tables
-from lostmotion.files.gathered import gathered, is_folder, is_path
+from lostmotion.files.gathered import gathered
 from lostmotion.files.joined import joined, path_stem
 from lostmotion.files.long import called, with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.one_tag import one_tag
+from lostmotion.files.paths import is_folder, is_path
 from lostmotion.files.table import Table
 from lostmotion.files.tags import same_tag
 
@@ -88,7 +91,7 @@ class Opened:
         return {role: name for role, name in roles.items() if name is not None}
 
 
-def opened(source: Any, asked: Collection[str] = ()) -> Opened:
+def opened(source: Any, asked: Collection[str] = (), query: str | None = None) -> Opened:
     """Read a source, but do not yet choose a loop.
 
     Parameters
@@ -97,6 +100,8 @@ def opened(source: Any, asked: Collection[str] = ()) -> Opened:
         As in :func:`lostmotion.read_loop`.
     asked : collection of str
         Columns that the user named; of files of one tag each, the names of the files.
+    query : str, optional
+        Of a database.
 
     Raises
     ------
@@ -107,11 +112,11 @@ def opened(source: Any, asked: Collection[str] = ()) -> Opened:
         return source
     paths = gathered(source)
     if paths is None:
-        found = tables(source)
+        found = tables(source, query)
         table = next(iter(found.values()))
-        if is_path(source) and len(table.names) <= MOST_COLUMNS and one_tag(table) is not None:
+        if is_path(source) and query is None and len(table.names) <= MOST_COLUMNS and one_tag(table) is not None:
             raise _one_tag_alone(Path(source))
-        return Opened(found, path_stem(Path(source)) if is_path(source) else "")
+        return Opened(found, _name(source))
     if len(paths) == 1:
         return opened(paths[0])
     loaded = [tables(path) for path in paths]
@@ -151,6 +156,12 @@ def _one_tag_alone(path: Path) -> ColumnError:
     return ColumnError.expected(
         f"OP and PV in {path.name!r}", "the values of one tag", "give the files of all tags of the loop together"
     )
+
+
+def _name(source: Any) -> str:
+    if is_url(source):
+        return database_name(source)
+    return path_stem(Path(source)) if is_path(source) else ""
 
 
 def _called(source: Any, paths: Sequence[Path]) -> str:

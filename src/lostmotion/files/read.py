@@ -24,6 +24,7 @@ class Plant(TypedDict, total=False):
     """What the plant calls things, beside its columns."""
 
     loop: str | None
+    query: str | None
     automatic: str | Sequence[str] | None
     manual: str | Sequence[str] | None
 
@@ -51,7 +52,8 @@ def read_loop(
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
         or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
         of one file; or a pandas, Polars or PyArrow frame. A list of files, a folder or a pattern (``FIC101_*.csv``):
-        files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one record.
+        files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one record; Parquet in partitions
+        (year=2024/month=1/..) or in numbered or dated pieces is one table.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -76,7 +78,9 @@ def read_loop(
         usual names.
     **plant
         ``loop="FIC102"``: tag of the loop to read where a file holds several: columns FIC102.PV, FIC102.OUT .. or
-        FT_102 and FV_102. ``automatic="1"``, ``manual="0"``: what the mode column holds, a word or several.
+        FT_102 and FV_102. ``query="SELECT .."``: of a database, whose address (``sqlite:///plant.db``, or any of
+        SQLAlchemy with ``lostmotion[sql]``) is the source. ``automatic="1"``, ``manual="0"``: what the mode column
+        holds, a word or several.
 
     Returns
     -------
@@ -109,7 +113,9 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    content = opened(source, [name for name in (op, pv, sp, position, mode) if isinstance(name, str)])
+    content = opened(
+        source, [name for name in (op, pv, sp, position, mode) if isinstance(name, str)], plant.get("query")
+    )
     table, loop = content.table(plant.get("loop"))
     meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop)
     if missing == "error":
