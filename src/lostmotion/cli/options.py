@@ -56,6 +56,11 @@ PvSpan = Annotated[
 ]
 Loop = Annotated[str | None, number("--loop", "Tag of the loop, where a file holds several: FIC102.")]
 Query = Annotated[str | None, number("--query", "SQL that gives the rows; FILE is then the URL of a database.")]
+Uncertain = Annotated[
+    Literal["keep", "bad"],
+    typer.Option("--uncertain", help="Values of uncertain quality: keep them, or let them be missing as bad ones are."),
+]
+NoQuality = Annotated[bool, typer.Option("--ignore-quality", help="Take all values, whatever their quality.")]
 Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
 Automatic = Annotated[
     list[str] | None,
@@ -85,7 +90,7 @@ class ColumnOptions:
     def read(self, path: Any, **other: Any) -> LoopRecord:
         """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
         known = asdict(self) | {"time": self.time_column}
-        for name in ("ignore_time", "auto_value", "manual_value"):
+        for name in ("ignore_time", "ignore_quality", "auto_value", "manual_value"):
             known.pop(name, None)
         return lm.read_loop(path, **known | other)
 
@@ -101,10 +106,13 @@ class RecordOptions(ColumnOptions):
     mode: Mode = None
     loop: Loop = None
     query: Query = None
+    uncertain: Uncertain = "keep"
+    ignore_quality: NoQuality = False
     auto_value: Automatic = None
     manual_value: Manual = None
 
     def read(self, path: Path, **other: Any) -> LoopRecord:
         """Record of a file, or of what a Source stands for; `other` are further arguments of read_loop."""
-        known = {"automatic": self.auto_value, "manual": self.manual_value} | other
+        quality = False if self.ignore_quality else None
+        known = {"automatic": self.auto_value, "manual": self.manual_value, "quality": quality} | other
         return read_as(path, partial(super().read, **known), self)

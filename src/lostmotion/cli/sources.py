@@ -140,14 +140,17 @@ def loops_in(file: Path, columns: RecordOptions, alone: bool = True) -> tuple[st
 def content_of(file: Path, columns: RecordOptions) -> Opened:
     """What a file holds; it is opened once for all loops that are read from it one after another."""
     words = file.words if isinstance(file, Source) else (str(file),)
-    return _content(words, columns.query, columns.op, columns.pv, columns.sp, columns.mode)
+    asked = (columns.op, columns.pv, columns.sp, columns.mode)
+    return _content(words, columns.query, columns.uncertain, columns.ignore_quality, *asked)
 
 
 @lru_cache(maxsize=1)
-def _content(words: tuple[str, ...], query: str | None, *asked: str | None) -> Opened:
+def _content(words: tuple[str, ...], query: str | None, uncertain: str, ignored: bool, *asked: str | None) -> Opened:
     from lostmotion.files.opened import opened
+    from lostmotion.files.quality import Trust
 
-    return opened(list(words) if len(words) > 1 else words[0], [name for name in asked if name], query)
+    source = list(words) if len(words) > 1 else words[0]
+    return opened(source, [name for name in asked if name], query, Trust(not ignored, uncertain == "keep"))
 
 
 def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:

@@ -7,7 +7,7 @@ from typing import Any
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.gathered import gathered, grouped
 from lostmotion.files.opened import Opened, opened
-from lostmotion.files.read import read_loop
+from lostmotion.files.read import read_loop, trust_of
 from lostmotion.records.record import LoopRecord
 
 
@@ -44,12 +44,12 @@ def read_loops(source: Any, **settings: Any) -> dict[str, LoopRecord]:
     named = [name for name in ("loop", "tag", "op", "pv", "position") if name in settings]
     if named:
         raise ParameterError.expected("settings for all loops alike", f"{named[0]}=..", "read that loop with read_loop")
-    paths = gathered(source)
+    paths, trust = gathered(source), trust_of(settings)
     if paths is None:
         return _loops(opened(source, query=settings.pop("query", None)), settings)
     found: dict[str, LoopRecord] = {}
     for group in grouped(paths):
-        records = _loops(opened(list(group) if isinstance(group, tuple) else group), settings)
+        records = _loops(opened(list(group) if isinstance(group, tuple) else group, trust=trust), settings)
         again = sorted(set(found) & set(records))
         if again:
             raise DataError.expected("loops of different names", f"{again[0]!r} twice", "rename one of the files")

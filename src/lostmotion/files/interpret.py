@@ -18,6 +18,7 @@ from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
 from lostmotion.files.order import arranged, by_time
+from lostmotion.files.quality import ALL, Trust, distrusted, quality_column
 from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
@@ -77,6 +78,7 @@ def interpret(
     dt: float | None = None,
     usable: Callable[[Stamps], Stamps] | None = None,
     loop: str | None = None,
+    trust: Trust = ALL,
 ) -> Meaning:
     """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
 
@@ -85,6 +87,8 @@ def interpret(
     usable : callable
         Stamps -> those that the sampling time is told from. A growing file, whose further rows are not known, drops
         a few bad ones. None: all rows are here, and are put into the order of time.
+    trust : Trust
+        What is believed of columns of quality; a growing file has none.
 
     Raises
     ------
@@ -103,7 +107,7 @@ def interpret(
     check_dt(dt)
     table = with_moments(table) if time is None else table
     if usable is None:
-        table = with_columns_of_tags(table)
+        table = with_columns_of_tags(table, trust)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
@@ -113,6 +117,8 @@ def interpret(
     decimal = decimal_mark(table, list(used))
     comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     signals, words = _signals(table, columns, decimal)
+    if usable is None:
+        words = (*words, *_without_bad(table, columns, signals, trust))
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
     if stamps is not None and usable is not None:
         stamps = usable(stamps)
@@ -200,6 +206,19 @@ def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, Fl
             signals[role], words = to_numbers(table, name, decimal)
             notes += words
     return signals, notes
+
+
+def _without_bad(table: Table, columns: Columns, signals: dict[str, FloatArray], trust: Trust) -> tuple[str, ...]:
+    """Make values missing whose quality is bad; notes."""
+    notes: tuple[str, ...] = ()
+    for role, values in signals.items():
+        name = getattr(columns, role)
+        beside = quality_column(table, name)
+        if beside is not None and beside not in (columns.op, columns.pv, columns.sp, columns.position, columns.mode):
+            bad, said = distrusted(table, beside, name, trust)
+            values[bad] = np.nan
+            notes += said
+    return notes
 
 
 def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:

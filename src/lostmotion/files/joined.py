@@ -17,6 +17,7 @@ from lostmotion.files.long import good_cells, wide
 from lostmotion.files.number_cells import decimal_mark, is_text, text_cells, to_numbers
 from lostmotion.files.one_tag import OneTag, has_tag, role_of
 from lostmotion.files.order import arranged
+from lostmotion.files.quality import ALL, Trust
 from lostmotion.files.table import Table
 from lostmotion.files.times import DAY, Stamps, read_times
 
@@ -24,7 +25,7 @@ SHOWN = 6  # files in a note
 Files = Sequence[tuple[Path, OneTag]]
 
 
-def joined(files: Files, source: str, asked: Collection[str] = ()) -> Table:
+def joined(files: Files, source: str, asked: Collection[str] = (), trust: Trust = ALL) -> Table:
     """Table with a column of times and one for each tag; a cell is empty where a tag has no value of that time.
 
     Parameters
@@ -35,6 +36,8 @@ def joined(files: Files, source: str, asked: Collection[str] = ()) -> Table:
         What the user called them together, for messages.
     asked : collection of str
         Columns that the user named: a file of that name, without its ending, is meant.
+    trust : Trust
+        What is believed of the qualities in the files.
 
     Raises
     ------
@@ -56,7 +59,7 @@ def joined(files: Files, source: str, asked: Collection[str] = ()) -> Table:
     note = _note(files, names)
     ones = [one for _, one in files]
     together = _side_by_side if not twice and _one_clock(ones) else _by_times
-    table = together(ones, names, source)
+    table = together(ones, names, source, trust)
     above = tuple(line for one in ones for line in one.table.notes)
     delimiters = {one.table.delimiter for one in ones}
     delimiter = delimiters.pop() if len(delimiters) == 1 else ""
@@ -123,19 +126,19 @@ def _one_clock(ones: Sequence[OneTag]) -> bool:
     return all(clock == clocks[0] for clock in clocks)
 
 
-def _side_by_side(ones: Sequence[OneTag], names: Sequence[str], source: str) -> Table:
+def _side_by_side(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: Trust) -> Table:
     first = ones[0]
     columns: dict[str, pl.Series] = {}
     if first.time is not None:
         columns[first.time] = _native(first.table, first.time)
     notes: list[str] = []
     for one, name in zip(ones, names, strict=True):
-        columns[name], said = good_cells(one.table, one.value, one.quality)
+        columns[name], said = good_cells(one.table, one.value, one.quality, trust, name)
         notes += said
     return Table(nw.from_native(pl.DataFrame(columns), eager_only=True), source, notes=tuple(notes))
 
 
-def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str) -> Table:
+def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: Trust) -> Table:
     """A row for every time of any tag."""
     whole = _concatenated(ones)
     decimal = decimal_mark(whole, list(whole.names))
@@ -143,7 +146,7 @@ def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str) -> Tabl
     parts, notes, end = [], list(stamps.notes), 0
     for one, name in zip(ones, names, strict=True):
         begin, end = end, end + len(one.table.frame)
-        cells, said = good_cells(one.table, one.value, one.quality)
+        cells, said = good_cells(one.table, one.value, one.quality, trust, name)
         values, codes, words = _values(cells, name, decimal, one.table)
         dates = None if stamps.dates is None else stamps.dates[begin:end]
         own = replace(stamps, seconds=stamps.seconds[begin:end], dates=dates, name=str(one.time), table=one.table)

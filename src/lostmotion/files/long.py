@@ -10,18 +10,19 @@ import polars as pl
 
 from lostmotion.errors import ColumnError
 from lostmotion.files.columns import usual
-from lostmotion.files.names import GOOD_QUALITY, LONG
+from lostmotion.files.names import LONG
 from lostmotion.files.number_cells import text_cells
+from lostmotion.files.quality import ALL, Trust, distrusted
 from lostmotion.files.table import Table
 from lostmotion.files.tags import folded, key
 
 MOST_TAGS = 5000
 
 
-def with_columns_of_tags(table: Table) -> Table:
+def with_columns_of_tags(table: Table, trust: Trust = ALL) -> Table:
     """The table with a column for each tag, where it has one of tags, one of values and one of times.
 
-    Values of bad quality are missing.
+    Values of bad quality are missing; `trust` says whether uncertain ones are.
 
     Raises
     ------
@@ -40,7 +41,7 @@ def with_columns_of_tags(table: Table) -> Table:
     wide_already = all(usual(role, [name for name in table.names if name != value]) for role in ("op", "pv"))
     if not tag or not value or len(time) != 1 or wide_already:
         return table
-    cells, bad = good_cells(table, value, quality)
+    cells, bad = good_cells(table, value, quality, trust)
     stamps = table.column(time[0])
     when = text_cells(stamps) if isinstance(stamps.dtype, nw.String) else pl.Series(stamps.to_list())
     long = pl.DataFrame({"time": when, "tag": text_cells(table.column(tag)), "value": cells})
@@ -49,20 +50,17 @@ def with_columns_of_tags(table: Table) -> Table:
     return replace(table, frame=frame, lines=None, notes=(*table.notes, note, *bad), own_times=True)
 
 
-def good_cells(table: Table, value: str, quality: str | None) -> tuple[pl.Series, tuple[str, ...]]:
-    """Cells of a column, empty where their quality is bad, and how many these are."""
+def good_cells(
+    table: Table, value: str, quality: str | None, trust: Trust = ALL, of: str = ""
+) -> tuple[pl.Series, tuple[str, ...]]:
+    """Cells of a column, NaN or "Bad" where their quality is bad, and notes that call them `of`."""
     values = table.column(value)
     cells = text_cells(values) if not values.dtype.is_numeric() else pl.Series(values.to_list())
     if not quality:
         return cells, ()
-    words = text_cells(table.column(quality)).str.to_lowercase()
-    good = words.is_in(list(GOOD_QUALITY)).fill_null(value=True)
-    dropped = int((~good).sum())
-    bad = pl.lit(
-        "Bad" if cells.dtype == pl.String else math.nan, cells.dtype if cells.dtype == pl.String else pl.Float64
-    )
-    kept = pl.DataFrame({"v": cells, "g": good}).select(pl.when("g").then("v").otherwise(bad))["v"]
-    return kept, (f"{dropped} values of bad quality count as missing.",) if dropped else ()
+    bad, notes = distrusted(table, quality, of or value, trust)
+    mark = pl.lit("Bad") if cells.dtype == pl.String else pl.lit(math.nan)
+    return pl.DataFrame({"v": cells, "b": bad}).select(pl.when("b").then(mark).otherwise("v").alias("v"))["v"], notes
 
 
 def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:

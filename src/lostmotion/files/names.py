@@ -103,4 +103,14 @@ BESIDE = (
     "unidad",
     "unidade",
 )
-GOOD_QUALITY = frozenset({"good", "ok", "g", "192", "0xc0", "c0", "good (192)", "good, non-specific", "valid", "0"})
+GOOD_QUALITY = frozenset({
+    "good", "ok", "g", "c0", "valid", "gut", "gultig", "bon", "bonne", "bueno", "buena", "bom", "boa",
+})  # fmt: skip
+UNCERTAIN_QUALITY = frozenset({
+    "questionable", "u", "q", "suspect", "doubtful", "substituted", "unsicher", "fraglich", "incertain", "douteux",
+    "incierto", "dudoso", "incerto", "duvidoso",
+})  # fmt: skip
+BAD_QUALITY = frozenset({
+    "b", "x", "failed", "not good", "schlecht", "gestort", "ungultig", "mauvais", "mauvaise", "invalide", "malo",
+    "mala", "ruim", "invalido",
+})  # fmt: skip

@@ -18,6 +18,7 @@ from lostmotion.files.long import called, with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.one_tag import one_tag
 from lostmotion.files.paths import is_folder, is_path
+from lostmotion.files.quality import ALL, Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import same_tag
 
@@ -91,7 +92,7 @@ class Opened:
         return {role: name for role, name in roles.items() if name is not None}
 
 
-def opened(source: Any, asked: Collection[str] = (), query: str | None = None) -> Opened:
+def opened(source: Any, asked: Collection[str] = (), query: str | None = None, trust: Trust = ALL) -> Opened:
     """Read a source, but do not yet choose a loop.
 
     Parameters
@@ -102,6 +103,8 @@ def opened(source: Any, asked: Collection[str] = (), query: str | None = None) -
         Columns that the user named; of files of one tag each, the names of the files.
     query : str, optional
         Of a database.
+    trust : Trust
+        What is believed of the qualities in files of one tag each.
 
     Raises
     ------
@@ -118,7 +121,7 @@ def opened(source: Any, asked: Collection[str] = (), query: str | None = None) -
             raise _one_tag_alone(Path(source))
         return Opened(found, _name(source))
     if len(paths) == 1:
-        return opened(paths[0])
+        return opened(paths[0], asked, query, trust)
     loaded = [tables(path) for path in paths]
     each = [one_tag(found[""]) if "" in found else None for found in loaded]
     whole = [path for path, one in zip(paths, each, strict=True) if one is None]
@@ -126,7 +129,7 @@ def opened(source: Any, asked: Collection[str] = (), query: str | None = None) -
         raise _whole_records(paths, whole)
     files = [(path, one) for path, one in zip(paths, each, strict=True) if one is not None]
     folder = Path(source) if is_path(source) and is_folder(Path(source)) else paths[0].absolute().parent
-    return Opened({"": joined(files, _called(source, paths), asked)}, folder.absolute().name, by_tags=True)
+    return Opened({"": joined(files, _called(source, paths), asked, trust)}, folder.absolute().name, by_tags=True)
 
 
 def loops_of_file(path: Path, op: str = "OP", pv: str = "PV") -> tuple[str, ...]:

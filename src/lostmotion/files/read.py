@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
@@ -11,6 +11,7 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.columns import Wanted
 from lostmotion.files.interpret import Meaning, check_dt, interpret
 from lostmotion.files.opened import opened
+from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loop_type
 from lostmotion.records.modes import holds
@@ -25,6 +26,8 @@ class Plant(TypedDict, total=False):
 
     loop: str | None
     query: str | None
+    uncertain: Literal["keep", "bad"]
+    quality: Literal[False] | None
     automatic: str | Sequence[str] | None
     manual: str | Sequence[str] | None
 
@@ -80,7 +83,8 @@ def read_loop(
         ``loop="FIC102"``: tag of the loop to read where a file holds several: columns FIC102.PV, FIC102.OUT .. or
         FT_102 and FV_102. ``query="SELECT .."``: of a database, whose address (``sqlite:///plant.db``, or any of
         SQLAlchemy with ``lostmotion[sql]``) is the source. ``automatic="1"``, ``manual="0"``: what the mode column
-        holds, a word or several.
+        holds, a word or several. ``uncertain="bad"``: values of uncertain quality are missing, as bad ones are;
+        ``quality=False``: columns of quality are not read.
 
     Returns
     -------
@@ -113,11 +117,11 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    content = opened(
-        source, [name for name in (op, pv, sp, position, mode) if isinstance(name, str)], plant.get("query")
-    )
+    asked = [name for name in (op, pv, sp, position, mode) if isinstance(name, str)]
+    trust = trust_of(plant)
+    content = opened(source, asked, plant.get("query"), trust)
     table, loop = content.table(plant.get("loop"))
-    meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop)
+    meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop, trust=trust)
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
@@ -137,6 +141,14 @@ def read_loop(
         loop_type=kind,
         made_up=meaning.made_up,
     )
+
+
+def trust_of(plant: Mapping[str, Any]) -> Trust:
+    """What is believed of the qualities in a source, by the settings `uncertain` and `quality`."""
+    uncertain, quality = plant.get("uncertain", "keep"), plant.get("quality")
+    if uncertain not in ("keep", "bad"):
+        raise ParameterError.expected("uncertain='keep' or 'bad'", repr(uncertain), "choose one of them")
+    return Trust(read=quality is not False, uncertain=uncertain == "keep")
 
 
 def _words(table: Table, name: str) -> StringArray:
