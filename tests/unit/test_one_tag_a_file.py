@@ -206,6 +206,22 @@ def test_without_times_dt_is_asked_for(folder):
     assert_whole(lm.read_loop(folder, dt=1.0))
 
 
+def test_times_without_a_common_rate_are_refused_with_a_command_that_works(capsys, folder):
+    random = np.random.default_rng(4)
+    for name, values, step in (("OP", OP, 2.0), ("PV", PV, 5.0)):
+        write(
+            folder / f"FIC101_{name}.csv",
+            np.cumsum(random.uniform(0.5, 1.5, N)) * step,
+            values,
+            form="%Y-%m-%d %H:%M:%S.%f",
+        )
+    code, _, error = run(capsys, "check", folder)
+    commands = commands_of(error)
+    assert (code, [command[:-1] for command in commands]) == (1, [["check", str(folder), "--dt"]])
+    assert float(commands[0][-1]) == pytest.approx(5.0, rel=0.1)  # that of PV, not of all rows
+    assert run(capsys, *commands[0])[2] == ""
+
+
 def test_check_of_the_files_is_one_record_and_its_next_command_works(capsys, folder):
     op, pv = folder / "FIC101_OP.csv", folder / "FIC101_PV.csv"
     for words in ((op, pv), (folder,), (folder / "FIC101_*.csv",)):

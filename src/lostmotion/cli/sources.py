@@ -57,7 +57,10 @@ class Source(_Path):
 
     def __str__(self) -> str:
         named = ["--loop", self.loop] if self.loop is not None else []
-        return shlex.join([*words_of(self), *named]) if self.words else super().__str__()
+        if not self.words:
+            return super().__str__()
+        typed = [*words_of(self), *named]
+        return shlex.join(typed) if len(typed) > 1 else typed[0]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Source) and (self.words, self.loop) == (other.words, other.loop)

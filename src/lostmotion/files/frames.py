@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
+import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +130,9 @@ def peeked(path: Path) -> Table:
             start = stream.read(PEEKED)
     except OSError:
         return load(path)  # says what is wrong
+    if start.startswith(GZIP):
+        with suppress(OSError, EOFError, zlib.error), gzip.open(path) as stream:
+            start = stream.read(PEEKED)
     binary = start.startswith((MAT, MAT_HDF5, _PARQUET, _ARROW, GZIP, ZIP)) or b"\0" in start
     if binary or len(start) < PEEKED:
         return load(path)

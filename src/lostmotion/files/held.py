@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.errors import TimeError
+from lostmotion.files.resampled import usual_step
 from lostmotion.files.table import Table
 from lostmotion.records.sampling import Bools
 
@@ -77,6 +79,26 @@ def held(table: Table, columns: Mapping[str, str], signals: Mapping[str, FloatAr
         f"{100 * shares[0]:.0f} % of OP, {100 * shares[1]:.0f} % of PV made up."
     )
     return Held(rows, filled, (shares[0], shares[1]), (note,))
+
+
+def no_common_rate(seconds: FloatArray, stored: Bools) -> TimeError:
+    """Error for tags whose times have no rate in common; it leads on by the usual step of PV.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        Times of the rows.
+    stored : ndarray of bool, shape (n,)
+        Rows in which PV has a value.
+    """
+    steps = np.diff(seconds[stored])
+    steps = steps[steps > 0]
+    if not len(steps):
+        return TimeError.expected("several values of PV", "one", "export a longer stretch")
+    step = usual_step(steps)
+    said = f"steps from {steps.min():.4g} to {steps.max():.4g} s between values of PV"
+    error = TimeError.expected("a rate to which all tags can be resampled", said, f"give dt={step:g} to resample them")
+    return error.leads_on({"dt": step})
 
 
 def _last(values: FloatArray, absent: Bools) -> FloatArray:

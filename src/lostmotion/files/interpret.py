@@ -9,11 +9,11 @@ import narwhals.stable.v2 as nw
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import DataError, ParameterError, TimeError
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
-from lostmotion.files.held import held
+from lostmotion.files.held import held, no_common_rate
 from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
@@ -140,7 +140,12 @@ def interpret(
         words = (*words, *filled.notes)
         stamps = None if stamps is None else _of_rows(stamps, table, filled.rows)
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
-    clock = find_clock(stamps, dt, ts, whole=usable is None)
+    try:
+        clock = find_clock(stamps, dt, ts, whole=usable is None)
+    except TimeError as error:
+        if not table.own_times or stamps is None or dt is not None:
+            raise
+        raise no_common_rate(stamps.seconds, ~table.column(columns.pv).is_null().to_numpy()) from error
     assumed = (*table.notes, *columns.notes, *comma)
     return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt), made_up)
 
