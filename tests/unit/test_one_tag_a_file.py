@@ -174,6 +174,19 @@ def test_a_file_that_contradicts_its_name_is_refused_with_commands_that_work(cap
     np.testing.assert_array_equal(lm.read_loop(folder, op="FIC101_OP", pv="FIC101_PV").op, OP)
 
 
+def test_tags_of_two_loops_are_not_put_together(capsys, tmp_path):
+    write(tmp_path / "FIC101.csv", np.arange(N), OP, "Time,OP")
+    write(tmp_path / "FIC102.csv", np.arange(N), PV, "Time,PV")
+    code, _, error = run(capsys, "check", tmp_path)
+    assert code == 1
+    assert "OP and PV of one loop, got 'FIC101.OP' and 'FIC102.PV'" in error
+    commands = commands_of(error)
+    assert [command[2:] for command in commands] == [["--op", "FIC101.OP", "--pv", "FIC102.PV"]]
+    assert run(capsys, *commands[0])[2] == ""
+    (tmp_path / "FIC102.csv").rename(tmp_path / "FIC101 (2).csv")
+    assert_whole(lm.read_loop(tmp_path))
+
+
 def test_what_cannot_be_joined(folder, tmp_path):
     op = folder / "FIC101_OP.csv"
     with pytest.raises(ColumnError, match="the values of one tag; give the files of all tags"):

@@ -10,7 +10,7 @@ from typing import Literal
 from lostmotion.errors import ColumnError
 from lostmotion.files.hints import likely
 from lostmotion.files.names import ALIASES, SAMPLING_NAMES, SECONDS
-from lostmotion.files.tags import BRACKETS, folded, key, loops_of, same_tag, tag_and_role
+from lostmotion.files.tags import BRACKETS, folded, key, loops_of, one_loop, same_tag, tag_and_role
 
 Wanted = str | Literal[False] | None
 
@@ -100,6 +100,7 @@ def resolve(
             if key(column) != role and role != "time":
                 notes.append(_note(role, column))
     _no_double(found)
+    _of_one_loop(found, wanted)
     return Columns(
         found["op"],
         found["pv"],
@@ -238,6 +239,19 @@ def named(role: str, name: Wanted, names: Sequence[str]) -> str:
     if not fits:
         raise ColumnError.missing(wanted, names, f"name it with {role}='<column>'")
     return fits[0]
+
+
+def _of_one_loop(found: dict[str, str], wanted: dict[str, Wanted]) -> None:
+    """Refuse OP and PV whose tags are of different loops, where neither was named."""
+    parsed = [tag_and_role(found[role]) for role in ("op", "pv") if not _is_named(role, wanted[role])]
+    tags = [one[0] for one in parsed if one is not None]
+    if len(tags) == 2 and not one_loop(*tags):
+        both = {role: found[role] for role in ("op", "pv")}
+        raise ColumnError.expected(
+            "OP and PV of one loop",
+            f"{found['op']!r} and {found['pv']!r}",
+            f"name them where they belong together: op={found['op']!r} and pv={found['pv']!r}",
+        ).leads_on(both)
 
 
 def _no_double(found: dict[str, str]) -> None:

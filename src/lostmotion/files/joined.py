@@ -14,11 +14,13 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError, TimeError
 from lostmotion.files.columns import time_unit
 from lostmotion.files.long import good_cells, wide
+from lostmotion.files.names import ENDS
 from lostmotion.files.number_cells import decimal_mark, is_text, text_cells, to_numbers
 from lostmotion.files.one_tag import OneTag, has_tag, role_of
 from lostmotion.files.order import arranged
 from lostmotion.files.quality import ALL, Trust
 from lostmotion.files.table import Table
+from lostmotion.files.tags import BRACKETS, isa
 from lostmotion.files.times import DAY, Stamps, read_times
 
 SHOWN = 6  # files in a note
@@ -77,10 +79,16 @@ def _names(files: Files, asked: Collection[str]) -> list[str]:
             f"one role of {files[odd][0].name!r}", said, "name the files: op='<name>' and pv='<name>'"
         )
         raise error.leads_on(*_ways([path_stem(path) for path, _ in files], told))
-    return [
-        next((name for name in names if has_tag(name)), names[0] if names else path_stem(path))
-        for (path, _), names in zip(files, told, strict=True)
-    ]
+    return [_name(path_stem(path), names) for (path, _), names in zip(files, told, strict=True)]
+
+
+def _name(stem: str, told: Sequence[str]) -> str:
+    """The first name that tells tag and role; of a role alone, with the tag that the file is called by."""
+    named = next((name for name in told if has_tag(name)), told[0] if told else stem)
+    whose = BRACKETS.sub("", stem)
+    if told and not has_tag(named) and isa(whose) is not None and role_of(named) in ENDS:
+        return f"{whose}.{role_of(named).upper()}"
+    return named
 
 
 def _ways(stems: Sequence[str], told: Sequence[Sequence[str]]) -> list[Mapping[str, object]]:

@@ -169,6 +169,20 @@ def same_tag(one: str, other: str) -> bool:
     return bool(_names_of(one) & _names_of(other))
 
 
+def one_loop(one: str, other: str) -> bool:
+    """Whether two tags are of one loop: the same, blocks of one module, or of the same ISA-5.1 letter and number.
+
+    Examples
+    --------
+    >>> one_loop("FIC101/PID1", "FIC101/AO1"), one_loop("FV-101", "FIC101"), one_loop("FIC101", "FIC102")
+    (True, True, False)
+    """
+    first, second = (tag.split("/")[0] for tag in (one, other))
+    parsed = [isa(tag) for tag in (first, second)]
+    numbers = {(area, letters[0], number) for area, letters, number in filter(None, parsed)}
+    return same_tag(first, second) or (None not in parsed and len(numbers) == 1)
+
+
 def _names_of(tag: str) -> set[str]:
     bare = re.sub(r"[\s_\-./:\\]+", "", tag).lower()
     parsed = isa(tag)
