@@ -65,7 +65,8 @@ def test_several_loops_are_read_by_name(capsys, tmp_path):
     for way, length in zip(caught.value.ways, (N, N - 9), strict=True):
         record = files.read_loop(path, **way)
         assert (len(record), record.tag) == (length, way["loop"])
-    assert len(files.read_loop(path, loop="Loop2")) == N - 9
+    record = files.read_loop(path, loop="Loop2")
+    assert (len(record), record.tag) == (N - 9, "data.loop2")
     with pytest.raises(ColumnError, match=r"a loop 'loop3', got data\.loop1, data\.loop2; name one"):
         files.read_loop(path, loop="loop3")
     assert [one.dt for one in files.read_loops(path).values()] == [1.0, 3.0]
@@ -74,6 +75,11 @@ def test_several_loops_are_read_by_name(capsys, tmp_path):
     assert "OP OP, PV PV, SP SP" in text
     command = next(line for line in text.splitlines() if line.startswith("    lostmotion check"))
     assert "loop 'data.loop1'" in run(capsys, *shlex.split(command)[1:])[1]
+    error = run(capsys, "check", path, "--loop", "loop3")[2]
+    commands = [shlex.split(line)[1:] for line in error.splitlines() if line.startswith("    lostmotion")]
+    assert commands == [["check", str(path), "--loop", f"data.loop{number}"] for number in (1, 2)]
+    for words in commands:
+        assert run(capsys, *words)[2] == ""
 
 
 def test_array_of_structs_is_several_loops(tmp_path):

@@ -252,7 +252,7 @@ def test_whole_records_stay_one_result_each(capsys, tmp_path, folder):
     assert [line.split()[0] for line in lines[:2]] == ["FIC7", "FIC8"]
     tags = sorted(folder.iterdir())
     lines = run(capsys, "check", tmp_path / "FIC7.csv", *tags)[1].splitlines()
-    assert [line.split()[0] for line in lines[:2]] == ["FIC7", "FIC101_OP"]
+    assert [line.split()[0] for line in lines[:2]] == ["FIC7", "FIC101"]
     assert lines[-1].startswith("2 loops: ")
     assert run(capsys, "check", tmp_path / "FIC7.csv", tags[0])[1].splitlines()[-1].endswith("1 without a result.")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from os.path import commonprefix
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,7 +54,8 @@ class Source(_Path):
             return super().stem
         if is_url(self.words[0]):
             return Path(self.words[0].split("?", maxsplit=1)[0]).stem
-        return Path(self.words[0]).absolute().stem
+        stems = [Path(word).absolute().stem for word in self.words]
+        return commonprefix(stems).rstrip(" _-.") or stems[0]  # noqa: RUF071  names, not paths
 
     def __str__(self) -> str:
         named = ["--loop", self.loop] if self.loop is not None else []

@@ -44,8 +44,8 @@ class Opened:
     name: str = ""
     by_tags: bool = False
 
-    def table(self, loop: str | None = None) -> tuple[Table, str | None]:
-        """Table of a loop, and the tag that is still to be looked for in its columns.
+    def table(self, loop: str | None = None) -> tuple[Table, str | None, str]:
+        """Table of a loop, the tag that is still to be looked for in its columns, and the name of the table.
 
         Raises
         ------
@@ -54,13 +54,13 @@ class Opened:
         """
         names = list(self.tables)
         if names == [""]:
-            return self.tables[""], loop
+            return self.tables[""], loop, ""
         if loop is None and len(names) > 1:
             raise several_loops(names, SEVERAL)
         fits = [name for name in names if loop in (None, name)] or _called_so(names, str(loop))
         if len(fits) != 1:
             raise no_such_loop(str(loop), names)
-        return self.tables[fits[0]], None
+        return self.tables[fits[0]], None, fits[0]
 
     def loops(self, op: str = "OP", pv: str = "PV") -> tuple[str, ...]:
         """Names of the loops, where it holds several; empty for one, or where the columns do not tell.
@@ -83,7 +83,7 @@ class Opened:
 
     def columns(self, loop: str) -> dict[str, str]:
         """Column of each role of a loop; empty where they do not tell."""
-        table, tag = self.table(loop)
+        table, tag, _ = self.table(loop)
         try:
             found = resolve(with_columns_of_tags(with_moments(table)).names, loop=tag)
         except DataError:

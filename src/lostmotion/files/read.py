@@ -120,13 +120,13 @@ def read_loop(
     asked = [name for name in (op, pv, sp, position, mode) if isinstance(name, str)]
     trust = trust_of(plant)
     content = opened(source, asked, plant.get("query"), trust)
-    table, loop = content.table(plant.get("loop"))
+    table, loop, part = content.table(plant.get("loop"))
     meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop, trust=trust)
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
     by_columns = meaning.columns.loop if content.by_tags or plant.get("loop") else ""
-    name = (by_columns or plant.get("loop") or content.name) if tag is None else tag
+    name = (part or by_columns or content.name) if tag is None else tag
     kind = loop_type(name) or loop_type(meaning.columns.loop)
     return LoopRecord(
         **meaning.signals,
