@@ -75,7 +75,9 @@ def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:
     twice = long.select("time", "tag").is_duplicated()
     if twice.any():
         when, tag, _ = long.filter(twice).row(0)
-        raise ColumnError.expected("one value of a tag at a time", f"several of {tag!r} at {when!r}", "export again")
+        raise ColumnError.expected(
+            "one value of a tag at a time", f"several of {tag!r} at {when!r}", "export with finer times"
+        )
     return long.pivot(on="tag", index="time", values="value", maintain_order=True).rename({"time": time})
 
 
