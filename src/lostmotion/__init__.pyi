@@ -21,7 +21,7 @@ from .errors import (
     TimeError,
 )
 from .evaluate import CompensationStudy, Solution, compensation_study, control_variance, mean_absolute_error, solve
-from .files import read_loop
+from .files import read_loop, read_loops
 from .identify import ChangeEvent, FitFacts, HammersteinFit, RecursiveIV, RecursiveML, identify, read_fit, run_many
 from .models import (
     Backlash,
@@ -91,6 +91,7 @@ __all__ = [
     "read_block",
     "read_fit",
     "read_loop",
+    "read_loops",
     "routine_operation",
     "run_many",
     "signals",

@@ -145,6 +145,36 @@ def test_reads_to_the_same_samples(tmp_path, times, dress, names, encoding, how)
     assert_the_original(read_loop(path))
 
 
+HELD = np.repeat(OP[::3], 3)  # an OP that moves every third sample
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["one clock", "own times"])
+@pytest.mark.parametrize("dress", ["commas", "semicolons", "tabs"])
+@pytest.mark.parametrize("times", TIMES)
+def test_a_file_for_each_tag_reads_to_the_same_samples(tmp_path, times, dress, own):
+    stamps, order = TIMES[times]
+    look = DRESSES[dress]
+    decimal, delimiter, end = look["decimal"], look["delimiter"], look.get("end", "\n")
+    for role, values in (("OP", HELD), ("PV", PV), ("SP", SP)):
+        rows = [row for row in order if not own or role == "PV" or (role == "OP" and row % 3 == 0) or row == 0]
+        lines = [delimiter.join(("Timestamp", "Value", "Quality"))]
+        for row in rows:
+            stamp = stamps[row].replace(".", decimal) if stamps[row].count(".") == 1 else stamps[row]
+            lines.append(delimiter.join((stamp, f"{values[row]:.2f}".replace(".", decimal), "Good")))
+        (tmp_path / f"FIC101_{role}.csv").write_text(end.join([*lines, ""]))
+    if own and times.startswith("minute stamps"):
+        with pytest.raises(InputError, match="one value of a tag at a time"):
+            read_loop(tmp_path)
+        return
+    record = read_loop(tmp_path)
+    assert record.dt == pytest.approx(DT, rel=1e-3)
+    np.testing.assert_array_equal(record.op, HELD)
+    np.testing.assert_array_equal(record.pv, PV)
+    np.testing.assert_array_equal(record.sp, SP)
+    assert record.gaps == ()
+    assert "files of one tag each" in record.notes[0]
+
+
 def wide(names_of, tags=("FIC101", "FIC102")):
     head = ["Time", *(name for tag in tags for name in names_of(tag))]
     rows = [f"{DT * k},{OP[k]},{PV[k]},{SP[k]},{OP[-1 - k]},{PV[-1 - k]},{SP[-1 - k]}" for k in range(N)]
@@ -191,7 +221,8 @@ AMBIGUOUS = {  # text, and whether the original comes out of the first command
 def run(capsys, *words):
     with pytest.raises(SystemExit) as stop:
         main([str(word) for word in words])
-    return int(stop.value.code or 0), capsys.readouterr().err
+    seen = capsys.readouterr()
+    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.mark.parametrize("case", AMBIGUOUS)
@@ -201,10 +232,10 @@ def test_what_is_ambiguous_is_refused_with_commands_that_work(capsys, tmp_path, 
     path.write_text(text)
     with pytest.raises(InputError) as caught:
         read_loop(path)
-    _, error = run(capsys, "check", path)
-    commands = [line.strip() for line in error.splitlines()[1:]]
+    _, text, error = run(capsys, "check", path)
+    commands = [line.strip() for line in (text + error).splitlines() if line.startswith("    lostmotion check")]
     assert bool(commands) == (leads is not None) or case == "two OP"
     for command in commands:
-        assert run(capsys, *shlex.split(command)[1:])[1] == "", command
+        assert run(capsys, *shlex.split(command)[1:])[2] == "", command
     if leads:
         assert_the_original(read_loop(path, **caught.value.ways[0]))

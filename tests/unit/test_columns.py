@@ -150,3 +150,25 @@ def test_key_and_unit():
     assert time_unit("elapsed time [s]") == 1.0
     assert time_unit("t_h") == 3600.0
     assert time_unit("s") is None
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["FIC101.OP", "FIC101.PV"],
+        ["FIC-101/AO1/OUT.CV", "FIC-101/PID1/PV.CV"],
+        ["FV101.OUT", "FIC101.PV"],
+        ["OP", "FIC102.PV"],
+    ],
+)
+def test_op_and_pv_of_one_loop(names):
+    found = resolve(["t", *names])
+    assert [found.op, found.pv] == names
+
+
+@pytest.mark.parametrize("names", [["FIC101.OP", "FIC102.PV"], ["FIC101_OP", "PIC101_PV"]])
+def test_op_and_pv_of_two_loops_are_refused(names):
+    with pytest.raises(ColumnError, match="OP and PV of one loop") as caught:
+        resolve(["t", *names])
+    (way,) = caught.value.ways
+    assert resolve(["t", *names], **way).pv == names[1]

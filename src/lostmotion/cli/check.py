@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
+from lostmotion.cli.listed import listed_loops
 from lostmotion.cli.options import Files, RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.several import each, refuse_tag, tell
+from lostmotion.cli.sources import sources
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -25,12 +29,17 @@ def check(
 
     Example: lostmotion check FIC-101.csv --op CO --dt 1
 
-    Several files give one line each, then a table with the worst first; --json gives a list.
+    Several files give one line each, then a table with the worst first; --json gives a list. Files of one tag each, or
+    a folder of them, are one record. Of a file with several loops it lists these.
 
-    Exit code 1 where a record cannot be identified as it is.
+    Exit code 1 where a record cannot be identified as it is, or a loop is to be named.
     """
     from lostmotion.records.checked import CheckedRecord, checked_line, checked_table
 
+    files = sources(files, columns)
+    if len(files) == 1 and (listed := listed_loops(files[0], columns)) is not None:
+        output.show(listed.summary(), listed.to_dict())
+        raise typer.Exit(1)
     refuse_tag(files, columns)
 
     def work(file: Path) -> Told:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Collection, Sequence
 
+from lostmotion.addresses import without_password
 from lostmotion.cli.wording import FLAGS, OFFERED, OPTIONS
 
 MOST = 6  # commands under a message
@@ -18,7 +19,7 @@ def commands_on(error: Exception, words: Sequence[str], offered: Collection[str]
     error : Exception
         With `ways`, where some are known.
     words : sequence of str
-        What was typed behind ``lostmotion``; of options that stand twice the last counts.
+        What was typed behind ``lostmotion``; an option that is given anew takes the place of the old one.
     offered : collection of str, optional
         Options of the command; None: of the one that runs.
 
@@ -30,12 +31,24 @@ def commands_on(error: Exception, words: Sequence[str], offered: Collection[str]
     ["lostmotion check 'a b.csv' --dt 30", "lostmotion check 'a b.csv' --dt 1 --ignore-time"]
     """
     known = OFFERED.get() if offered is None else offered
+    shown = ["lostmotion", *map(without_password, words)]
     lines = []
     for way in getattr(error, "ways", ())[:MOST]:
         options = [_option(name, value) for name, value in way.items()]
         if all(option[0] in known for option in options):
-            lines.append(shlex.join(["lostmotion", *words, *(word for option in options for word in option)]))
+            flags = {option[0] for option in options}
+            lines.append(shlex.join([*_without(shown, flags), *(word for option in options for word in option)]))
     return lines
+
+
+def _without(words: Sequence[str], flags: Collection[str]) -> list[str]:
+    """Words without options that are given anew, and their values."""
+    kept: list[str] = []
+    for place, word in enumerate(words):
+        value_of_one = place > 0 and words[place - 1] in flags and words[place - 1] not in FLAGS.values()
+        if word not in flags and not value_of_one and word.split("=", maxsplit=1)[0] not in flags:
+            kept.append(word)
+    return kept
 
 
 def _option(name: str, value: object) -> list[str]:

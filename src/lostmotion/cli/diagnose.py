@@ -14,6 +14,7 @@ from lostmotion.cli.options import Files, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
 from lostmotion.cli.several import data_of, each, refuse_tag, tell
+from lostmotion.cli.sources import sources
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -63,13 +64,15 @@ def diagnose(
 
     Example: lostmotion diagnose FIC-101.csv --loop-type flow --figure fic101.png
 
-    Several files give one line each as they are done, then a table with the worst first. With --same-loop they are
-    records of one valve: what they say is added up, in the order given. Long records are read by their windows.
+    Several files, or the loops of one, give one line each as they are done, then a table with the worst first. With
+    --same-loop they are records of one valve: what they say is added up, in the order given. Long records are read by
+    their windows.
 
     Exit code 0 where nothing is wrong with the actuator; 1 for a finding, a record that does not tell, or a failure.
     """
     from lostmotion.report import diagnosis_line, diagnosis_table
 
+    files = sources(files, columns, every_loop=not same_loop)
     if same_loop:
         raise _together(files, integrating, loop_type, tolerance, figure, out, columns, output)
     refuse_tag(files, columns)

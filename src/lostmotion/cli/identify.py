@@ -12,6 +12,7 @@ import lostmotion as lm
 from lostmotion.cli.options import Files, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.several import each, refuse_tag, tell
+from lostmotion.cli.sources import sources
 from lostmotion.errors import ParameterError, Status
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ def identify(
     """
     from lostmotion.report.fit_table import fit_line, fit_table
 
+    files = sources(files, columns)
     refuse_tag(files, columns)
     figures, outs = places(files, figure, "figures", ".png"), places(files, out, "results", ".json")
     output.refuse(*outs.values(), figures=tuple(figures.values()))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.sources import as_path, read_as
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -20,12 +22,21 @@ def number(flag: str, help_: str) -> Any:
 
 
 File = Annotated[
-    Path, typer.Argument(help="CSV, text, Parquet or MAT file with the record of one loop.", show_default=False)
+    Path,
+    typer.Argument(
+        help="CSV, text, Parquet or MAT file with the record of one loop, or a folder of files of one tag each.",
+        show_default=False,
+        parser=as_path,
+    ),
 ]
 Files = Annotated[
     list[Path],
     typer.Argument(
-        metavar="FILE", help="Records (CSV, text, Parquet, MAT), one file for each loop.", show_default=False
+        metavar="FILE",
+        help="Records (CSV, text, Parquet, MAT): a file for each loop, a file or a folder with several loops, or a "
+        "file for each tag (FIC101_OP.csv FIC101_PV.csv); or the URL of a database, with --query.",
+        show_default=False,
+        parser=as_path,
     ),
 ]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
@@ -44,6 +55,12 @@ PvSpan = Annotated[
     number("--pv-span", "Range of the transmitter in units of PV, e.g. 0 250."),
 ]
 Loop = Annotated[str | None, number("--loop", "Tag of the loop, where a file holds several: FIC102.")]
+Query = Annotated[str | None, number("--query", "SQL that gives the rows; FILE is then the URL of a database.")]
+Uncertain = Annotated[
+    Literal["keep", "bad"],
+    typer.Option("--uncertain", help="Values of uncertain quality: keep them, or let them be missing as bad ones are."),
+]
+NoQuality = Annotated[bool, typer.Option("--ignore-quality", help="Take all values, whatever their quality.")]
 Mode = Annotated[str | None, number("--mode", "Column with the mode of the controller.")]
 Automatic = Annotated[
     list[str] | None,
@@ -70,12 +87,12 @@ class ColumnOptions:
         """As the readers want it: False where the times are to be ignored."""
         return False if self.ignore_time else self.time
 
-    def read(self, path: Path, **other: Any) -> LoopRecord:
+    def read(self, path: Any, **other: Any) -> LoopRecord:
         """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
         known = asdict(self) | {"time": self.time_column}
-        for name in ("ignore_time", "auto_value", "manual_value"):
+        for name in ("ignore_time", "ignore_quality", "auto_value", "manual_value"):
             known.pop(name, None)
-        return lm.read_loop(path, **known, **other)
+        return lm.read_loop(path, **known | other)
 
 
 @dataclass(frozen=True)
@@ -88,9 +105,14 @@ class RecordOptions(ColumnOptions):
     pv_span: PvSpan = None
     mode: Mode = None
     loop: Loop = None
+    query: Query = None
+    uncertain: Uncertain = "keep"
+    ignore_quality: NoQuality = False
     auto_value: Automatic = None
     manual_value: Manual = None
 
     def read(self, path: Path, **other: Any) -> LoopRecord:
-        """Record of a file; `other` are further arguments of :func:`lostmotion.read_loop`."""
-        return super().read(path, automatic=self.auto_value, manual=self.manual_value, **other)
+        """Record of a file, or of what a Source stands for; `other` are further arguments of read_loop."""
+        quality = False if self.ignore_quality else None
+        known = {"automatic": self.auto_value, "manual": self.manual_value, "quality": quality} | other
+        return read_as(path, partial(super().read, **known), self)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lostmotion.cli.options import RecordOptions
+from lostmotion.cli.sources import words_of
 from lostmotion.cli.way_out import typed
 from lostmotion.cli.wording import as_options
 
@@ -44,7 +45,7 @@ def next_command(found: CheckedRecord, file: Path, columns: RecordOptions) -> st
     file, columns : Path and RecordOptions
         The record as it was read.
     """
-    words = [str(file), *typed(columns)]
+    words = [*words_of(file), *typed(columns)]
     if found.usable:
         return f"lostmotion {shlex.join(['diagnose', *words])}"
     return f"export it again, longer or raw, then: lostmotion {shlex.join(['check', *words])}"
@@ -59,9 +60,16 @@ def _held(record: LoopRecord, file: Path) -> str:
     missing = int(record.missing.sum())
     lost = f"; {missing} rows miss OP or PV" if missing else ""
     return (
-        f"{file.name} holds loop {record.tag!r}{kind}: {len(record)} samples of {listed}, one every {record.dt:g} s, "
+        f"{_shown(file)} loop {record.tag!r}{kind}: {len(record)} samples of {listed}, one every {record.dt:g} s, "
         f"{duration(len(record) * record.dt)} in all{gaps}{lost}."
     )
+
+
+def _shown(file: Path) -> str:
+    """Short name, and that it holds something: of files together the first and how many more."""
+    words = words_of(file)
+    name = Path(words[0]).name or words[0]
+    return f"{name} and {len(words) - 1} more hold" if len(words) > 1 else f"{name} holds"
 
 
 def _moves(facts: SignalFacts) -> str:

@@ -29,6 +29,9 @@ OPTIONS = {
     "pv": "--pv",
     "pv_limits": "--pv-limits",
     "pv_span": "--pv-span",
+    "quality": "--ignore-quality",
+    "query": "--query",
+    "uncertain": "--uncertain",
     "raw": "--raw",
     "sp": "--sp",
     "scan_time": "--scan-time",
@@ -36,7 +39,7 @@ OPTIONS = {
     "time": "--time",
     "wanted": "--interval",
 }
-FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw"}
+FLAGS = {("time", "False"): "--ignore-time", ("quality", "False"): "--ignore-quality", ("raw", "True"): "--raw"}
 OVERRIDE = OPTIONS["accept"]
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"

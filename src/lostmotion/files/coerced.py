@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import os
+from pathlib import Path
 from typing import Any
 
+from lostmotion.files.gathered import holds_one_tag
+from lostmotion.files.paths import is_path
 from lostmotion.files.read import read_loop
 from lostmotion.records.record import LoopRecord
 
@@ -17,7 +19,7 @@ def is_source(value: Any) -> bool:
     >>> is_source("FIC-101.csv"), is_source([1.0, 2.0])
     (True, False)
     """
-    return isinstance(value, str | os.PathLike) or (hasattr(value, "columns") and not isinstance(value, LoopRecord))
+    return is_path(value) or (hasattr(value, "columns") and not isinstance(value, LoopRecord))
 
 
 def as_record(source: Any, **settings: Any) -> LoopRecord:
@@ -46,6 +48,8 @@ def as_record(source: Any, **settings: Any) -> LoopRecord:
 def as_records(source: Any, **settings: Any) -> Any:
     """The same for one source or a list of them; anything else, such as an array, stays as it is.
 
+    A list of files of one tag each is one record.
+
     Examples
     --------
     >>> as_records([1.0, 2.0])
@@ -56,5 +60,7 @@ def as_records(source: Any, **settings: Any) -> Any:
         and source
         and all(is_source(one) or isinstance(one, LoopRecord) for one in source)
     ):
+        if len(source) > 1 and all(is_path(one) and holds_one_tag(Path(one)) for one in source):
+            return read_loop(source, **settings)
         return [as_record(one, **settings) for one in source]
     return as_record(source, **settings) if is_source(source) else source

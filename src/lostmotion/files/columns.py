@@ -10,12 +10,18 @@ from typing import Literal
 from lostmotion.errors import ColumnError
 from lostmotion.files.hints import likely
 from lostmotion.files.names import ALIASES, SAMPLING_NAMES, SECONDS
-from lostmotion.files.tags import BRACKETS, folded, key, loops_of, same_tag, tag_and_role
+from lostmotion.files.tags import BRACKETS, folded, key, loops_of, one_loop, same_tag, tag_and_role
 
 Wanted = str | Literal[False] | None
 
 __all__ = ["SAMPLING_NAMES", "Columns", "Wanted", "by_alias", "key", "named", "resolve", "time_unit", "usual"]
 SHOWN = 8  # loops in a message
+
+
+class SeveralLoopsError(ColumnError):
+    """Columns of several loops, and none was named; `loops` are their tags."""
+
+    loops: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -94,6 +100,7 @@ def resolve(
             if key(column) != role and role != "time":
                 notes.append(_note(role, column))
     _no_double(found)
+    _of_one_loop(found, wanted)
     return Columns(
         found["op"],
         found["pv"],
@@ -116,8 +123,7 @@ def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
     if loop is not None:
         fits = [tag for tag in loops if same_tag(tag, loop)]
         if len(fits) != 1:
-            error = ColumnError.missing(loop, loops, "name one of them, loop='<tag>'")
-            return _raised(error.leads_on(*({"loop": tag} for tag in loops)))
+            raise no_such_loop(loop, list(loops))
         return fits[0]
     of_column = [tag for tag, roles in loops.items() if set(roles.values()) & set(found.values())]
     if len(of_column) == 1 and not {"op", "pv"} <= set(found):
@@ -125,19 +131,26 @@ def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
     if {"op", "pv"} <= set(found) or any(usual(role, names, tags=False) for role in ("op", "pv")):
         return ""
     if len(loops) > 1:
-        tags = list(loops)
-        more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
-        error = ColumnError.expected(
-            "the columns of one loop",
-            f"{len(tags)} loops: {', '.join(tags[:SHOWN])}{more}",
-            f"name one: loop={tags[0]!r}",
-        )
-        return _raised(error.leads_on(*({"loop": tag} for tag in tags)))
+        raise several_loops(list(loops), "the columns of one loop")
     return next(iter(loops), "")
 
 
-def _raised(error: ColumnError) -> str:
-    raise error
+def several_loops(tags: Sequence[str], expected: str) -> SeveralLoopsError:
+    """Error that names the loops, and leads on to each."""
+    more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
+    said = f"{len(tags)} loops: {', '.join(tags[:SHOWN])}{more}"
+    error = SeveralLoopsError.expected(expected, said, f"name one: loop={tags[0]!r}")
+    error.loops = tuple(tags)
+    return error.leads_on(*({"loop": tag} for tag in tags))
+
+
+def no_such_loop(loop: str, tags: Sequence[str]) -> ColumnError:
+    """Error for the tag of a loop that is not there."""
+    more = f" and {len(tags) - SHOWN} more" if len(tags) > SHOWN else ""
+    said = f"{', '.join(tags[:SHOWN])}{more}" if tags else "no columns that tell a loop"
+    remedy = f"name one: loop={tags[0]!r}" if tags else "name columns: op='<column>' and pv='<column>'"
+    error = ColumnError.expected(f"a loop {loop!r}", said, remedy)
+    return error.leads_on(*({"loop": tag} for tag in tags))
 
 
 def _missing(role: str, names: Sequence[str], found: dict[str, str]) -> ColumnError:
@@ -162,7 +175,8 @@ def by_alias(role: str, names: Sequence[str]) -> str | None:
     fits = usual(role, names)
     if len(fits) > 1:
         remedy = f"rename the others, or say which: {role}={fits[0]!r}"
-        raise ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
+        error = ColumnError.expected(f"one column for {_title(role)}", f"{fits}", remedy)
+        raise error.leads_on(*({role: name} for name in fits))
     return fits[0] if fits else None
 
 
@@ -225,6 +239,19 @@ def named(role: str, name: Wanted, names: Sequence[str]) -> str:
     if not fits:
         raise ColumnError.missing(wanted, names, f"name it with {role}='<column>'")
     return fits[0]
+
+
+def _of_one_loop(found: dict[str, str], wanted: dict[str, Wanted]) -> None:
+    """Refuse OP and PV whose tags are of different loops, where neither was named."""
+    parsed = [tag_and_role(found[role]) for role in ("op", "pv") if not _is_named(role, wanted[role])]
+    tags = [one[0] for one in parsed if one is not None]
+    if len(tags) == 2 and not one_loop(*tags):
+        both = {role: found[role] for role in ("op", "pv")}
+        raise ColumnError.expected(
+            "OP and PV of one loop",
+            f"{found['op']!r} and {found['pv']!r}",
+            f"name them where they belong together: op={found['op']!r} and pv={found['pv']!r}",
+        ).leads_on(both)
 
 
 def _no_double(found: dict[str, str]) -> None:

@@ -2,31 +2,61 @@
 
 from __future__ import annotations
 
-import os
+import gzip
+import zlib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import narwhals.stable.v2 as nw
 import polars as pl
 
-from lostmotion.errors import DataError, FileAccessError, InputError
+from lostmotion.addresses import is_url
+from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
+from lostmotion.files.columns import several_loops
+from lostmotion.files.database import SQLITE, read_query
+from lostmotion.files.dataset import pieces_of, read_dataset
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
-from lostmotion.files.packed import is_workbook, unpacked
+from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
+from lostmotion.files.paths import is_path
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
 from lostmotion.files.workbook import load_workbook
 
+SEVERAL = "the table of one loop"
 _PARQUET = b"PAR1"
 _ARROW = b"ARROW1"  # Feather
+PEEKED = 1 << 16  # bytes of text that show its columns
 
 
 def load(source: Any) -> Table:
-    """Open a path or take a data frame.
+    """The one table of a source.
+
+    Raises
+    ------
+    ColumnError
+        It holds several: the error names them.
+    LostMotionError
+        As in :func:`tables`.
+
+    Examples
+    --------
+    >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
+    ['OP', 'PV']
+    """
+    found = tables(source)
+    if len(found) > 1:
+        raise several_loops(list(found), SEVERAL)
+    return next(iter(found.values()))
+
+
+def tables(source: Any, query: str | None = None) -> dict[str, Table]:
+    """Open a path or take a data frame: a table under "", or of a file with several one for each loop by its name.
 
     Parameters
     ----------
-    source : path or data frame
+    source : path, data frame or Table
         Path to delimited text, Parquet, Feather, a MAT file or a spreadsheet (told by its content; .gz, and .zip of one
         file, are unpacked), or an eager frame that narwhals knows.
 
@@ -41,10 +71,16 @@ def load(source: Any) -> Table:
 
     Examples
     --------
-    >>> load(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})).names
-    ['OP', 'PV']
+    >>> list(tables(pl.DataFrame({"OP": [1, 2], "PV": [3, 4]})))
+    ['']
     """
-    if isinstance(source, str | os.PathLike):
+    if isinstance(source, Table):
+        return {"": source}
+    if is_path(source) and (is_url(source) or is_database(Path(source))):
+        return {"": read_query(str(source), query)}
+    if query is not None:
+        raise ParameterError.expected("a query of a database only", "a file or a frame", "leave it out")
+    if is_path(source):
         return _from_path(Path(source))
     try:
         frame: nw.DataFrame[Any] = nw.from_native(source, eager_only=True)
@@ -54,19 +90,53 @@ def load(source: Any) -> Table:
             type(source).__name__,
             "collect a lazy frame first; for arrays build LoopRecord(op=..., pv=..., dt=...)",
         ) from error
-    return _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")
+    return {"": _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")}
 
 
-def _from_path(path: Path) -> Table:
+def is_database(path: Path) -> bool:
+    """Whether a path is an SQLite file, by its content."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(SQLITE)) == SQLITE
+    except (OSError, ValueError):
+        return False
+
+
+def _from_path(path: Path) -> dict[str, Table]:
+    pieces = pieces_of(path)
+    if pieces:
+        return read_dataset(path, pieces)
     raw, name = unpacked(read_bytes(path), path.name)
     if raw.startswith((MAT, MAT_HDF5)):
         return load_mat(raw, name)
     if is_workbook(raw):
-        return load_workbook(raw, name)
+        return {"": load_workbook(raw, name)}
     for kind, start, read in (("Parquet", _PARQUET, pl.read_parquet), ("Feather", _ARROW, pl.read_ipc)):
         if raw.startswith(start):
-            return _columns(raw, name, kind, read)
-    return parse_text(raw, name)
+            return {"": _columns(raw, name, kind, read)}
+    return {"": parse_text(raw, name)}
+
+
+def peeked(path: Path) -> Table:
+    """Table of the first rows of a text file, for its columns; of any other file the whole.
+
+    Raises
+    ------
+    FileAccessError, DataError
+        As in :func:`load`.
+    """
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(PEEKED)
+    except OSError:
+        return load(path)  # says what is wrong
+    if start.startswith(GZIP):
+        with suppress(OSError, EOFError, zlib.error), gzip.open(path) as stream:
+            start = stream.read(PEEKED)
+    binary = start.startswith((MAT, MAT_HDF5, _PARQUET, _ARROW, GZIP, ZIP)) or b"\0" in start
+    if binary or len(start) < PEEKED:
+        return load(path)
+    return parse_text(start[: start.rfind(b"\n") + 1] or start, path.name)
 
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:

@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import narwhals.stable.v2 as nw
 import numpy as np
 
-from lostmotion.arrays import FloatArray
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.errors import DataError, ParameterError, TimeError
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
+from lostmotion.files.held import held, no_common_rate
 from lostmotion.files.long import with_columns_of_tags
 from lostmotion.files.moments import with_moments
 from lostmotion.files.number_cells import decimal_mark, to_numbers
 from lostmotion.files.order import arranged, by_time
+from lostmotion.files.quality import ALL, Trust, distrusted, quality_column
 from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
@@ -75,6 +78,7 @@ def interpret(
     dt: float | None = None,
     usable: Callable[[Stamps], Stamps] | None = None,
     loop: str | None = None,
+    trust: Trust = ALL,
 ) -> Meaning:
     """Find out what the columns of a table mean; the settings are those of :func:`lostmotion.files.read_loop`.
 
@@ -83,6 +87,8 @@ def interpret(
     usable : callable
         Stamps -> those that the sampling time is told from. A growing file, whose further rows are not known, drops
         a few bad ones. None: all rows are here, and are put into the order of time.
+    trust : Trust
+        What is believed of columns of quality; a growing file has none.
 
     Raises
     ------
@@ -101,7 +107,7 @@ def interpret(
     check_dt(dt)
     table = with_moments(table) if time is None else table
     if usable is None:
-        table = with_columns_of_tags(table)
+        table = with_columns_of_tags(table, trust)
     if len(table.frame) < 2:
         raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
@@ -111,11 +117,14 @@ def interpret(
     decimal = decimal_mark(table, list(used))
     comma = ("Numbers were read with a decimal comma.",) if decimal == "," else ()
     signals, words = _signals(table, columns, decimal)
+    if usable is None:
+        words = (*words, *_without_bad(table, columns, signals, trust))
     stamps, doubt = _stamps(table, columns.time, decimal, dt)
     if stamps is not None and usable is not None:
         stamps = usable(stamps)
     elif stamps is not None:
         table, signals, stamps = _in_order(table, signals, stamps)
+        table = _holding(table, columns.mode)
         even = resampled(stamps.seconds, signals, dt, table.own_times)
         if even is not None:
             clock = Clock(even.dt, (), (*stamps.notes, even.note))
@@ -124,10 +133,28 @@ def interpret(
             return Meaning(
                 taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt), even.made_up
             )
+    made_up = (0.0, 0.0)
+    if usable is None and table.own_times:
+        filled = held(table, {role: getattr(columns, role) for role in signals}, signals)
+        table, signals, made_up = table.taken(filled.rows), filled.signals, filled.made_up
+        words = (*words, *filled.notes)
+        stamps = None if stamps is None else _of_rows(stamps, table, filled.rows)
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
-    clock = find_clock(stamps, dt, ts, whole=usable is None)
+    try:
+        clock = find_clock(stamps, dt, ts, whole=usable is None)
+    except TimeError as error:
+        if not table.own_times or stamps is None or dt is not None:
+            raise
+        raise no_common_rate(stamps.seconds, ~table.column(columns.pv).is_null().to_numpy()) from error
     assumed = (*table.notes, *columns.notes, *comma)
-    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt))
+    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt), made_up)
+
+
+def _of_rows(stamps: Stamps, table: Table, rows: IntArray) -> Stamps:
+    """Times of some of the rows."""
+    seconds = stamps.seconds[rows]
+    dates = None if stamps.dates is None else stamps.dates[rows.tolist()]
+    return replace(stamps, seconds=seconds - seconds[:1], table=table, dates=dates)
 
 
 def _in_order(
@@ -140,6 +167,13 @@ def _in_order(
     table = table.taken(found.rows)
     moved = replace(stamps, seconds=found.seconds - found.seconds[0], table=table, notes=(*stamps.notes, *found.notes))
     return table, {role: values[found.rows] for role, values in signals.items()}, moved
+
+
+def _holding(table: Table, mode: str | None) -> Table:
+    """Modes hold until the next one, where each tag has times of its own."""
+    if mode is None or not table.own_times:
+        return table
+    return replace(table, frame=table.frame.with_columns(nw.col(mode).fill_null(strategy="forward")))
 
 
 def check_dt(dt: float | None) -> None:
@@ -177,6 +211,19 @@ def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, Fl
             signals[role], words = to_numbers(table, name, decimal)
             notes += words
     return signals, notes
+
+
+def _without_bad(table: Table, columns: Columns, signals: dict[str, FloatArray], trust: Trust) -> tuple[str, ...]:
+    """Make values missing whose quality is bad; notes."""
+    notes: tuple[str, ...] = ()
+    for role, values in signals.items():
+        name = getattr(columns, role)
+        beside = quality_column(table, name)
+        if beside is not None and beside not in (columns.op, columns.pv, columns.sp, columns.position, columns.mode):
+            bad, said = distrusted(table, beside, name, trust)
+            values[bad] = np.nan
+            notes += said
+    return notes
 
 
 def _stamps(table: Table, name: str | None, decimal: str, dt: float | None) -> tuple[Stamps | None, tuple[str, ...]]:

@@ -88,4 +88,29 @@ LONG: dict[str, tuple[str, ...]] = {
     "value": ("value", "val", "wert", "messwert", "valeur", "valor"),
     "quality": ("quality", "qual", "status", "opc quality", "qualitat", "qualite", "calidad", "qualidade"),
 }  # fmt: skip
-GOOD_QUALITY = frozenset({"good", "ok", "g", "192", "0xc0", "c0", "good (192)", "good, non-specific", "valid", "0"})
+BESIDE = (
+    "id",
+    "index",
+    "row",
+    "no",
+    "nr",
+    "unit",
+    "units",
+    "eu",
+    "description",
+    "einheit",
+    "unite",
+    "unidad",
+    "unidade",
+)
+GOOD_QUALITY = frozenset({
+    "good", "ok", "g", "c0", "valid", "gut", "gultig", "bon", "bonne", "bueno", "buena", "bom", "boa",
+})  # fmt: skip
+UNCERTAIN_QUALITY = frozenset({
+    "questionable", "u", "q", "suspect", "doubtful", "substituted", "unsicher", "fraglich", "incertain", "douteux",
+    "incierto", "dudoso", "incerto", "duvidoso",
+})  # fmt: skip
+BAD_QUALITY = frozenset({
+    "b", "x", "failed", "not good", "schlecht", "gestort", "ungultig", "mauvais", "mauvaise", "invalide", "malo",
+    "mala", "ruim", "invalido",
+})  # fmt: skip

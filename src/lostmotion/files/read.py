@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.columns import Wanted
-from lostmotion.files.frames import load
 from lostmotion.files.interpret import Meaning, check_dt, interpret
+from lostmotion.files.opened import opened
+from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loop_type
 from lostmotion.records.modes import holds
@@ -26,6 +25,9 @@ class Plant(TypedDict, total=False):
     """What the plant calls things, beside its columns."""
 
     loop: str | None
+    query: str | None
+    uncertain: Literal["keep", "bad"]
+    quality: Literal[False] | None
     automatic: str | Sequence[str] | None
     manual: str | Sequence[str] | None
 
@@ -49,10 +51,12 @@ def read_loop(
 
     Parameters
     ----------
-    source : path or data frame
+    source : path, data frame or list of paths
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
         or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
-        of one file; or a pandas, Polars or PyArrow frame.
+        of one file; or a pandas, Polars or PyArrow frame. A list of files, a folder or a pattern (``FIC101_*.csv``):
+        files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one record; Parquet in partitions
+        (year=2024/month=1/..) or in numbered or dated pieces is one table.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
@@ -77,7 +81,10 @@ def read_loop(
         usual names.
     **plant
         ``loop="FIC102"``: tag of the loop to read where a file holds several: columns FIC102.PV, FIC102.OUT .. or
-        FT_102 and FV_102. ``automatic="1"``, ``manual="0"``: what the mode column holds, a word or several.
+        FT_102 and FV_102. ``query="SELECT .."``: of a database, whose address (``sqlite:///plant.db``, or any of
+        SQLAlchemy with ``lostmotion[sql]``) is the source. ``automatic="1"``, ``manual="0"``: what the mode column
+        holds, a word or several. ``uncertain="bad"``: values of uncertain quality are missing, as bad ones are;
+        ``quality=False``: columns of quality are not read.
 
     Returns
     -------
@@ -110,11 +117,16 @@ def read_loop(
     check_dt(dt)
     if missing not in ("keep", "error"):
         raise ParameterError.expected("missing='keep' or 'error'", repr(missing), "choose one of them")
-    meaning = interpret(load(source), op, pv, sp, position, time, mode, dt, loop=plant.get("loop"))
+    asked = [name for name in (op, pv, sp, position, mode) if isinstance(name, str)]
+    trust = trust_of(plant)
+    content = opened(source, asked, plant.get("query"), trust)
+    table, loop, part = content.table(plant.get("loop"))
+    meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop, trust=trust)
     if missing == "error":
         _refuse_missing(meaning)
     word = meaning.columns.mode
-    name = (meaning.columns.loop if plant.get("loop") else _tag(source)) if tag is None else tag
+    by_columns = meaning.columns.loop if content.by_tags or plant.get("loop") else ""
+    name = (part or by_columns or content.name) if tag is None else tag
     kind = loop_type(name) or loop_type(meaning.columns.loop)
     return LoopRecord(
         **meaning.signals,
@@ -129,6 +141,14 @@ def read_loop(
         loop_type=kind,
         made_up=meaning.made_up,
     )
+
+
+def trust_of(plant: Mapping[str, Any]) -> Trust:
+    """What is believed of the qualities in a source, by the settings `uncertain` and `quality`."""
+    uncertain, quality = plant.get("uncertain", "keep"), plant.get("quality")
+    if uncertain not in ("keep", "bad"):
+        raise ParameterError.expected("uncertain='keep' or 'bad'", repr(uncertain), "choose one of them")
+    return Trust(read=quality is not False, uncertain=uncertain == "keep")
 
 
 def _words(table: Table, name: str) -> StringArray:
@@ -161,10 +181,3 @@ def _refuse_missing(meaning: Meaning) -> None:
                 f"{len(rows)} missing: {shown}{more}",
                 "repair the export, or read with missing='keep'",
             )
-
-
-def _tag(source: Any) -> str:
-    if not isinstance(source, str | os.PathLike):
-        return ""
-    path = Path(source)
-    return Path(path.stem).stem if path.suffix.lower() in (".gz", ".zip") else path.stem

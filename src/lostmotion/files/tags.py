@@ -50,6 +50,8 @@ def tag_and_role(name: str) -> tuple[str, str] | None:
     --------
     >>> tag_and_role("FIC-101/PID1/OUT.CV"), tag_and_role("FIC101 PV [m3/h]"), tag_and_role("T_out")
     (('FIC-101/PID1', 'op'), ('FIC101', 'pv'), None)
+    >>> tag_and_role("FIC101_OUT"), tag_and_role("TI101_OUT")
+    (('FIC101', 'op'), None)
     """
     bare = BRACKETS.sub("", name.strip())
     words = re.split(r"[\s_]+", bare)
@@ -63,8 +65,9 @@ def tag_and_role(name: str) -> tuple[str, str] | None:
         word = " ".join(part.lower() for part, _ in parts[-count:])
         behind = bare[start - 1]
         for role, ends in ENDS.items():
-            if word in ends and (behind in "./:\\" or word in ENDS_ANYWHERE):
-                return bare[: start - 1].rstrip(" _-./:\\"), role
+            tag = bare[: start - 1].rstrip(" _-./:\\")
+            if word in ends and (behind in "./:\\" or word in ENDS_ANYWHERE or _is_controller(tag)):
+                return tag, role
     return None
 
 
@@ -80,13 +83,14 @@ def loops_of(names: Iterable[str]) -> Loops:
     """
     names = list(names)
     found: Loops = {}
+    twice: set[str] = set()  # two columns of one role: not to be told apart
     for name in names:
-        parsed = tag_and_role(name)
-        if parsed is not None and parsed[1] in found.get(parsed[0], {}):
-            found.pop(parsed[0])  # two columns of one role: not to be told apart
-        elif parsed is not None:
-            found.setdefault(parsed[0], {})[parsed[1]] = name
-    whole = {tag: roles for tag, roles in found.items() if {"op", "pv"} <= set(roles)}
+        tag, role = tag_and_role(name) or ("", "")
+        if role in found.get(tag, {}):
+            twice.add(tag)
+        elif role:
+            found.setdefault(tag, {})[role] = name
+    whole = {tag: roles for tag, roles in found.items() if {"op", "pv"} <= set(roles) and tag not in twice}
     return whole or _isa_loops(names)
 
 
@@ -94,9 +98,8 @@ def _isa_loops(names: Sequence[str]) -> Loops:
     """Transmitters and valves of the same letter and number."""
     found: dict[str, dict[str, list[str]]] = {}
     for name in names:
-        parsed = isa(name)
-        role = None if parsed is None else _isa_role(parsed[1])
-        if parsed is not None and role is not None:
+        parsed, role = isa(name), isa_role(name)
+        if parsed is not None and role:
             area, letters, number = parsed
             found.setdefault(f"{area}{letters[0]}{number}", {}).setdefault(role, []).append(name)
     return {
@@ -121,9 +124,23 @@ def isa(name: str) -> tuple[str, str, str] | None:
     return (found["area"] or "", letters, found["number"]) if letters[0] in LOOP_TYPES else None
 
 
-def _isa_role(letters: str) -> str | None:
-    behind = letters[1:]
-    return "pv" if behind in MEASURES else "op" if behind in MOVES else None
+def isa_role(name: str) -> str:
+    """Role of a transmitter or a valve by its ISA-5.1 letters; empty: neither.
+
+    Examples
+    --------
+    >>> isa_role("FT_211"), isa_role("LV-106"), isa_role("FIC101")
+    ('pv', 'op', '')
+    """
+    parsed = isa(name)
+    behind = "" if parsed is None else parsed[1][1:]
+    return "pv" if behind in MEASURES else "op" if behind in MOVES else ""
+
+
+def _is_controller(tag: str) -> bool:
+    """Whether a tag is that of a controller (FIC101): its output is an OP, that of an indicator is none."""
+    parsed = isa(tag)
+    return parsed is not None and parsed[1][1:] in CONTROLS
 
 
 def loop_type(tag: str) -> str:
@@ -150,6 +167,20 @@ def same_tag(one: str, other: str) -> bool:
     (True, True, False)
     """
     return bool(_names_of(one) & _names_of(other))
+
+
+def one_loop(one: str, other: str) -> bool:
+    """Whether two tags are of one loop: the same, blocks of one module, or of the same ISA-5.1 letter and number.
+
+    Examples
+    --------
+    >>> one_loop("FIC101/PID1", "FIC101/AO1"), one_loop("FV-101", "FIC101"), one_loop("FIC101", "FIC102")
+    (True, True, False)
+    """
+    first, second = (tag.split("/")[0] for tag in (one, other))
+    parsed = [isa(tag) for tag in (first, second)]
+    numbers = {(area, letters[0], number) for area, letters, number in filter(None, parsed)}
+    return same_tag(first, second) or (None not in parsed and len(numbers) == 1)
 
 
 def _names_of(tag: str) -> set[str]:

@@ -1,0 +1,34 @@
+"""Addresses of databases: told from paths, and shown without their password."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+_URL = re.compile(r"[A-Za-z][\w+.\-]*://")
+_PASSWORD = re.compile(r"(://[^:/@]*):(.*)@")
+_SECRET = re.compile(r"((?:password|passwd|pwd|token|secret|sslpassword)=)[^&\s]*", re.IGNORECASE)
+
+
+def is_url(source: Any) -> bool:
+    """Whether a source is the address of a database, such as ``sqlite:///plant.db``."""
+    return isinstance(source, str) and _URL.match(source) is not None
+
+
+def without_password(text: str) -> str:
+    """Address, or any text that holds one, without its password.
+
+    Examples
+    --------
+    >>> without_password("postgresql://reader:p@ss/w@host/plant"), without_password("a.csv")
+    ('postgresql://reader:***@host/plant', 'a.csv')
+    >>> without_password("mssql://host/plant?user=reader&password=abc")
+    'mssql://host/plant?user=reader&password=***'
+    """
+    return _SECRET.sub(r"\1***", _PASSWORD.sub(r"\1:***@", text)) if "://" in text else text
+
+
+def password_of(url: str) -> str:
+    """Password in an address; empty where there is none."""
+    found = _PASSWORD.search(url)
+    return found.group(2) if found else ""
