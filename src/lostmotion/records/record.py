@@ -8,14 +8,18 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records.when import as_moment, bound, later, nothing_there
+
+if TYPE_CHECKING:
+    from lostmotion.records.checked import CheckedRecord
 
 StringArray = npt.NDArray[np.str_]
 _SIGNALS = ("op", "pv", "sp", "position")
@@ -189,6 +193,26 @@ class LoopRecord:
     def between(self, start: float, stop: float) -> LoopRecord:
         """Rows from `start` to `stop` seconds after the first one (exclusive); what gaps left out does not count."""
         return self[max(round(start / self.dt), 0) : max(round(stop / self.dt), 0)]
+
+    def check(self) -> CheckedRecord:
+        """What ``lostmotion check`` finds: the report, and what of the record an identification would use.
+
+        Examples
+        --------
+        >>> found = LoopRecord(op=[50.0] * 300, pv=list(range(300)), dt=1.0).check()
+        >>> found.usable, found.report.findings[0].what
+        (False, 'OP is constant (50).')
+        """
+        from lostmotion.records.checked import CheckedRecord  # noqa: PLC0415  it looks at records itself
+
+        return CheckedRecord.of(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Figure: PV with SP and OP over time, PV over OP beside them where both move.
+
+        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        """
+        return _verbs.plot(self, **options)
 
     def _repr_html_(self) -> str:
         """Table for notebooks: what the record holds and what was assumed."""
