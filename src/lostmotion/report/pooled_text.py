@@ -9,7 +9,7 @@ from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.pooled.pooled_diagnosis import SPEAKS, RecordShare
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.report.diagnosis_text import not_excluded, probability, verdict_sentence
-from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.digits import bracketed, digits, plain, span
 from lostmotion.report.fit_text import WIDTH, fill
 from lostmotion.text_table import text_table
 
@@ -67,11 +67,11 @@ def _likeliest(found: PooledDiagnosis) -> str:
 def _size(found: PooledDiagnosis, what: str) -> str:
     if not math.isfinite(found.size):
         return ""
-    low, high = found.interval
+    (low, high), unit = found.interval, bracketed(found.record.op_unit)
     error = max((high - low) / 4.0, FINEST * found.size)
     return (
-        f"In units of OP: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the {what} to another "
-        f"it differs by about {100.0 * found.scatter:.0f} %."
+        f"In units of OP{unit}: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the {what} to "
+        f"another it differs by about {100.0 * found.scatter:.0f} %."
     )
 
 
@@ -79,12 +79,12 @@ def _trend(found: PooledDiagnosis, what: str) -> str:
     trend = found.trend
     if not math.isfinite(trend.slope):
         return "" if not math.isfinite(found.size) else f"Trend: fewer than three of the {what} show a size each."
-    low, high = trend.interval
+    (low, high), unit = trend.interval, bracketed(found.record.op_unit)
     error = (high - low) / 4.0
     said = "grows" if trend.slope > 0.0 else "shrinks"
     first = f"Trend: the size {said}" if trend.seen else "Trend: none is seen"
     return (
-        f"{first}, {digits(trend.slope, error)[0]} of OP a {trend.unit} ({span(low, high, error)}), from "
+        f"{first}, {digits(trend.slope, error)[0]} of OP{unit} a {trend.unit} ({span(low, high, error)}), from "
         f"{trend.number} {what} that show a size each."
     )
 
@@ -116,5 +116,5 @@ def _last(found: PooledDiagnosis) -> str:
     whole = op_span(found.record).note
     lines = ["", "What to do", *(fill(f"- {text}") for text in found.advice), ""]
     lines += [fill(f"Note: {note}") for note in (*found.notes, *([whole] if whole else []))]
-    lines.append(f"Tolerance {plain(found.tolerance)} of OP.")
+    lines.append(f"Tolerance {plain(found.tolerance)} of OP{bracketed(found.record.op_unit)}.")
     return "\n".join(lines)
