@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import ParameterError
@@ -148,6 +149,10 @@ class NamedEstimate:
         if self.noise is None:
             raise ParameterError.expected("an estimate with a noise model", "none", "use simulate(), or identify()")
         return self._predictor.ahead(source, steps)
+
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
 
     @property
     def _predictor(self) -> Predictor:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import html
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
@@ -16,6 +15,7 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.html_table import html_table
 from lostmotion.records.when import as_moment, bound, later, nothing_there
 
 if TYPE_CHECKING:
@@ -218,8 +218,7 @@ class LoopRecord:
         """Table for notebooks: what the record holds and what was assumed."""
         rows = [("Loop", self.tag or "-"), ("Source", self.source or "-"), ("Record", repr(self))]
         rows += [("Read so", note) for note in self.notes]
-        cells = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in rows)
-        return f"<table>{cells}</table>"
+        return html_table(rows, named=True)
 
     def cut(self, start: int, stop: int) -> LoopRecord:
         """Rows start to stop (exclusive) as a record of its own."""

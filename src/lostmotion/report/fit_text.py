@@ -28,7 +28,7 @@ OF_PV, WITHOUT = ("offset",), ("slope_ratio", "left_slope", "right_slope")  # al
 
 def fit_summary(fit: HammersteinFit) -> str:
     """Report of a fit as plain text."""
-    parts = [head(fit), _finding(fit), _table(fit), _dynamics(fit), _checks(fit), _assumed(fit)]
+    parts = [head(fit), _finding(fit), _table(fit), fill(dynamics(fit)), _checks(fit), _assumed(fit)]
     return "\n".join(part for part in parts if part)
 
 
@@ -47,10 +47,10 @@ def head(fit: HammersteinFit) -> str:
 
 
 def _finding(fit: HammersteinFit) -> str:
-    return fill(f"{fit.status.name}: {_sentence(fit)}") + "\n" + fill(finding(fit))
+    return fill(f"{fit.status.name}: {sentence(fit)}") + "\n" + fill(finding(fit))
 
 
-def _sentence(fit: HammersteinFit) -> str:
+def sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
     kind, compared, other = fit.kind, fit.kinds is not None, fit.evidence.other_kind
     if fit.status is Status.OTHER_KIND and other is not None:
@@ -165,6 +165,14 @@ def _choice(fit: HammersteinFit) -> str:
 def _table(fit: HammersteinFit) -> str:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}"]
     lines.append("-" * WIDTH)
+    for name, value, deviation, between, said in parameter_rows(fit):
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
+    return "\n".join(lines)
+
+
+def parameter_rows(fit: HammersteinFit) -> list[tuple[str, str, str, str, str]]:
+    """Name, estimate, standard error, interval and meaning of each parameter that may be shown."""
+    rows = []
     hidden = fit.status in HIDDEN
     size = fit.kind.size
     for name, meaning in {**fit.kind.words.meanings, **MEANING}.items():
@@ -179,8 +187,8 @@ def _table(fit: HammersteinFit) -> str:
         between = "" if deviation == "given" else span(low, high, error)
         elsewhere = name == "offset" and not fit.kind.family.relative
         said = "PV at rest where x = 0 (extrapolated)" if elsewhere else meaning
-        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}{bracketed(_unit(fit, name))}")
-    return "\n".join(lines)
+        rows.append((name, value, deviation, between, f"{said}{bracketed(_unit(fit, name))}"))
+    return rows
 
 
 def _unit(fit: HammersteinFit, name: str) -> str:
@@ -193,7 +201,8 @@ def _unit(fit: HammersteinFit, name: str) -> str:
     return pv if name in OF_PV else op
 
 
-def _dynamics(fit: HammersteinFit) -> str:
+def dynamics(fit: HammersteinFit) -> str:
+    """Linear part, noise and how well PV is simulated, in sentences."""
     chosen = fit.chosen
     poles = fit.linear.poles
     if chosen.integrating:
@@ -201,7 +210,7 @@ def _dynamics(fit: HammersteinFit) -> str:
     constants = [
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
-    return fill(
+    return (
         f"Linear part{' (integrating)' if chosen.integrating else ''}: na = {chosen.na}, nb = {chosen.nb}, "
         f"delay {chosen.delay} samples "
         f"({chosen.delay * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "

@@ -26,7 +26,7 @@ def pooled_summary(found: PooledDiagnosis) -> str:
     parts = [
         "\n".join(heads),
         fill(verdict_sentence(found)),
-        fill(_rests_on(found, what)),
+        fill(rests_on(found, what)),
         fill(_size(found, what)),
         fill(_trend(found, what)),
         _table(found),
@@ -45,7 +45,7 @@ def _number(found: PooledDiagnosis, what: str) -> str:
     return f"{heard} {what}" + (f", {left} more left out" if left else "")
 
 
-def _rests_on(found: PooledDiagnosis, what: str) -> str:
+def rests_on(found: PooledDiagnosis, what: str) -> str:
     """How many records spoke, and whether one of them carries the answer."""
     counts = {said: found.counted(said) for said in ("for", "against", "nothing")}
     kind = _likeliest(found)
@@ -90,12 +90,13 @@ def _trend(found: PooledDiagnosis, what: str) -> str:
 
 
 def _table(found: PooledDiagnosis) -> str:
-    lines = text_table(HEAD, WIDTHS, [_cells(share) for share in found.shares])
+    lines = text_table(HEAD, WIDTHS, [share_cells(share) for share in found.shares])
     about = f"gain: log-likelihood over a linear process at the common size; below {SPEAKS:g} it tells nothing"
     return "\n".join(["", *lines, about, ""])
 
 
-def _cells(share: RecordShare) -> tuple[str, ...]:
+def share_cells(share: RecordShare) -> tuple[str, ...]:
+    """What one record added, in the order of HEAD."""
     name = share.name if len(share.name) <= WIDTHS[0] else "~" + share.name[1 - WIDTHS[0] :]
     if not share.rows:
         return name, "0", "", share.said, "", ""
