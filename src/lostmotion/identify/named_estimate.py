@@ -73,8 +73,9 @@ class NamedEstimate:
         Parameters
         ----------
         op : LoopRecord, path, data frame or array_like, shape (n,)
-            A record at the sampling time of the fit; in an array the samples are that far apart. OP of a record is
-            taken as the fit takes it: held over holes of two rows, and no further than its span; an array as it is.
+            A record at the sampling time of the fit; in an array the samples are that far apart. A record is taken as
+            the fit takes it: OP held over holes of two rows and no further than its span, and unknown where it need
+            not have reached the valve (:func:`lostmotion.records.prepare`); an array as it is.
         pv : float, optional
             With an array: where PV rests before the first sample. None: where the first OP holds it; of an
             integrating process the mean PV of the fit.
@@ -82,8 +83,8 @@ class NamedEstimate:
         Returns
         -------
         ndarray, shape (n,)
-            PV on the rows of `op`. NaN where OP is missing, and on the first `delay` rows of each piece of a record,
-            whose OP lies before it.
+            PV on the rows of `op`. NaN where OP is missing or unknown, and on the first `delay` rows of each piece of
+            a record, whose OP lies before it.
 
         Raises
         ------
@@ -94,10 +95,12 @@ class NamedEstimate:
 
         Notes
         -----
-        An array begins at rest. Each piece of a record begins at the state that its PV shows best: max(na, nb) numbers
-        by least squares, as in the fit, and of a backlash or stiction the place in the band. The constant load of an
-        integrating process is that of the fit. Swings and steps of load (`fit.chosen.loads`) belong to the record in
-        which they were found, and are not simulated.
+        An array begins at rest. Each piece of a record begins at the state that its PV shows best, with the first
+        stretch of PV that is long enough: max(na, nb) numbers by least squares, as in the fit, and of a backlash or
+        stiction the place in the band. A piece without such a stretch begins at rest. The constant load of an
+        integrating process is the parameter `load`; where a fit has none, an array begins with the load that its first
+        OP holds, and each piece of a record has the one that its PV shows best. Swings and steps of load
+        (`fit.chosen.loads`) belong to the record in which they were found, and are not simulated.
 
         Examples
         --------
@@ -128,7 +131,7 @@ class NamedEstimate:
         -------
         ndarray, shape (n,)
             On the rows of the record, in units of its PV. NaN as in :meth:`simulate`, and where a PV that is needed
-            is missing. Before the first row of a piece the noise is taken at its mean.
+            is missing, stuck, clipped or wild, or lies before the piece.
 
         Raises
         ------
@@ -156,4 +159,4 @@ class NamedEstimate:
 
     @property
     def _predictor(self) -> Predictor:
-        return Predictor(self.model, self.noise or NoiseModel(), self.parameters.get("load", 0.0))
+        return Predictor(self.model, self.noise or NoiseModel(), self.parameters.get("load"))

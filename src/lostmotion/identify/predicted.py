@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -17,10 +17,16 @@ from lostmotion.kernels.likelihood import add_lagged, all_pole
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records.compression import scan_factor
 from lostmotion.records.pieces import bridge, clip_to_span
+from lostmotion.records.prepare import prepare
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.resample import pick
+from lostmotion.records.sampling import runs
 
 RESTS = np.linspace(-1.0, 1.0, 9).tolist()  # of half the band: where a valve with memory may begin
+OP_UNKNOWN = ("stopped", "held OP", "mode", "splice")  # rows in which the valve need not have had the recorded OP
+PV_UNKNOWN = ("stopped", "stuck PV", "clipped PV", "outlier")
+TOLD = 1e-10  # relative: a direction of the initial state that shows less is not told
+ROWS = 4  # of PV without a hole, for each number of the initial state: fewer would blow up its noise
 TURNS = 4  # of least squares for the place near the best of these
 
 
@@ -35,15 +41,16 @@ class _Begun:
 
 @dataclass(frozen=True)
 class Predictor:
-    """A model in engineering units, its noise, and the constant load of an integrating process.
+    """A model in engineering units, its noise, and the constant load of an integrating process, None where not known.
 
     The initial state of each piece of a record is estimated from its PV, as in the fit: max(na, nb) numbers by least
-    squares on the whitened errors, and for a valve with memory the place in its band where it rests at first.
+    squares on the whitened errors, for a valve with memory the place in its band where it rests at first, and the load
+    where it is not known.
     """
 
     model: Hammerstein
     noise: NoiseModel
-    load: float = 0.0
+    load: float | None = None
 
     def from_rest(self, op: Any, pv: float | None) -> FloatArray:
         """PV for an array of OP: the valve rests at the first OP, the process at `pv` (None: at that same OP)."""
@@ -66,12 +73,12 @@ class Predictor:
         scans, rows = self._scans(record)
         predicted = self._simulated(scans)
         gains = self._foretold_by(steps)
-        for start, stop in _pieces(scans):
+        for start, stop in _pieces(scans) if gains.size else ():
             left = scans.pv[start:stop] - predicted[start:stop]
-            first = int(np.argmax(np.isfinite(predicted[start:stop])))
-            left[:first] = 0.0  # before the first row the noise is taken at its mean
-            if gains.size and stop - start > steps:
+            first = start + steps + gains.size - 1  # before it a PV is needed from before the piece
+            if first < stop:
                 add_lagged(gains, left[:-steps], predicted[start + steps : stop])
+            predicted[start : min(first, stop)] = np.nan
         return self._placed(predicted, rows, len(record))
 
     def _foretold_by(self, steps: int) -> FloatArray:
@@ -84,7 +91,7 @@ class Predictor:
         return np.asarray(np.linalg.matrix_power(turn, steps)[:1].ravel())
 
     def _scans(self, record: LoopRecord) -> tuple[LoopRecord, slice]:
-        """OP as the fit takes it (held over short holes, within its span), at its sampling time; and its rows."""
+        """The record as the fit takes it, at its sampling time; and its rows."""
         wanted = self.model.linear.dt
         rows = slice(None)
         if not _same(record.dt, wanted):
@@ -93,7 +100,7 @@ class Predictor:
                 got = f"one every {record.dt:g} s"
                 raise ParameterError.expected(f"a record of one sample every {wanted:g} s", got, "resample it first")
             record, rows = pick(record, factor, phase), slice(phase, None, factor)
-        return clip_to_span(bridge(record)[0])[0], rows
+        return _trusted(record), rows
 
     def _simulated(self, record: LoopRecord) -> FloatArray:
         found = np.full(len(record), np.nan)
@@ -102,33 +109,35 @@ class Predictor:
         return found
 
     def _piece(self, u: FloatArray, pv: FloatArray) -> FloatArray:
-        """One piece without holes in OP; from rest where PV does not tell the initial state."""
+        """One piece without holes in OP, from the first PV that tells the initial state on; without one from rest."""
         delay = self.model.linear.delay
-        found = np.full(u.size, np.nan)
-        if np.isfinite(pv[delay:]).sum() <= self._states + self.noise.order:
+        starts, lengths = runs(np.isfinite(pv[delay:]))
+        enough = starts[lengths > self.noise.order + ROWS * (self._states + 1)]
+        if not enough.size:
             return self.from_rest(u, None)
-        best = min((self._begun(u, pv, rest) for rest in self._rests), key=lambda one: one.squares)
+        found = np.full(u.size, np.nan)
+        first = delay + int(enough[0])  # a state before it would be told by what is left of it alone
+        best = min((self._begun(u, pv[first:], rest) for rest in self._rests), key=lambda one: one.squares)
         for _ in range(TURNS if len(self._rests) > 1 else 0):
-            best = min(best, self._begun(u, pv, best.nearer), key=lambda one: one.squares)
-        found[delay:] = best.simulated
+            best = min(best, self._begun(u, pv[first:], best.nearer), key=lambda one: one.squares)
+        found[first:] = best.simulated
         return found
 
     def _begun(self, u: FloatArray, pv: FloatArray, rest: float) -> _Begun:
-        """PV from row `delay` on, where the valve begins at a place in its band and the process where PV shows."""
-        linear = self.model.linear
+        """The rows of `pv`, the last of `u`, where the valve begins at a place and the process where PV shows."""
+        begin = u.size - pv.size - self.model.linear.delay
         x = self._inner(u, rest)
-        forced = self._driven(x) + self.model.offset
+        forced = self._driven(x[begin:]) + self.model.offset
         free = self._free_responses(forced.size)
-        errors = self._whitened(pv[linear.delay :] - forced)
+        errors = self._whitened(pv - forced)
         known = np.isfinite(errors)
         columns = np.array([self._whitened(one)[known] for one in free]).reshape(len(free), -1).T
         state = _solved(columns, errors[known])
         left = errors[known] - columns @ state
         nearer = rest
         if len(self._rests) > 1:
-            stuck = self._driven(
-                self._reach * np.logical_and.accumulate(x == x[0])
-            )  # what the place does while it rests
+            resting = np.logical_and.accumulate(x == x[0])[begin:]  # as long as the place matters
+            stuck = self._driven(self._reach * resting)
             beside = np.column_stack([columns, self._whitened(stuck)[known]])
             nearer += float(_solved(beside, errors[known])[-1])
         return _Begun(float(left @ left), forced + state @ free, nearer)
@@ -143,11 +152,18 @@ class Predictor:
         return driven
 
     def _inner(self, u: FloatArray, rest: float | None) -> FloatArray:
-        """Internal variable x (n,) with the load; `rest`: place of a valve with memory, -1 to 1 in its band."""
+        """Internal variable x (n,) with the load, or from its first value where that is not known.
+
+        `rest`: place of a valve with memory, -1 to 1 in its band; None: in its middle.
+        """
         valve: Any = self.model.nonlinearity
         if rest is None or len(self._rests) == 1:
-            return np.asarray(valve(u)) + self.load
-        return np.asarray(valve.run(u, u[0] + rest * self._reach)) + self.load
+            x = np.asarray(valve(u))
+        else:
+            x = np.asarray(valve.run(u, u[0] + rest * self._reach))
+        if not self.model.linear.integrates():
+            return x
+        return x - x[0] if self.load is None else x + self.load
 
     @cached_property
     def _rests(self) -> list[float]:
@@ -165,13 +181,15 @@ class Predictor:
         return max(len(self.model.linear.a), len(self.model.linear.b) - 1)
 
     def _free_responses(self, n: int) -> FloatArray:
-        """What each initial state does to PV, shape (states, n)."""
+        """What each initial state, and a load that is not known, does to PV, shape (states, n)."""
         impulse, response = np.zeros(n), np.empty(n)
         impulse[0] = 1.0
         all_pole(np.array(self.model.linear.a), impulse, response)
         found = np.zeros((self._states, n))
         for lag in range(min(self._states, n)):
             found[lag, lag:] = response[: n - lag]
+        if self.load is None and self.model.linear.integrates():
+            return np.vstack([found, self._driven(np.ones(n + self.model.linear.delay))])
         return found
 
     def _whitened(self, v: FloatArray) -> FloatArray:
@@ -191,8 +209,25 @@ class Predictor:
         return found
 
 
+def _trusted(record: LoopRecord) -> LoopRecord:
+    """OP held over short holes and within its span; OP and PV missing where an identification does not trust them."""
+    mended = clip_to_span(bridge(record)[0])[0]
+    prepared = prepare(record)
+    if len(prepared.record) != len(record):
+        return mended  # it repeats a slower scan than that of the fit
+    op, pv = mended.op.copy(), mended.pv.copy()
+    for part in prepared.left_out:
+        for values, kinds in ((op, OP_UNKNOWN), (pv, PV_UNKNOWN)):
+            if part.kind in kinds:
+                values[part.start : part.stop] = np.nan
+    return replace(mended, op=op, pv=pv)
+
+
 def _solved(columns: FloatArray, wanted: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.lstsq(columns, wanted, rcond=None)[0])
+    """Least squares; what the rows do not tell of is zero."""
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0.0] = 1.0
+    return np.asarray(np.linalg.lstsq(columns / scale, wanted, rcond=TOLD)[0] / scale)
 
 
 def _same(one: float, other: float) -> bool:
