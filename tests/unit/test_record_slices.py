@@ -1,8 +1,11 @@
 """Parts of a record by rows, times and dates: half-open, so that neighbouring parts share no sample."""
 
+import dataclasses
 import pickle
+import re
 from dataclasses import replace
 from datetime import UTC, date, datetime, timedelta
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -11,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, resample
 from lostmotion.records.resample import pick
@@ -144,3 +148,25 @@ def test_what_a_record_says_of_its_start():
     assert "from 2026-03-01 06:00:00" in repr(RECORD)
     assert "from" not in repr(replace(RECORD, start=None))
     assert pickle.loads(pickle.dumps(RECORD)).start == RECORD.start  # noqa: S301
+
+
+def test_what_the_page_on_reading_shows(tmp_path, monkeypatch):
+    """Its lines run as they stand, on ten hours of a loop."""
+    pytest.importorskip("matplotlib")
+    page = (Path(__file__).parents[2] / "docs" / "reading.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    u = np.repeat(np.random.default_rng(0).uniform(45.0, 55.0, 300), 10)
+    y = lm.LinearModel([-0.8], [0.2], 1, 12.0).simulate(u - 50.0) + np.random.default_rng(1).normal(
+        scale=0.1, size=3000
+    )
+    rows = np.column_stack([12.0 * np.arange(3000), u, y])
+    np.savetxt(tmp_path / "FIC-101.csv", rows, delimiter=",", header="t_s,OP,PV", comments="")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(lm, "identify", lambda record: lm_identify(record, nonlinearity="none", orders=(1, 0, 1)))
+    names = {"lm": lm, "dataclasses": dataclasses}
+    exec(code, names)  # noqa: S102
+    assert names["record"].start == datetime(2026, 3, 1, 6)
+    assert names["fit"].data.op_unit == "%"
+
+
+lm_identify = lm.identify

@@ -134,7 +134,7 @@ def _simulation(axes: Axes, fit: HammersteinFit) -> None:
     time = np.arange(y.size)[rows] * fit.data.dt
     axes.plot(time, y[rows], color=MEASURED, lw=0.8, label="measured")
     axes.plot(time, fit.simulated[rows], color=MODEL, lw=1.0, label="simulated from OP")
-    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", loc="upper right", ncols=2)
+    axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     which = "" if shown == 0 else f", last {MOST_POINTS} samples"
     calm(axes, f"Simulated fit {fit.fit_percent:.1f} %{which}", "time, s", labelled("PV", fit.data.pv_unit))
 

@@ -217,7 +217,8 @@ class LoopRecord:
     def _repr_html_(self) -> str:
         """Table for notebooks: what the record holds and what was assumed."""
         rows = [("Loop", self.tag or "-"), ("Source", self.source or "-"), ("Record", repr(self))]
-        rows += [("Read so", note) for note in self.notes]
+        units = ((name, unit) for name, unit in (("Unit of OP", self.op_unit), ("Unit of PV", self.pv_unit)) if unit)
+        rows += [*units, *(("Read so", note) for note in self.notes)]
         return html_table(rows, named=True)
 
     def cut(self, start: int, stop: int) -> LoopRecord:
