@@ -132,6 +132,7 @@ def test_prediction_of_coloured_noise(d):
     np.testing.assert_allclose(far[-90:], z[-90:], atol=1e-9)
 
 
+@pytest.mark.statistics
 def test_errors_grow_as_theory_says():
     """Variance of errors k steps ahead: that of e times the sum of squares of the first k of 1/D."""
     d, n = (-1.2, 0.5), 40_000
@@ -150,6 +151,7 @@ def test_errors_grow_as_theory_says():
     )
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("noise", ["white", 2])
 def test_one_step_ahead_leaves_the_residuals_of_the_fit(noise):
     tank = lm.platforms.level_tank()
@@ -252,6 +254,7 @@ def test_files_frames_and_saved_fits(tmp_path):
             np.testing.assert_allclose(one.predict(source)[DELAY + 1 :], y[DELAY + 1 :], atol=1e-9)
 
 
+@pytest.mark.statistics
 def test_recursive_estimates_simulate():
     tank = lm.platforms.level_tank()
     u = lm.signals.prs(3000, -5, 5, hold=10, seed=1)

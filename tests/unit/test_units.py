@@ -28,6 +28,7 @@ def pooled(record):
     )  # fmt: skip
 
 
+@pytest.mark.statistics
 def test_a_fit_takes_the_units_of_its_record():
     fit = lm.identify(RECORD, raw=True, orders=(1, 0, 1), noise="white", nonlinearity="dead zone")
     text = fit.summary()
