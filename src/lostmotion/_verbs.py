@@ -79,6 +79,12 @@ def summary(result: Any, **options: Any) -> str:
 
 
 @_carried_out_by("lostmotion.report")
+def html(result: Any, **options: Any) -> str:
+    """A result as HTML for notebooks (registered by ``lostmotion.report``)."""
+    raise NotImplementedError(f"no HTML of {type(result).__name__}")
+
+
+@_carried_out_by("lostmotion.report")
 def remarks(result: Any, **options: Any) -> tuple[str, ...]:
     """Sentences about the data of a result (registered by ``lostmotion.report``)."""
     raise NotImplementedError(f"no remarks on {type(result).__name__}")

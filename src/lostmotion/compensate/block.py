@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
 from lostmotion.arguments import numbers, positive
 from lostmotion.arrays import FloatArray, IntArray, Reals
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification, present_names
@@ -242,6 +243,10 @@ class CompensatorBlock:
         array = np.atleast_1d(numbers("uc", uc))
         command = self.run(array).op_out.astype(np.float64)
         return float(command[0]) if np.ndim(uc) == 0 else command
+
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

@@ -140,6 +140,10 @@ class Diagnosis:
             "fit": self.fit.to_dict(),
         }
 
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
+
     def __str__(self) -> str:
         return self.summary()
 

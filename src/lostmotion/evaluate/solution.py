@@ -94,5 +94,9 @@ class Solution:
             **{name: None if one is None else one.to_dict() for name, one in found.items()},
         }
 
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
+
     def __str__(self) -> str:
         return self.summary()

@@ -140,6 +140,10 @@ def read_loop(
         notes=meaning.notes,
         loop_type=kind,
         made_up=meaning.made_up,
+        start=None,
+        gap_seconds=(),
+        op_unit="",
+        pv_unit="",
     )
 
 

@@ -46,6 +46,8 @@ class IdentificationData:
     op_span: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     pv_span: tuple[float, float] | None = None
+    op_unit: str = ""
+    pv_unit: str = ""
 
     @cached_property
     def u_step(self) -> float:
@@ -205,6 +207,8 @@ def _from_records(records: Sequence[LoopRecord], notes: tuple[str, ...], dt: flo
         records[0].op_span,
         notes,
         records[0].pv_span,
+        records[0].op_unit,
+        records[0].pv_unit,
     )
 
 

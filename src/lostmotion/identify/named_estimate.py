@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import ParameterError
-from lostmotion.models import Hammerstein, LinearModel, Nonlinearity
+from lostmotion.identify.predicted import Predictor, as_scans
+from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity
+from lostmotion.records import LoopRecord
+
+if TYPE_CHECKING:
+    import os
 
 
 class NamedEstimate:
     """Base of results that hold a model, named parameters and their covariance in the same order."""
 
     model: Hammerstein
+    noise: NoiseModel | None
     parameters: dict[str, float]
     covariance: FloatArray
 
@@ -54,3 +64,99 @@ class NamedEstimate:
             raise ParameterError.expected("0 < level < 1", level, "0.95 is usual")
         reach = normal_quantile(0.5 + level / 2) * self.standard_errors[name]
         return self.parameters[name] - reach, self.parameters[name] + reach
+
+    def simulate(
+        self, op: npt.ArrayLike | LoopRecord | str | os.PathLike[str] | Any, pv: float | None = None
+    ) -> FloatArray:
+        """PV from OP alone, without noise, in the units of the record that was identified.
+
+        Parameters
+        ----------
+        op : LoopRecord, path, data frame or array_like, shape (n,)
+            A record at the sampling time of the fit; in an array the samples are that far apart. A record is taken as
+            the fit takes it: OP held over holes of two rows and no further than its span, and unknown where it need
+            not have reached the valve (:func:`lostmotion.records.prepare`); an array as it is.
+        pv : float, optional
+            With an array: where PV rests before the first sample. None: where the first OP holds it; of an
+            integrating process the mean PV of the fit.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            PV on the rows of `op`. NaN where OP is missing or unknown, and on the first `delay` rows of each piece of
+            a record, whose OP lies before it.
+
+        Raises
+        ------
+        ParameterError
+            A record of another sampling time, or `pv` beside a record.
+        DataError
+            An array with missing values.
+
+        Notes
+        -----
+        An array begins at rest. Each piece of a record begins at the state that its PV shows best, with the first
+        stretch of PV that is long enough: max(na, nb) numbers by least squares, as in the fit, and of a backlash or
+        stiction the place in the band. A piece without such a stretch begins at rest. The constant load of an
+        integrating process is the parameter `load`; where a fit has none, an array begins with the load that its first
+        OP holds, and each piece of a record has the one that its PV shows best. Swings and steps of load
+        (`fit.chosen.loads`) belong to the record in which they were found, and are not simulated.
+
+        Examples
+        --------
+        >>> import lostmotion as lm
+        >>> tank = lm.platforms.level_tank()
+        >>> u = lm.signals.prs(1000, -5, 5, hold=10, seed=1)
+        >>> fit = lm.identify(u, tank.simulate(u), 0.1, nonlinearity="dead zone", orders=(3, 2, 3), noise="white")
+        >>> [round(level, 3) for level in fit.simulate([0.0] * 5 + [3.0] * 100)[[0, 8, -1]].tolist()]
+        [0.0, 0.043, 13.331]
+        """
+        source = as_scans(op)
+        if not isinstance(source, LoopRecord):
+            return self._predictor.from_rest(source, pv)
+        if pv is not None:
+            raise ParameterError.expected("no pv beside a record", pv, "its own PV says where it begins")
+        return self._predictor.on_record(source)
+
+    def predict(self, record: LoopRecord | str | os.PathLike[str] | Any, steps: int = 1) -> FloatArray:
+        """PV predicted from OP, and from PV up to `steps` samples before, with the noise model.
+
+        Parameters
+        ----------
+        record : LoopRecord, path or data frame
+        steps : int
+            Samples from the last PV that is used to the predicted one, at least 1. OP is known up to the predicted one.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            On the rows of the record, in units of its PV. NaN as in :meth:`simulate`, and where a PV that is needed
+            is missing, stuck, clipped or wild, or lies before the piece.
+
+        Raises
+        ------
+        ParameterError
+            A record of another sampling time, no whole number of steps, or an estimate without a noise model.
+
+        Notes
+        -----
+        ``y(k) = z(k) + E[v(k) | v(k - steps), v(k - steps - 1) ..]`` with z of :meth:`simulate` and v = y - z. With
+        white noise that is z for any number of steps; with coloured noise it comes to z as the steps grow. The
+        initial state of z is estimated from all PV of the piece, later ones included.
+        """
+        source = as_scans(record)
+        if not isinstance(source, LoopRecord):
+            raise ParameterError.expected(
+                "a record with OP and PV", type(source).__name__, "use simulate() for OP alone"
+            )
+        if self.noise is None:
+            raise ParameterError.expected("an estimate with a noise model", "none", "use simulate(), or identify()")
+        return self._predictor.ahead(source, steps)
+
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
+
+    @property
+    def _predictor(self) -> Predictor:
+        return Predictor(self.model, self.noise or NoiseModel(), self.parameters.get("load"))

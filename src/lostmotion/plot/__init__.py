@@ -10,14 +10,25 @@ from lostmotion.plot.diagnosis_figure import diagnosis_figure
 from lostmotion.plot.fit_figure import fit_figure
 from lostmotion.plot.loop_figure import loop_figure
 from lostmotion.plot.pooled_figure import pooled_figure
+from lostmotion.plot.record_figure import record_figure
 from lostmotion.plot.study_figure import study_figure
+from lostmotion.records import LoopRecord
 from lostmotion.simulate import LoopResponse
 
 _verbs.plot.register(CompensationStudy, study_figure)
 _verbs.plot.register(Diagnosis, diagnosis_figure)
 _verbs.plot.register(HammersteinFit, fit_figure)
+_verbs.plot.register(LoopRecord, record_figure)
 _verbs.plot.register(LoopResponse, loop_figure)
 _verbs.plot.register(PooledDiagnosis, pooled_figure)
 _verbs.plot.register(TestDesign, design_figure)
 
-__all__ = ["design_figure", "diagnosis_figure", "fit_figure", "loop_figure", "pooled_figure", "study_figure"]
+__all__ = [
+    "design_figure",
+    "diagnosis_figure",
+    "fit_figure",
+    "loop_figure",
+    "pooled_figure",
+    "record_figure",
+    "study_figure",
+]

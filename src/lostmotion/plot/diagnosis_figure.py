@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.evidence_words import LABEL, balance, cause
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.identify.actuators.kind import faults
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, labelled, new_figure
+from lostmotion.plot.trend import draw_trend
 from lostmotion.records import LoopRecord, prepare
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 PERIODS = 12
 MOST_ROWS = 1500  # shown where nothing swings
 FEWEST_ROWS = 100
-FAR = 3.0  # ranges of PV from which on SP is not drawn
 WRAP = 170  # characters of a line over the whole width
 NOTICEABLE = 0.05  # log-odds that are not written as 0
 HEADING = {
@@ -30,7 +29,6 @@ HEADING = {
     "other oscillation": "The loop swings, but not because of the actuator",
     "cannot tell": "Cannot tell",
 }
-UNITS = ((10_000.0, 3600.0, "h"), (600.0, 60.0, "min"), (0.0, 1.0, "s"))  # from so many seconds on
 
 
 def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
@@ -50,7 +48,7 @@ def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
     grid = figure.add_gridspec(3, 5, height_ratios=(1.0, 1.0, 1.6))
     rows, start = shown_rows(diagnosis)
     above = figure.add_subplot(grid[0, :])
-    _trend(above, figure.add_subplot(grid[1, :], sharex=above), rows, start)
+    draw_trend(above, figure.add_subplot(grid[1, :], sharex=above), rows, start)
     _phase(figure.add_subplot(grid[2, :2]), diagnosis, rows)
     _evidence(figure.add_subplot(grid[2, 2:]), diagnosis)
     return figure
@@ -91,34 +89,6 @@ def advice_of(diagnosis: Diagnosis) -> str:
     return textwrap.fill("What to do: " + " ".join(diagnosis.advice), WRAP)
 
 
-def _trend(above: Axes, below: Axes, rows: LoopRecord, start: int) -> None:
-    _, scale, unit = next(one for one in UNITS if len(rows) * rows.dt >= one[0])
-    time = (start + np.arange(len(rows))) * rows.dt / scale
-    above.plot(time, rows.pv, color=MODEL, lw=1.0, label="PV")
-    title = "Measurement"
-    sp = rows.sp if rows.sp is not None and np.isfinite(rows.sp).any() else None
-    if sp is not None and not _far(sp, rows.pv):
-        title = "Measurement and set point"
-        above.plot(time, sp, color=ALERT, lw=1.0, ls="--", label="SP")
-        above.legend(
-            fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
-        )
-    elif sp is not None:
-        title += f" (set point far away: {np.nanmin(sp):.4g} .. {np.nanmax(sp):.4g})"
-    below.plot(time, rows.op, color=MODEL, lw=1.0)
-    above.tick_params(labelbottom=False)
-    above.margins(x=0.0)
-    calm(above, title, "", "PV")
-    calm(below, "Controller output", f"time, {unit}", "OP")
-
-
-def _far(sp: FloatArray, pv: FloatArray) -> bool:
-    """Whether SP would squash PV into a line: other units, or a loop that has lost it."""
-    low, high = float(pv.min()), float(pv.max())
-    away = max(low - float(np.nanmin(sp)), float(np.nanmax(sp)) - high)
-    return bool(away > FAR * (high - low))
-
-
 def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
     ends, what = _lost(diagnosis, rows)
     if ends is not None:
@@ -129,7 +99,8 @@ def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
         last = slice(-max(int(2 * period), 2), None)
         axes.plot(rows.op[last], rows.pv[last], color=MODEL, lw=1.4)
         what += ("; " if what else "") + "blue line: last two periods"
-    calm(axes, "PV over OP", f"OP ({what})" if what else "OP", "PV")
+    op, pv = labelled("OP", rows.op_unit), labelled("PV", rows.pv_unit)
+    calm(axes, "PV over OP", f"{op} ({what})" if what else op, pv)
 
 
 def _lost(diagnosis: Diagnosis, rows: LoopRecord) -> tuple[tuple[float, float] | None, str]:

@@ -12,7 +12,7 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.likelihood.misfit import autocorrelation
 from lostmotion.models import Nonlinearity
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, labelled, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +61,8 @@ def _characteristic(axes: Axes, fit: HammersteinFit) -> None:
             _mark(axes, fit, kind.break_points, (low - margin, high + margin))
         axes.plot(grid, np.asarray(valve(grid)), color=MODEL, lw=1.8)
     _visited(axes, u)
-    calm(axes, title, "OP (grey: where it was)", "x")
+    unit = fit.data.op_unit
+    calm(axes, title, f"{labelled('OP', unit)} (grey: where it was)", labelled("x", unit))
 
 
 def _mark(axes: Axes, fit: HammersteinFit, names: tuple[str, ...], ends: tuple[float, float]) -> None:
@@ -118,7 +119,12 @@ def _step(axes: Axes, fit: HammersteinFit) -> None:
     time = np.arange(samples) * fit.data.dt
     axes.step(time, fit.linear.step_response(samples), where="post", color=MODEL, lw=1.5)
     axes.axhline(fit.linear.gain, color="0.6", lw=0.8, ls="--")
-    calm(axes, f"Step response of the linear part, gain {fit.linear.gain:.4g}", "time, s", "PV per unit of x")
+    calm(
+        axes,
+        f"Step response of the linear part, gain {fit.linear.gain:.4g}",
+        "time, s",
+        f"{labelled('PV', fit.data.pv_unit)} per unit of x",
+    )
 
 
 def _simulation(axes: Axes, fit: HammersteinFit) -> None:
@@ -128,9 +134,9 @@ def _simulation(axes: Axes, fit: HammersteinFit) -> None:
     time = np.arange(y.size)[rows] * fit.data.dt
     axes.plot(time, y[rows], color=MEASURED, lw=0.8, label="measured")
     axes.plot(time, fit.simulated[rows], color=MODEL, lw=1.0, label="simulated from OP")
-    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none", loc="upper right", ncols=2)
+    axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     which = "" if shown == 0 else f", last {MOST_POINTS} samples"
-    calm(axes, f"Simulated fit {fit.fit_percent:.1f} %{which}", "time, s", "PV")
+    calm(axes, f"Simulated fit {fit.fit_percent:.1f} %{which}", "time, s", labelled("PV", fit.data.pv_unit))
 
 
 def _autocorrelation(axes: Axes, fit: HammersteinFit) -> None:

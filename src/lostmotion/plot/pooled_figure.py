@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.diagnose import PooledDiagnosis
 from lostmotion.plot.diagnosis_figure import advice_of, heading_of
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, labelled, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def _sizes(axes: Axes, found: PooledDiagnosis) -> None:
         axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     axes.set_ylim(bottom=0.0)
     axes.tick_params(labelbottom=False)
-    calm(axes, "Size that each shows by itself", "", "units of OP")
+    calm(axes, "Size that each shows by itself", "", labelled("units of OP", found.record.op_unit))
 
 
 def _line(axes: Axes, found: PooledDiagnosis, places: list[float]) -> None:

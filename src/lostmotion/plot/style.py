@@ -25,6 +25,17 @@ def new_figure(width: float = 12.0, height: float = 8.0) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def labelled(name: str, unit: str) -> str:
+    """Name with its unit in brackets, where there is one.
+
+    Examples
+    --------
+    >>> labelled("PV", "m3/h"), labelled("PV", "")
+    ('PV [m3/h]', 'PV')
+    """
+    return f"{name} [{unit}]" if unit else name
+
+
 def calm(axes: Axes, title: str, x: str, y: str) -> None:
     """Title, labels, light grid, no box."""
     axes.set_title(title, loc="left", fontsize=10, fontweight="bold")

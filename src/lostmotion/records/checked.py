@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from lostmotion.html_table import html_panel, html_table
 from lostmotion.records.checks import check
 from lostmotion.records.prepare import prepare
 from lostmotion.records.prepared import Prepared
@@ -55,6 +56,20 @@ class CheckedRecord:
     def summary(self) -> str:
         """Both reports."""
         return f"{self.report.summary()}\n{self.prepared.summary()}"
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        """What was found, worst first, for notebooks."""
+        report = self.report
+        said = [self.prepared.refusal or f"{100 * self.share:.3g} % of the rows would be used"]
+        rows: list[tuple[str, str]] = [
+            (one.level, " ".join(part for part in (one.what, one.why, one.remedy) if part)) for one in report.findings
+        ]
+        rows += [("note", note) for note in (*report.notes, *self.prepared.notes)]
+        usable = "usable" if self.usable else "NOT USABLE"
+        return html_panel(f"{report.title}: {usable}", html_table(rows, named=True), said=said)
 
     def to_dict(self) -> dict[str, Any]:
         """Both as plain dictionaries, ready for JSON."""

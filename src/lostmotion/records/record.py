@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-import html
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.html_table import html_table
+from lostmotion.records.when import as_moment, bound, later, nothing_there
+
+if TYPE_CHECKING:
+    from lostmotion.records.checked import CheckedRecord
 
 StringArray = npt.NDArray[np.str_]
 _SIGNALS = ("op", "pv", "sp", "position")
@@ -45,13 +51,19 @@ class LoopRecord:
         What PV measures, as :func:`lostmotion.diagnose` takes it ("flow", "level" ..); empty: not known.
     made_up : (float, float)
         Shares of the samples of OP and PV that the reader put between stored values.
+    start : datetime, optional
+        When the first row was recorded; dates, NumPy and pandas time stamps and ISO texts are taken too. None: unknown.
+    gap_seconds : tuple of float
+        Seconds that are missing at each of `gaps`; empty: not known.
+    op_unit, pv_unit : str
+        Engineering units of OP (and the position) and of PV (and SP), e.g. "%" and "m3/h"; empty: not known.
 
     Raises
     ------
     DataError
         Lengths differ, fewer than two samples, or infinite values.
     ParameterError
-        dt is not positive and finite, or a span is empty.
+        dt is not positive and finite, a span is empty, or the start is no date.
 
     Examples
     --------
@@ -73,6 +85,10 @@ class LoopRecord:
     notes: tuple[str, ...] = ()
     loop_type: str = field(default="", kw_only=True)
     made_up: tuple[float, float] = field(default=(0.0, 0.0), kw_only=True)
+    start: datetime | None = field(default=None, kw_only=True)
+    gap_seconds: tuple[float, ...] = field(default=(), kw_only=True)
+    op_unit: str = field(default="", kw_only=True)
+    pv_unit: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.dt) and self.dt > 0):
@@ -94,6 +110,14 @@ class LoopRecord:
             span = getattr(self, name)
             if span is not None and not span[0] < span[1]:
                 raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+        self._set_clock()
+
+    def _set_clock(self) -> None:
+        if self.start is not None:
+            object.__setattr__(self, "start", as_moment(self.start))
+        if self.gap_seconds and len(self.gap_seconds) != len(self.gaps):
+            remedy = "give one for each gap, or none"
+            raise DataError.expected(f"{len(self.gaps)} gap_seconds", len(self.gap_seconds), remedy)
 
     def __len__(self) -> int:
         return len(self.op)
@@ -103,12 +127,28 @@ class LoopRecord:
         seconds = len(self) * self.dt
         gaps = f", {len(self.gaps)} gap{'s'[: len(self.gaps) > 1]}" if self.gaps else ""
         size = f"{len(self)} samples of {names} every {self.dt:g} s, {seconds:g} s{gaps}"
-        return f"LoopRecord({self.tag!r}: {size})"
+        began = f" from {self.start}" if self.start is not None else ""
+        return f"LoopRecord({self.tag!r}: {size}{began})"
 
     @cached_property
     def missing(self) -> npt.NDArray[np.bool_]:
         """Rows in which OP or PV is missing, shape (n,)."""
         return np.isnan(self.op) | np.isnan(self.pv)
+
+    @cached_property
+    def stretch_starts(self) -> FloatArray | None:
+        """Seconds from the first row to that of each stretch between gaps; None where it is not known."""
+        if len(self.gap_seconds) != len(self.gaps):
+            return None
+        lost = np.cumsum(self.gap_seconds)
+        return np.concatenate([[0.0], np.array(self.gaps, dtype=np.float64) * self.dt + lost])
+
+    def moment(self, row: int) -> datetime | None:
+        """When a row was recorded; None where it is not known: no start, or behind a gap of unknown length."""
+        behind = sum(gap <= row for gap in self.gaps)
+        if self.start is None or (behind and not self.gap_seconds):
+            return None
+        return later(self.start, row * self.dt + sum(self.gap_seconds[:behind]))
 
     @cached_property
     def fingerprint(self) -> str:
@@ -119,36 +159,78 @@ class LoopRecord:
         return digest.hexdigest()[:16]
 
     def __getitem__(self, rows: slice) -> LoopRecord:
-        """Rows as of a list: ``record[100:500]``, ``record[-600:]``.
+        """Part of the record: by rows as of a list, by times since the first row, by dates.
+
+        Every bound may be of another kind. The lower one belongs to the part, the upper one does not, for times and
+        dates as for rows (pandas takes both): neighbouring parts share no sample, and together are the whole.
+        Negative times count from the end, as negative rows do; what gaps left out does not count in times.
 
         Raises
         ------
         ParameterError
-            One row, or steps over rows: see :func:`lostmotion.records.resample`.
+            One row, steps over rows (see :func:`lostmotion.records.resample`), a bound of another kind, or a date of a
+            record that does not say when it began.
+        DataError
+            Fewer than two samples there.
+
+        Examples
+        --------
+        >>> record = LoopRecord(op=range(600), pv=range(600), dt=10.0, start="2026-03-01 06:00")
+        >>> record[100:500]
+        LoopRecord('': 400 samples of OP, PV every 10 s, 4000 s from 2026-03-01 06:16:40)
+        >>> record["10min":"1h30min"].op[[0, -1]].tolist(), len(record["-1h":])
+        ([60.0, 539.0], 360)
+        >>> record["2026-03-01 07:00":"2026-03-01 07:20"]
+        LoopRecord('': 120 samples of OP, PV every 10 s, 1200 s from 2026-03-01 07:00:00)
         """
         if not isinstance(rows, slice) or rows.step not in (None, 1):
             raise ParameterError.expected("rows as start:stop", repr(rows), "e.g. record[100:500]")
-        start, stop, _ = rows.indices(len(self))
+        start, stop, _ = slice(bound(self, rows.start), bound(self, rows.stop)).indices(len(self))
+        if stop - start < 2:
+            raise nothing_there(self, rows, max(stop - start, 0))
         return self.cut(start, stop)
 
     def between(self, start: float, stop: float) -> LoopRecord:
         """Rows from `start` to `stop` seconds after the first one (exclusive); what gaps left out does not count."""
         return self[max(round(start / self.dt), 0) : max(round(stop / self.dt), 0)]
 
+    def check(self) -> CheckedRecord:
+        """What ``lostmotion check`` finds: the report, and what of the record an identification would use.
+
+        Examples
+        --------
+        >>> found = LoopRecord(op=[50.0] * 300, pv=list(range(300)), dt=1.0).check()
+        >>> found.usable, found.report.findings[0].what
+        (False, 'OP is constant (50).')
+        """
+        from lostmotion.records.checked import CheckedRecord  # noqa: PLC0415  it looks at records itself
+
+        return CheckedRecord.of(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Figure: PV with SP and OP over time, PV over OP beside them where both move.
+
+        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        """
+        return _verbs.plot(self, **options)
+
     def _repr_html_(self) -> str:
         """Table for notebooks: what the record holds and what was assumed."""
         rows = [("Loop", self.tag or "-"), ("Source", self.source or "-"), ("Record", repr(self))]
-        rows += [("Read so", note) for note in self.notes]
-        cells = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in rows)
-        return f"<table>{cells}</table>"
+        units = ((name, unit) for name, unit in (("Unit of OP", self.op_unit), ("Unit of PV", self.pv_unit)) if unit)
+        rows += [*units, *(("Read so", note) for note in self.notes)]
+        return html_table(rows, named=True)
 
     def cut(self, start: int, stop: int) -> LoopRecord:
         """Rows start to stop (exclusive) as a record of its own."""
+        start, stop, _ = slice(start, stop).indices(len(self))
         rows = slice(start, stop)
         parts = {name: getattr(self, name) for name in (*_SIGNALS, "mode")}
         cut: dict[str, Any] = {name: None if value is None else value[rows] for name, value in parts.items()}
-        inside = tuple(row - start for row in self.gaps if start < row < stop)
-        return replace(self, **cut, gaps=inside)
+        inside = [number for number, row in enumerate(self.gaps) if start < row < stop]
+        cut["gaps"] = tuple(self.gaps[number] - start for number in inside)
+        cut["gap_seconds"] = tuple(self.gap_seconds[number] for number in inside) if self.gap_seconds else ()
+        return replace(self, **cut, start=self.moment(start))
 
     def split(self, shortest: int = 2) -> list[LoopRecord]:
         """Contiguous pieces without missing samples or gaps, none shorter than `shortest` samples."""

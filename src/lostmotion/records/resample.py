@@ -69,6 +69,8 @@ def resample(record: LoopRecord, factor: int) -> LoopRecord:
         pv=_mean(record.pv[starts[:, None] - np.arange(factor)]),
         dt=record.dt * factor,
         gaps=tuple(sorted({int(gap) for gap in gaps if 0 < gap < len(starts)})),
+        gap_seconds=(),
+        start=record.moment(int(starts[0])),
         notes=(*record.notes, f"Resampled to {record.dt * factor:g} s: PV averaged over {factor} rows, OP of one."),
     )
 
@@ -84,7 +86,7 @@ def pick(record: LoopRecord, factor: int, phase: int) -> LoopRecord:
     rows = slice(phase, None, factor)
     signals = {name: getattr(record, name) for name in ("op", "pv", "sp", "position", "mode")}
     picked: dict[str, Any] = {name: None if value is None else value[rows] for name, value in signals.items()}
-    return replace(record, **picked, dt=record.dt * factor)
+    return replace(record, **picked, dt=record.dt * factor, start=record.moment(phase))
 
 
 def _mean(blocks: FloatArray) -> FloatArray:

@@ -1,6 +1,7 @@
 """Text and JSON of results."""
 
 from lostmotion import _verbs
+from lostmotion.compensate import CompensatorBlock
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.evaluate import CompensationStudy, MonteCarloResult, Solution
@@ -12,6 +13,16 @@ from lostmotion.report.facts_text import facts_summary
 from lostmotion.report.fit_remarks import fit_remarks
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
+from lostmotion.report.notebook import (
+    block_html,
+    diagnosis_html,
+    facts_html,
+    fit_html,
+    pooled_html,
+    recursive_html,
+    solution_html,
+    study_html,
+)
 from lostmotion.report.pooled_text import pooled_summary
 from lostmotion.report.recursive_text import recursive_summary
 from lostmotion.report.solution_text import solution_summary
@@ -28,6 +39,14 @@ _verbs.summary.register(Diagnosis, diagnosis_summary)
 _verbs.summary.register(PooledDiagnosis, pooled_summary)
 _verbs.summary.register(RecursiveEstimate, recursive_summary)
 _verbs.summary.register(MonteCarloResult, monte_carlo_summary)
+_verbs.html.register(CompensationStudy, study_html)
+_verbs.html.register(CompensatorBlock, block_html)
+_verbs.html.register(Diagnosis, diagnosis_html)
+_verbs.html.register(FitFacts, facts_html)
+_verbs.html.register(HammersteinFit, fit_html)
+_verbs.html.register(PooledDiagnosis, pooled_html)
+_verbs.html.register(RecursiveEstimate, recursive_html)
+_verbs.html.register(Solution, solution_html)
 
 __all__ = [
     "achievable_summary",

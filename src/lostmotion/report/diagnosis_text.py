@@ -12,7 +12,7 @@ from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
-from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.digits import bracketed, digits, plain, span
 from lostmotion.report.fit_text import fill, head
 
 FINEST = 0.02
@@ -76,8 +76,9 @@ def not_excluded(diagnosis: Diagnosis, who: str = "this record does") -> str:
     """What the record leaves open, kind by kind."""
     if not diagnosis.excluded:
         return ""
+    unit = bracketed(diagnosis.record.op_unit)
     rows = [
-        f"  {kind:12} {plain(size):>8} of OP, {_percent(diagnosis, size):.2g} % {op_span(diagnosis.record).words}"
+        f"  {kind:12} {plain(size):>8} of OP{unit}, {_percent(diagnosis, size):.2g} % {op_span(diagnosis.record).words}"
         if math.isfinite(size)
         else f"  {kind:12} of any size: a valve that never moves would look the same"
         for kind, size in diagnosis.excluded.items()
@@ -128,8 +129,10 @@ def _size(diagnosis: Diagnosis) -> str:
     """Size in % of span, limits where it is a saturation."""
     parameters, kind = diagnosis.fit.parameters, kind_of(diagnosis.verdict)
     if kind.size is None:
-        names = kind.model.own
-        return f" at OP {' and '.join(plain(parameters[name]) for name in names)}" if {*names} <= {*parameters} else ""
+        if not {*kind.model.own} <= {*parameters}:
+            return ""
+        ends = " and ".join(plain(parameters[name]) for name in kind.model.own)
+        return f" at OP {ends}{bracketed(diagnosis.record.op_unit)}"
     said = size_text(diagnosis)
     return f" of {said}" if said else " of unknown size"
 
@@ -142,10 +145,11 @@ def _in_units(diagnosis: Diagnosis) -> str:
     what = kind.words.measure
     if kind.name != diagnosis.verdict and kind.size is not None:
         what += f" of the {kind.name} that was fitted"
+    unit = bracketed(diagnosis.record.op_unit)
     if not all(math.isfinite(end) for end in diagnosis.interval):
-        return f" In units of OP: about {diagnosis.size:.2g}."
+        return f" In units of OP{unit}: about {diagnosis.size:.2g}."
     value, between = _between(diagnosis.size, *diagnosis.interval)
-    return f" In units of OP: {what} {value} ({between})."
+    return f" In units of OP{unit}: {what} {value} ({between})."
 
 
 def _evidence(diagnosis: Diagnosis) -> str:
@@ -244,7 +248,7 @@ def _performance(diagnosis: Diagnosis) -> str:
     rows = [
         ("class", f"{found.audit_class} (limits for: {found.loop_type})"),
         ("Harris index", f"{harris} (1 is best; for the delay found and for 3 times that)"),
-        ("PV about " + about, f"deviation {plain(math.sqrt(found.variance))}"),
+        ("PV about " + about, f"deviation {plain(math.sqrt(found.variance))}{bracketed(diagnosis.record.pv_unit)}"),
         (
             "travel of OP",
             f"{plain(found.travel)} % {whole} an hour, {plain(found.reversals)} reversals an hour",

@@ -51,6 +51,19 @@ def span(low: float, high: float, error: float) -> str:
     return f"{ends[0]} .. {ends[1]}"
 
 
+def bracketed(unit: str) -> str:
+    """Unit behind a number, in brackets as at the axes of figures; nothing where it is not known.
+
+    Brackets keep "4.05 +/- 0.10 [%]" from being read as a relative error.
+
+    Examples
+    --------
+    >>> bracketed("t/h"), bracketed("")
+    (' [t/h]', '')
+    """
+    return f" [{unit}]" if unit else ""
+
+
 def plain(value: float) -> str:
     """Three digits, without an exponent for numbers of daily life.
 

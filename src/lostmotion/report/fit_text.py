@@ -11,7 +11,7 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
-from lostmotion.report.digits import digits, span
+from lostmotion.report.digits import bracketed, digits, span
 
 WIDTH = 96
 UNEARNED = (
@@ -23,11 +23,12 @@ MEANING = {
     "offset": "PV at rest inside the dead zone",
     "load": "constant load, in units of OP",
 }
+OF_PV, WITHOUT = ("offset",), ("slope_ratio", "left_slope", "right_slope")  # all else but the gain is in units of OP
 
 
 def fit_summary(fit: HammersteinFit) -> str:
     """Report of a fit as plain text."""
-    parts = [head(fit), _finding(fit), _table(fit), _dynamics(fit), _checks(fit), _assumed(fit)]
+    parts = [head(fit), _finding(fit), _table(fit), fill(dynamics(fit)), _checks(fit), _assumed(fit)]
     return "\n".join(part for part in parts if part)
 
 
@@ -36,20 +37,20 @@ def head(fit: HammersteinFit) -> str:
     data = fit.data
     name = data.tag or data.source or "record"
     pieces = f" in {len(data.segments)} pieces" if len(data.segments) > 1 else ""
-    low, high = float(data.u.min()), float(data.u.max())
+    reach = f"{float(data.u.min()):.5g} .. {float(data.u.max()):.5g}{bracketed(data.op_unit)}"
     return "\n".join(
         [
-            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}, OP {low:.5g} .. {high:.5g}",
+            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}, OP {reach}",
             "=" * WIDTH,
         ]
     )
 
 
 def _finding(fit: HammersteinFit) -> str:
-    return fill(f"{fit.status.name}: {_sentence(fit)}") + "\n" + fill(finding(fit))
+    return fill(f"{fit.status.name}: {sentence(fit)}") + "\n" + fill(finding(fit))
 
 
-def _sentence(fit: HammersteinFit) -> str:
+def sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
     kind, compared, other = fit.kind, fit.kinds is not None, fit.evidence.other_kind
     if fit.status is Status.OTHER_KIND and other is not None:
@@ -90,7 +91,8 @@ def finding(fit: HammersteinFit) -> str:
     if fit.status is Status.ONE_SIDED and fit.kind.dead_between:
         side = "right" if "left" in fit.unvisited else "left"
         shown, deviation = digits(fit.parameters[side], fit.standard_errors[side])
-        return f"The {side} break point may be at {shown} +/- {deviation}; the width is not known."
+        where = f"{shown} +/- {deviation}{bracketed(fit.data.op_unit)}"
+        return f"The {side} break point may be at {where}; the width is not known."
     gain = f"{fit.evidence.gain_over_linear:.0f}"
     return f"{_size(fit, span_op)}; preferred to the linear model by {gain} (BIC; 10 is strong)." + _choice(fit)
 
@@ -110,7 +112,7 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
         return kind.words.unseen
     if fit.widest is None or not np.isfinite(fit.widest):
         return f"The record does not bound the {kind.size}."
-    bound = f"{fit.widest:.2g}{_percent(fit.widest, span_op)}"
+    bound = f"{fit.widest:.2g}{bracketed(fit.data.op_unit)}{_percent(fit.widest, span_op)}"
     kink = ""
     if fit.evidence.gain_over_linear > 0 and kind.dead_between:
         kink = " The gain differs between low and high OP, but without a dead zone between them."
@@ -119,18 +121,19 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
 
 def _size(fit: HammersteinFit, span_op: float | None) -> str:
     """Kind and size with the interval."""
-    kind, name = fit.kind, fit.kind.size
+    kind, name, unit = fit.kind, fit.kind.size, bracketed(fit.data.op_unit)
     if name is None:
-        return f"{kind.name.capitalize()} at {' and '.join(f'{fit.parameters[one]:.5g}' for one in kind.model.own)}"
+        ends = " and ".join(f"{fit.parameters[one]:.5g}" for one in kind.model.own)
+        return f"{kind.name.capitalize()} at {ends}{unit}"
     value, error = fit.parameters[name], fit.standard_errors[name]
     shown, deviation = digits(value, error)
     text = (
-        f"{kind.name.capitalize()} of {name} {shown} +/- {deviation}{_percent(value, span_op)}, "
-        f"95 % interval {span(*fit.interval(name), error)}"
+        f"{kind.name.capitalize()} of {name} {shown} +/- {deviation}{unit}{_percent(value, span_op)}, "
+        f"95 % interval {span(*fit.interval(name), error)}{unit}"
     )
     if kind.nests:
         extra = kind.model.own[-1]
-        text += f", {kind.words.extra} {digits(fit.parameters[extra], fit.standard_errors[extra])[0]}"
+        text += f", {kind.words.extra} {digits(fit.parameters[extra], fit.standard_errors[extra])[0]}{unit}"
         if fit.interval(extra)[0] <= 0.0:
             text += f" (not told from none: {kind.nests} would do as well)"
     return text
@@ -162,6 +165,14 @@ def _choice(fit: HammersteinFit) -> str:
 def _table(fit: HammersteinFit) -> str:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}"]
     lines.append("-" * WIDTH)
+    for name, value, deviation, between, said in parameter_rows(fit):
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
+    return "\n".join(lines)
+
+
+def parameter_rows(fit: HammersteinFit) -> list[tuple[str, str, str, str, str]]:
+    """Name, estimate, standard error, interval and meaning of each parameter that may be shown."""
+    rows = []
     hidden = fit.status in HIDDEN
     size = fit.kind.size
     for name, meaning in {**fit.kind.words.meanings, **MEANING}.items():
@@ -176,11 +187,22 @@ def _table(fit: HammersteinFit) -> str:
         between = "" if deviation == "given" else span(low, high, error)
         elsewhere = name == "offset" and not fit.kind.family.relative
         said = "PV at rest where x = 0 (extrapolated)" if elsewhere else meaning
-        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
-    return "\n".join(lines)
+        rows.append((name, value, deviation, between, f"{said}{bracketed(_unit(fit, name))}"))
+    return rows
 
 
-def _dynamics(fit: HammersteinFit) -> str:
+def _unit(fit: HammersteinFit, name: str) -> str:
+    """Engineering unit of a parameter, where the record has it."""
+    op, pv = fit.data.op_unit, fit.data.pv_unit
+    if name in WITHOUT:
+        return ""
+    if name == "gain":
+        return f"{pv} per {op}" if op and pv else ""
+    return pv if name in OF_PV else op
+
+
+def dynamics(fit: HammersteinFit) -> str:
+    """Linear part, noise and how well PV is simulated, in sentences."""
     chosen = fit.chosen
     poles = fit.linear.poles
     if chosen.integrating:
@@ -188,12 +210,12 @@ def _dynamics(fit: HammersteinFit) -> str:
     constants = [
         f"{-fit.data.dt / np.log(abs(pole)):.3g} s" for pole in poles if 1e-9 < abs(pole) < 1 and pole.imag >= 0
     ]
-    return fill(
+    return (
         f"Linear part{' (integrating)' if chosen.integrating else ''}: na = {chosen.na}, nb = {chosen.nb}, "
         f"delay {chosen.delay} samples "
         f"({chosen.delay * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
         f"Noise: {'white' if chosen.noise_order == 0 else 'AR of order ' + str(chosen.noise_order)}, "
-        f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}. "
+        f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}{bracketed(fit.data.pv_unit)}. "
         f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV{_below_zero(fit)}."
     )
 
@@ -263,6 +285,6 @@ def _percent(value: float, span_op: float | None) -> str:
 
 
 def fill(text: str) -> str:
-    """Lines of at most WIDTH; a number stays with its per cent sign."""
-    held = text.replace(" %", "\u00a0%")
+    """Lines of at most WIDTH; a number stays with its per cent sign or its unit."""
+    held = text.replace(" %", "\u00a0%").replace(" [", "\u00a0[")
     return textwrap.fill(held, WIDTH, subsequent_indent="  ").replace("\u00a0", " ")

@@ -9,7 +9,7 @@ from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.pooled.pooled_diagnosis import SPEAKS, RecordShare
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.report.diagnosis_text import not_excluded, probability, verdict_sentence
-from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.digits import bracketed, digits, plain, span
 from lostmotion.report.fit_text import WIDTH, fill
 from lostmotion.text_table import text_table
 
@@ -26,7 +26,7 @@ def pooled_summary(found: PooledDiagnosis) -> str:
     parts = [
         "\n".join(heads),
         fill(verdict_sentence(found)),
-        fill(_rests_on(found, what)),
+        fill(rests_on(found, what)),
         fill(_size(found, what)),
         fill(_trend(found, what)),
         _table(found),
@@ -45,7 +45,7 @@ def _number(found: PooledDiagnosis, what: str) -> str:
     return f"{heard} {what}" + (f", {left} more left out" if left else "")
 
 
-def _rests_on(found: PooledDiagnosis, what: str) -> str:
+def rests_on(found: PooledDiagnosis, what: str) -> str:
     """How many records spoke, and whether one of them carries the answer."""
     counts = {said: found.counted(said) for said in ("for", "against", "nothing")}
     kind = _likeliest(found)
@@ -67,11 +67,11 @@ def _likeliest(found: PooledDiagnosis) -> str:
 def _size(found: PooledDiagnosis, what: str) -> str:
     if not math.isfinite(found.size):
         return ""
-    low, high = found.interval
+    (low, high), unit = found.interval, bracketed(found.record.op_unit)
     error = max((high - low) / 4.0, FINEST * found.size)
     return (
-        f"In units of OP: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the {what} to another "
-        f"it differs by about {100.0 * found.scatter:.0f} %."
+        f"In units of OP{unit}: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the {what} to "
+        f"another it differs by about {100.0 * found.scatter:.0f} %."
     )
 
 
@@ -79,23 +79,24 @@ def _trend(found: PooledDiagnosis, what: str) -> str:
     trend = found.trend
     if not math.isfinite(trend.slope):
         return "" if not math.isfinite(found.size) else f"Trend: fewer than three of the {what} show a size each."
-    low, high = trend.interval
+    (low, high), unit = trend.interval, bracketed(found.record.op_unit)
     error = (high - low) / 4.0
     said = "grows" if trend.slope > 0.0 else "shrinks"
     first = f"Trend: the size {said}" if trend.seen else "Trend: none is seen"
     return (
-        f"{first}, {digits(trend.slope, error)[0]} of OP a {trend.unit} ({span(low, high, error)}), from "
+        f"{first}, {digits(trend.slope, error)[0]} of OP{unit} a {trend.unit} ({span(low, high, error)}), from "
         f"{trend.number} {what} that show a size each."
     )
 
 
 def _table(found: PooledDiagnosis) -> str:
-    lines = text_table(HEAD, WIDTHS, [_cells(share) for share in found.shares])
+    lines = text_table(HEAD, WIDTHS, [share_cells(share) for share in found.shares])
     about = f"gain: log-likelihood over a linear process at the common size; below {SPEAKS:g} it tells nothing"
     return "\n".join(["", *lines, about, ""])
 
 
-def _cells(share: RecordShare) -> tuple[str, ...]:
+def share_cells(share: RecordShare) -> tuple[str, ...]:
+    """What one record added, in the order of HEAD."""
     name = share.name if len(share.name) <= WIDTHS[0] else "~" + share.name[1 - WIDTHS[0] :]
     if not share.rows:
         return name, "0", "", share.said, "", ""
@@ -116,5 +117,5 @@ def _last(found: PooledDiagnosis) -> str:
     whole = op_span(found.record).note
     lines = ["", "What to do", *(fill(f"- {text}") for text in found.advice), ""]
     lines += [fill(f"Note: {note}") for note in (*found.notes, *([whole] if whole else []))]
-    lines.append(f"Tolerance {plain(found.tolerance)} of OP.")
+    lines.append(f"Tolerance {plain(found.tolerance)} of OP{bracketed(found.record.op_unit)}.")
     return "\n".join(lines)

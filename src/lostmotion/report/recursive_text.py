@@ -8,13 +8,15 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify import RecursiveEstimate
+from lostmotion.identify.actuators.kind import kind_of
+from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report.digits import digits, span
 from lostmotion.report.fit_text import MEANING, WIDTH
 
 
 def recursive_summary(estimate: RecursiveEstimate) -> str:
     """Report of a recursive estimate as plain text."""
-    lines = [f"After {estimate.samples} samples", "=" * WIDTH, _fill(f"{estimate.status.name}: {_words(estimate)}")]
+    lines = [f"After {estimate.samples} samples", "=" * WIDTH, _fill(f"{estimate.status.name}: {words(estimate)}")]
     if estimate.status is not Status.CANNOT_TELL:
         lines += _table(estimate)
     lines += [_fill(sentence) for sentence in since(estimate)]
@@ -36,7 +38,8 @@ def since(estimate: RecursiveEstimate) -> list[str]:
 STALE = 1000  # samples without information that are worth a sentence
 
 
-def _words(estimate: RecursiveEstimate) -> str:
+def words(estimate: RecursiveEstimate) -> str:
+    """What the status means here."""
     if estimate.status is Status.INTEGRATING:
         return str(estimate.status.value)
     if not np.isfinite(estimate.parameters["width"]):
@@ -49,14 +52,25 @@ def _words(estimate: RecursiveEstimate) -> str:
 
 def _table(estimate: RecursiveEstimate) -> list[str]:
     lines = [f"{'':14}{'estimate':>14}{'std. error':>13}   {'95 % interval':<26}", "-" * WIDTH]
-    for name, meaning in MEANING.items():
+    for name, value, deviation, between, meaning in parameter_rows(estimate):
+        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")
+    return lines
+
+
+def parameter_rows(estimate: RecursiveEstimate) -> list[tuple[str, str, str, str, str]]:
+    """Name, estimate, standard error, interval and meaning of each parameter; none before anything is known."""
+    rows: list[tuple[str, str, str, str, str]] = []
+    if estimate.status is Status.CANNOT_TELL:
+        return rows
+    own = {} if estimate.status in HIDDEN else kind_of(estimate.nonlinearity.kind).words.meanings
+    for name, meaning in {**own, **MEANING}.items():
         if name not in estimate.parameters:
             continue
         error = estimate.standard_errors[name]
         value, deviation = digits(estimate.parameters[name], error)
         between = "" if deviation == "given" else span(*estimate.interval(name), error)
-        lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{meaning}")
-    return lines
+        rows.append((name, value, deviation, between, meaning))
+    return rows
 
 
 def _fill(text: str) -> str:

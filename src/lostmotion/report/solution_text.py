@@ -13,13 +13,14 @@ WORDS = {
 
 def solution_summary(solution: Solution) -> str:
     """Report of a solution as plain text."""
-    parts = [fill(_outcome(solution)), *(fill(_line(step)) for step in solution.steps)]
+    parts = [fill(outcome(solution)), *(fill(_line(step)) for step in solution.steps)]
     if solution.closed is not None:
         parts.append(fill(f"What opens it: {solution.closed.remedy.rstrip('.')}."))
     return "\n".join(parts)
 
 
-def _outcome(solution: Solution) -> str:
+def outcome(solution: Solution) -> str:
+    """How the way ended, in one sentence."""
     if solution.closed is not None:
         return f"NO BLOCK: the gate at step {solution.closed.name!r} is closed."
     if solution.block is not None and solution.block.accepted:

@@ -18,6 +18,7 @@ ROWS = {
     "with, retuned": "block and retuned",
     "no fault": "no fault",
 }
+HEAD = ("", "IAE", "of as is", "variance", "travel", "reversals", "limit cycle of PV", "predicted")
 
 
 def study_summary(study: CompensationStudy) -> str:
@@ -40,21 +41,21 @@ def study_summary(study: CompensationStudy) -> str:
 
 
 def _table(study: CompensationStudy) -> str:
-    lines = [
-        f"{'':18}{'IAE':>9}{'of as is':>9}{'variance':>10}{'travel':>9}{'reversals':>10}  "
-        f"{'limit cycle of PV':18}{'predicted':14}".rstrip(),
-        "-" * WIDTH,
-    ]
-    lines += [_row(ROWS[name], case) for name, case in study.cases.items()]
-    return "\n".join(lines)
+    rows = [_row(case_cells(ROWS[name], case)) for name, case in study.cases.items()]
+    return "\n".join([_row(HEAD), "-" * WIDTH, *rows])
 
 
-def _row(name: str, case: LoopCase) -> str:
-    return (
-        f"{name:18}{plain(case.iae):>9}{100.0 * case.ratio:>7.0f} %{plain(case.variance):>10}{plain(case.travel):>9}"
-        f"{plain(case.reversals):>10}  {_swing(case.cycle):18}"
-        f"{'-' if case.predicted is None else _swing(case.predicted):14}"
-    ).rstrip()
+def _row(cells: tuple[str, ...]) -> str:
+    name, iae, ratio, variance, travel, reversals, cycle, predicted = cells
+    figures = f"{iae:>9}{ratio:>9}{variance:>10}{travel:>9}{reversals:>10}"
+    return f"{name:18}{figures}  {cycle:18}{predicted:14}".rstrip()
+
+
+def case_cells(name: str, case: LoopCase) -> tuple[str, ...]:
+    """One loop in the order of HEAD."""
+    predicted = "-" if case.predicted is None else _swing(case.predicted)
+    figures = (plain(case.variance), plain(case.travel), plain(case.reversals))
+    return name, plain(case.iae), f"{100.0 * case.ratio:.0f} %", *figures, _swing(case.cycle), predicted
 
 
 def _swing(cycle: LimitCycle) -> str:

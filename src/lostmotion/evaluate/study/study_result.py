@@ -179,5 +179,9 @@ class CompensationStudy:
             "reproduction": None if self.reproduction is None else self.reproduction.to_dict(),
         }
 
+    def _repr_html_(self) -> str:
+        """Headline and a small table, for notebooks."""
+        return _verbs.html(self)
+
     def __str__(self) -> str:
         return self.summary()
