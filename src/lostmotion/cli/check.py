@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import Files, RecordOptions
 from lostmotion.cli.output import PrintOptions
+from lostmotion.cli.progress import progress
 from lostmotion.cli.several import each, refuse_tag, tell
 
 if TYPE_CHECKING:
@@ -29,13 +30,18 @@ def check(
 
     Exit code 1 where a record cannot be identified as it is.
     """
+    from lostmotion.records import prepare
     from lostmotion.records.checked import CheckedRecord, checked_line, checked_table
+    from lostmotion.records.checks import check as described
 
     refuse_tag(files, columns)
 
     def work(file: Path) -> Told:
         record = columns.read(file)
-        return Told(CheckedRecord.of(record), record, file, columns)
+        progress(f"checking {len(record)} rows ..")
+        report = described(record)
+        progress(f"finding what can be used of {len(record)} rows ..")
+        return Told(CheckedRecord(report, prepare(record)), record, file, columns)
 
     def line(name: str, told: Told | None, error: str | None) -> str:
         return checked_line(name, None if told is None else told.found, error)

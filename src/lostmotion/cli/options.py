@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-import lostmotion as lm
+from lostmotion.cli.progress import read_with_progress
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -75,7 +75,7 @@ class ColumnOptions:
         known = asdict(self) | {"time": self.time_column}
         for name in ("ignore_time", "auto_value", "manual_value"):
             known.pop(name, None)
-        return lm.read_loop(path, **known, **other)
+        return read_with_progress(path, **known, **other)
 
 
 @dataclass(frozen=True)

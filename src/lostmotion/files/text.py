@@ -16,6 +16,7 @@ from lostmotion.files.head import DELIMITERS, TOP, find_head
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
 from lostmotion.files.text_frame import TextFrame
+from lostmotion.files.watch import LONG, tell
 
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
@@ -250,6 +251,7 @@ class _Rows:
         for block in self._blocks:
             part = self._parse(block)
             height += part.height
+            self._tell("looking at the rows of", block)
         if len(self._blocks) > 1:
             return TextFrame(self.names, height, self._read)
         return nw.from_native(part.rename(dict(zip(part.columns, self.names, strict=True))), eager_only=True)
@@ -257,6 +259,11 @@ class _Rows:
     def _read(self, places: Sequence[int]) -> Iterator[pl.DataFrame]:
         for block in self._blocks:
             yield self._csv(self._content.rows(block), places)
+            self._tell("reading the columns of", block)
+
+    def _tell(self, what: str, block: Block) -> None:
+        if len(self._content.raw) > LONG:
+            tell(f"{what} {self._source}", block.stop, len(self._content.raw))
 
     def _parse(self, block: Block) -> pl.DataFrame:
         """Cells of one block, all of them, once it is sure that no row has more than the header."""
