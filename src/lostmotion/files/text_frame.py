@@ -72,7 +72,9 @@ class TextFrame:
         """The same with one column more at the end, and some less."""
         other = self._like([*(name for name in self.columns if name not in without), cells.name])
         other._rows = self._rows
-        other._parsed = self._parsed | {cells.name: cells}
+        other._parsed = {name: known for name, known in self._parsed.items() if name not in without} | {
+            cells.name: cells
+        }
         return other
 
     def _taken(self, rows: pl.Series) -> TextFrame:
