@@ -4,7 +4,13 @@ import numpy as np
 
 
 def swinging_door(values, deviation):
-    """Stored points such that straight lines between them miss no sample by more than `deviation`; interpolated."""
+    """Straight lines between the stored points."""
+    stored = by_swinging_door(values, deviation)
+    return np.interp(np.arange(len(values)), stored, values[stored])
+
+
+def by_swinging_door(values, deviation):
+    """Rows that are stored such that straight lines between them miss no sample by more than `deviation`."""
     stored, start = [0], 0
     low, high = -np.inf, np.inf
     for k in range(1, len(values)):
@@ -16,14 +22,19 @@ def swinging_door(values, deviation):
             lower, upper = values[k] - deviation - values[start], values[k] + deviation - values[start]
         low, high = lower, upper
     stored.append(len(values) - 1)
-    return np.interp(np.arange(len(values)), stored, values[stored])
+    return np.array(stored)
 
 
 def exceptions(values, deadband):
     """The last stored value until one differs by more than `deadband`."""
-    out, last = np.empty(len(values)), values[0]
+    stored = by_exception(values, deadband)
+    return np.repeat(values[stored], np.diff([*stored, len(values)]))
+
+
+def by_exception(values, deadband):
+    """Rows that are stored: those that differ from the last one by more than `deadband`."""
+    stored = [0]
     for k, value in enumerate(values):
-        if abs(value - last) > deadband:
-            last = value
-        out[k] = last
-    return out
+        if abs(value - values[stored[-1]]) > deadband:
+            stored.append(k)
+    return np.array(stored)

@@ -4,6 +4,7 @@ import pytest
 
 from lostmotion import files
 from lostmotion.errors import ColumnError, TimeError
+from lostmotion.records import prepare
 from lostmotion.records.compression import compression
 
 
@@ -476,6 +477,32 @@ def test_each_tag_with_its_own_stamps():
     assert record.dt == 10.0
     np.testing.assert_array_equal(record.pv, np.cos(k / 9.0))
     np.testing.assert_array_equal(record.op[1:], np.sin(k / 9.0)[:-1])
+
+
+def test_tags_that_are_stored_in_turn_at_regular_times():
+    k = np.arange(400)
+    values = {"OP": np.where(k % 2 == 0, np.sin(k / 9.0), np.nan), "PV": np.where(k % 2, np.cos(k / 9.0), np.nan)}
+    record = files.read_loop(pl.DataFrame({"t_s": 5.0 * k, **values}).fill_nan(None))
+    assert (record.dt, record.missing.any()) == (10.0, False)
+    np.testing.assert_array_equal(record.pv, values["PV"][1::2])
+    np.testing.assert_array_equal(record.op, values["OP"][::2])
+    assert record.made_up == (1.0, 0.0)  # half a sample before PV: what OP did between is not known
+    assert "made up by the historian" in " ".join(prepare(record).notes)
+
+
+def test_rows_are_absent_in_which_neither_had_moved():
+    random = np.random.default_rng(5)
+    n = 2000
+    values = {name: np.sin(np.arange(n) / 60.0) + random.normal(scale=0.03, size=n) for name in ("OP", "PV")}
+    stored = {name: np.isin(np.arange(n), compressed(cells, 0.006)) for name, cells in values.items()}
+    rows = stored["OP"] | stored["PV"]
+    frame = pl.DataFrame(
+        {"t_s": 5.0 * np.arange(n), **{name: np.where(stored[name], values[name], np.nan) for name in values}}
+    )
+    record = files.read_loop(frame.fill_nan(None).filter(rows))
+    assert (record.dt, len(record), record.missing.any()) == (5.0, n, False)
+    np.testing.assert_array_equal(record.pv[stored["PV"]], values["PV"][stored["PV"]])
+    assert 0.02 < record.made_up[0] < 0.2
 
 
 def test_a_row_for_each_value_at_times_of_its_own():

@@ -11,6 +11,7 @@ import typer
 from lostmotion.cli.listed import listed_loops
 from lostmotion.cli.options import Files, RecordOptions
 from lostmotion.cli.output import PrintOptions
+from lostmotion.cli.progress import progress
 from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.cli.sources import sources
 
@@ -34,7 +35,9 @@ def check(
 
     Exit code 1 where a record cannot be identified as it is, or a loop is to be named.
     """
+    from lostmotion.records import prepare
     from lostmotion.records.checked import CheckedRecord, checked_line, checked_table
+    from lostmotion.records.checks import check as described
 
     files = sources(files, columns)
     if len(files) == 1 and (listed := listed_loops(files[0], columns)) is not None:
@@ -44,7 +47,10 @@ def check(
 
     def work(file: Path) -> Told:
         record = columns.read(file)
-        return Told(CheckedRecord.of(record), record, file, columns)
+        progress(f"checking {len(record)} rows ..")
+        report = described(record)
+        progress(f"finding what can be used of {len(record)} rows ..")
+        return Told(CheckedRecord(report, prepare(record)), record, file, columns)
 
     def line(name: str, told: Told | None, error: str | None) -> str:
         return checked_line(name, None if told is None else told.found, error)

@@ -13,7 +13,7 @@ import lostmotion as lm
 from lostmotion.cli.options import Files, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
-from lostmotion.cli.several import data_of, each, refuse_tag, tell
+from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.cli.sources import sources
 
 if TYPE_CHECKING:
@@ -86,8 +86,7 @@ def diagnose(
         output.write_figure(figures.get(file), found)
         return found
 
-    found = each(files, work, diagnosis_line, output.json)
-    output.write_json(out, data_of(found, named=True))
+    found = each(files, work, diagnosis_line, output.json, output.keeper(out))
     raise tell(found, diagnosis_table, output, lambda one: one.verdict in INNOCENT, named=True)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-import lostmotion as lm
+from lostmotion.cli.progress import read_with_progress
 from lostmotion.cli.sources import as_path, read_as
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class ColumnOptions:
         known = asdict(self) | {"time": self.time_column}
         for name in ("ignore_time", "ignore_quality", "auto_value", "manual_value"):
             known.pop(name, None)
-        return lm.read_loop(path, **known | other)
+        return read_with_progress(path, **known | other)
 
 
 @dataclass(frozen=True)

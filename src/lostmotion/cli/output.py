@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json as json_module
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -60,6 +61,19 @@ class OutputOptions(PrintOptions):
         """Write a result, where it is wanted."""
         if path is not None:
             self.write_text(path, json_module.dumps(data, indent=2, allow_nan=False) + "\n")
+
+    def keeper(self, path: Path | None) -> Callable[[Any], None] | None:
+        """Writer of a result that grows: each time whole, so that what is done is kept whenever the command ends."""
+        if path is None:
+            return None
+        mine = self
+
+        def write(data: Any) -> None:
+            nonlocal mine
+            mine.write_json(path, data)
+            mine = replace(self, force=True)
+
+        return write
 
     def write_text(self, path: Path, text: str) -> None:
         """Write a page."""

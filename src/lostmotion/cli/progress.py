@@ -3,11 +3,31 @@
 from __future__ import annotations
 
 import sys
+from contextvars import ContextVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
+
+import lostmotion as lm
+
+if TYPE_CHECKING:
+    from lostmotion.records import LoopRecord
+
+WHERE: ContextVar[str] = ContextVar("where", default="")  # which of several files this is
 
 
 def progress(text: str) -> None:
     """Replace the last line of a terminal by `text`; an empty text takes it away."""
     if sys.stderr.isatty():
-        typer.echo(f"\r\x1b[K{text}", err=True, nl=False)
+        typer.echo(f"\r\x1b[K{WHERE.get() if text else ''}{text}", err=True, nl=False)
+
+
+def read_with_progress(path: Path, **settings: Any) -> LoopRecord:
+    """Record of a file, see :func:`lostmotion.read_loop`; a long file shows how far it is."""
+    from lostmotion.files.watch import watched
+
+    with watched(progress):
+        record = lm.read_loop(path, **settings)
+    progress("")
+    return record

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ import typer
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
-from lostmotion.cli.progress import progress
+from lostmotion.cli.progress import WHERE, progress
 from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import LostMotionError
 
@@ -30,6 +31,7 @@ class Reported(Protocol):
 
 
 Result = TypeVar("Result", bound=Reported)
+STOPPED, LEFT = "Stopped", "stopped before it was done"
 
 
 @dataclass(frozen=True)
@@ -59,22 +61,63 @@ def each(
     work: Callable[[Path], Result],
     line: Callable[[str, Result | None, str | None], str],
     quiet: bool,
+    keep: Callable[[Any], None] | None = None,
 ) -> list[Outcome[Result]]:
-    """Do the work for every file; print a line for each of several, unless `quiet`.
+    """Do the work for every file; tell and keep each of several as soon as it is done.
 
-    The error of a single file is raised, that of one of several kept.
+    Parameters
+    ----------
+    files : list of Path
+    work : callable
+        File -> result. The error of a single file is raised, that of one of several kept. After an interrupt by hand
+        the files that are left have none.
+    line : callable
+        Name, result and error -> a line for each of several.
+    quiet : bool
+        Print the elements of a JSON list instead; :func:`tell` ends it.
+    keep : callable, optional
+        Given all that there is, JSON-ready and with names of files, after each.
     """
     if len(files) == 1:
-        return [Outcome(files[0], work(files[0]))]
-    outcomes = []
+        only = Outcome(files[0], work(files[0]))
+        if keep is not None:
+            keep(only.to_dict())
+        return [only]
+    outcomes: list[Outcome[Result]] = []
+    kept: list[dict[str, Any]] = []
     for number, file in enumerate(files):
-        progress(f"{number + 1} of {len(files)}: {file}")
-        outcome = _tried(file, work)
-        progress("")
-        if not quiet:
-            typer.echo(line(file.stem, outcome.result, outcome.said))
+        stopped = bool(outcomes) and outcomes[-1].failure == STOPPED
+        outcome = Outcome[Result](file, None, STOPPED, LEFT) if stopped else _watched(file, work, number, len(files))
         outcomes.append(outcome)
+        kept.append(outcome.to_dict())
+        if quiet:
+            typer.echo(
+                ("," if number else "[") + indent(f"\n{json.dumps(kept[-1], indent=2, allow_nan=False)}"), nl=False
+            )
+        elif not stopped:
+            typer.echo(line(file.stem, outcome.result, outcome.said))
+        if keep is not None:
+            keep(kept)
     return outcomes
+
+
+def indent(text: str) -> str:
+    """Lines of an element, as they stand in a list."""
+    return text.replace("\n", "\n  ")
+
+
+def _watched(file: Path, work: Callable[[Path], Result], number: int, total: int) -> Outcome[Result]:
+    """Do one of several; an interrupt by hand is an outcome too."""
+    before = WHERE.set(f"{number + 1} of {total}, {file.name}: ")
+    try:
+        progress("..")
+        return _tried(file, work)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped at {file}: {number} of {total} files are done", err=True)
+        return Outcome(file, None, STOPPED, LEFT)
+    finally:
+        progress("")
+        WHERE.reset(before)
 
 
 def _tried(file: Path, work: Callable[[Path], Result]) -> Outcome[Result]:
@@ -114,5 +157,8 @@ def tell(
         text = found[0].result.summary()
     else:
         text = "\n" + table([(one.file.stem, one.result) for one in found])
-    output.show(text, data_of(found, named))
+    if len(found) > 1 and output.json:
+        typer.echo("\n]")
+    else:
+        output.show(text, data_of(found, named))
     return typer.Exit(0 if all(one.result is not None and accepted(one.result) for one in found) else 1)

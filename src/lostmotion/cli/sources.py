@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from lostmotion.addresses import is_url, without_password
 from lostmotion.cli.commands_on import commands_on
+from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import InputError
 
@@ -153,9 +154,14 @@ def content_of(file: Path, columns: RecordOptions) -> Opened:
 def _content(words: tuple[str, ...], query: str | None, uncertain: str, ignored: bool, *asked: str | None) -> Opened:
     from lostmotion.files.opened import opened
     from lostmotion.files.quality import Trust
+    from lostmotion.files.watch import watched
 
     source = list(words) if len(words) > 1 else words[0]
-    return opened(source, [name for name in asked if name], query, Trust(not ignored, uncertain == "keep"))
+    trust = Trust(not ignored, uncertain == "keep")
+    with watched(progress):
+        content = opened(source, [name for name in asked if name], query, trust)
+    progress("")
+    return content
 
 
 def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:

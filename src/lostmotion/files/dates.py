@@ -7,20 +7,16 @@ import re
 import numpy as np
 import polars as pl
 
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
+from lostmotion.files.date_parts import DATE, Parts, parts_of
 from lostmotion.files.table import Table
 from lostmotion.records.sampling import Bools
 
 # A reading of the dates whose longest step is this many times another's is wrong: its days became months.
 LONGEST_STEP = 20.0
-_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_DATE = (
-    r"^(?:(?P<a>[0-9]{1,4})[-/. ](?P<b>[0-9]{1,2}|[A-Za-z]{3,9})[-/. ](?P<c>[0-9]{1,4})[T ,]*)?"
-    r"(?:(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2})(?::(?P<second>[0-9]{2})(?:[.,](?P<fraction>[0-9]{1,9}))?)?)?"
-    r"[ \t]*(?P<half>[AaPp])?(?:\.?[Mm]\.?)?[ \t]*(?P<zone>Z|UTC|[+-][0-9]{2}:?[0-9]{2})?$"
-)
-_ORDERS = {"day first": "dmy", "month first": "mdy", "year first": "ymd"}
+_PERHAPS_A_ZONE = r"(?:Z|UTC|[+-][0-9]{2}:?[0-9]{2})$"
+FEW = 1000  # cells that tell that not all are alike, as they mostly are not
 
 
 class AmbiguousDatesError(TimeError):
@@ -59,14 +55,13 @@ def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, 
     >>> [round(parse_dates(table, "t", cells[row : row + 1])[0][0]) for row in (0, 1)]
     [1485012000, 1485012030]
     """
-    parts = cells.str.extract_groups(_DATE).struct.unnest()
     filled = cells.is_not_null().to_numpy()
-    dated = parts["a"].is_not_null().to_numpy()
-    timed = parts["hour"].is_not_null().to_numpy()
-    strange = filled & ~(dated | timed) | (filled & (dated != dated[filled][0]) if filled.any() else filled)
+    parts = parts_of(cells)
+    dated = parts.dated
+    strange = filled & ~(dated | parts.timed) | (filled & (dated != dated[filled][0]) if filled.any() else filled)
     if strange.any():
         raise _no_date(table, name, cells, int(np.flatnonzero(strange)[0]))
-    seconds = np.where(filled, _time_of_day(parts), np.nan)
+    seconds = np.where(filled, parts.seconds, np.nan)
     if not dated.any():
         return seconds, ()
     return _choose(table, name, cells, _readings(parts, filled), seconds)
@@ -89,8 +84,8 @@ def date_orders(table: Table, name: str, cells: pl.Series) -> tuple[str, ...]:
     """
     seconds, _ = parse_dates(table, name, cells)
     known = ~np.isnan(seconds)
-    parts = cells.str.extract_groups(_DATE).struct.unnest()
-    if not parts["a"].is_not_null().any():
+    parts = parts_of(cells)
+    if not parts.dated.any():
         return ("",)
     first = int(np.argmax(known))
     elapsed = seconds - seconds[first]
@@ -110,9 +105,14 @@ def all_are(cells: pl.Series, *, dated: bool) -> bool:
     >>> all_are(pl.Series(["1.2.2024", None]), dated=True), all_are(pl.Series(["1.2.2024 10:00"]), dated=True)
     (True, False)
     """
-    parts = cells.drop_nulls().str.extract_groups(_DATE).struct.unnest()
+    known = cells.drop_nulls()
+    return len(known) > 0 and _alike(known[:FEW], dated=dated) and _alike(known.unique(), dated=dated)
+
+
+def _alike(cells: pl.Series, *, dated: bool) -> bool:
+    parts = cells.str.extract_groups(DATE).struct.unnest()
     date, time = parts["a"].is_not_null(), parts["hour"].is_not_null()
-    return len(parts) > 0 and bool((date & ~time).all() if dated else (time & ~date).all())
+    return bool((date & ~time).all() if dated else (time & ~date).all())
 
 
 def dates_in_order(cells: pl.Series, order: str) -> FloatArray:
@@ -152,20 +152,16 @@ def _iso_dates(cells: pl.Series) -> FloatArray:
 
 
 def _slow_dates(cells: pl.Series, order: str) -> FloatArray:
-    parts = cells.str.extract_groups(_DATE).struct.unnest()
-    timed = parts["hour"].is_not_null().to_numpy()
-    dated = parts["a"].is_not_null().to_numpy()
-    seconds = _time_of_day(parts)
+    parts = parts_of(cells)
     if not order:
-        return np.where(timed & ~dated, seconds, np.nan)
-    columns = {"a": _ints(parts["a"]), "b": _month_numbers(parts["b"]), "c": _ints(parts["c"])}
-    place = {part: columns[side] for side, part in zip("abc", _ORDERS[order], strict=True)}
-    return np.where(dated, days_from_date(place["y"], place["m"], place["d"]) * 86400.0 + seconds, np.nan)
+        return np.where(parts.timed & ~parts.dated, parts.seconds, np.nan)
+    return np.where(parts.dated, parts.days(order) * 86400.0 + parts.seconds, np.nan)
 
 
 def states_zone(cells: pl.Series) -> bool:
     """Tell dates that carry a time zone; they are then seconds of UTC."""
-    return bool(cells.str.extract_groups(_DATE).struct.field("zone").is_not_null().any())
+    perhaps = cells.filter(cells.str.contains(_PERHAPS_A_ZONE).fill_null(value=False))
+    return bool(perhaps.str.extract_groups(DATE).struct.field("zone").is_not_null().any())
 
 
 def _choose(
@@ -191,13 +187,12 @@ def _choose(
     return chosen, (f"Dates in {name!r} were read {order}, the reading whose times follow each other.",)
 
 
-def _readings(parts: pl.DataFrame, filled: Bools) -> dict[str, FloatArray]:
+def _readings(parts: Parts, filled: Bools) -> dict[str, FloatArray]:
     """Days from 1970-01-01 for each order that the lengths of the parts allow; NaN where impossible."""
-    first, last = (parts[side].str.len_chars().fill_null(0).to_numpy()[filled] for side in "ac")
-    month_named = parts["b"].str.contains("[A-Za-z]").fill_null(value=False).any()
+    first, last = (count[filled] for count in parts.digits)
     if (first >= 3).any():
         orders = ["year first"]
-    elif month_named:
+    elif parts.month_named:
         orders = ["day first", "year first"] if (last < 3).all() else ["day first"]
     elif (last >= 3).any():
         orders = ["day first", "month first"]
@@ -205,54 +200,7 @@ def _readings(parts: pl.DataFrame, filled: Bools) -> dict[str, FloatArray]:
         orders = ["day first", "month first", "year first"]
     if any(side.any() and not side.all() for side in (first >= 3, last >= 3)):
         orders = []  # some years of two digits, some of four
-    columns = {"a": _ints(parts["a"]), "b": _month_numbers(parts["b"]), "c": _ints(parts["c"])}
-    found = {}
-    for order in orders:
-        place = {part: columns[side] for side, part in zip("abc", _ORDERS[order], strict=True)}
-        found[order] = days_from_date(place["y"], place["m"], place["d"])
-    return found or {"": np.full(len(filled), np.nan)}
-
-
-def days_from_date(year: IntArray, month: IntArray, day: IntArray) -> FloatArray:
-    """Days from 1970-01-01; NaN where there is no such day. Years below 70 are 20xx, below 100 19xx.
-
-    Examples
-    --------
-    >>> days_from_date(np.array([1970, 24, 2023]), np.array([1, 2, 2]), np.array([2, 29, 29]))
-    array([1.0000e+00, 1.9782e+04,        nan])
-    """
-    full = np.where(year < 70, year + 2000, np.where(year < 100, year + 1900, year))
-    possible = (month >= 1) & (month <= 12) & (day >= 1) & (full < 3000)
-    start = (np.where(possible, (full - 1970) * 12 + month - 1, 0)).astype("datetime64[M]")
-    length = ((start + 1).astype("datetime64[D]") - start.astype("datetime64[D]")).astype(np.int64)
-    days = start.astype("datetime64[D]").astype(np.int64) + day - 1
-    return np.where(possible & (day <= length), days, np.nan).astype(np.float64)
-
-
-def _time_of_day(parts: pl.DataFrame) -> FloatArray:
-    hour = _ints(parts["hour"], 0)
-    half = parts["half"].str.to_lowercase().to_numpy()
-    hour = np.where(half == "p", hour % 12 + 12, np.where(half == "a", hour % 12, hour))
-    fraction = ("0." + parts["fraction"].fill_null("0")).cast(pl.Float64).to_numpy()
-    seconds = hour * 3600.0 + _ints(parts["minute"], 0) * 60.0 + _ints(parts["second"], 0) + fraction
-    return np.asarray(seconds - _zone_seconds(parts["zone"]), dtype=np.float64)
-
-
-def _zone_seconds(zone: pl.Series) -> FloatArray:
-    digits = zone.str.replace(":", "", literal=True)
-    sign = np.where(digits.str.starts_with("-").fill_null(value=False).to_numpy(), -1.0, 1.0)
-    return sign * (_ints(digits.str.slice(1, 2), 0) * 3600.0 + _ints(digits.str.slice(3, 2), 0) * 60.0)
-
-
-def _ints(column: pl.Series, default: int = -1) -> IntArray:
-    return np.asarray(column.cast(pl.Int64, strict=False).fill_null(default).to_numpy(), dtype=np.int64)
-
-
-def _month_numbers(column: pl.Series) -> IntArray:
-    short = column.str.to_lowercase().str.slice(0, 3)
-    numbers = {name: str(place + 1) for place, name in enumerate(_MONTHS)}
-    named = short.str.contains("[a-z]").fill_null(value=False)
-    return _ints(short.replace_strict(numbers, default=None).zip_with(named, column))
+    return {order: parts.days(order) for order in orders} or {"": np.full(len(filled), np.nan)}
 
 
 def _sorted(times: FloatArray) -> bool:
@@ -290,7 +238,7 @@ def looks_like_a_time(cell: str) -> bool:
     >>> looks_like_a_time("17/01/17 9:00"), looks_like_a_time("10:00:05"), looks_like_a_time("FIC 101")
     (True, True, False)
     """
-    found = re.match(_DATE, cell)
+    found = re.match(DATE, cell)
     return found is not None and (found["a"] is not None or found["hour"] is not None)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import narwhals.stable.v2 as nw
 
@@ -11,6 +12,7 @@ from lostmotion.files.names import CLOCKS, DATES
 from lostmotion.files.number_cells import is_text, text_cells
 from lostmotion.files.table import Table
 from lostmotion.files.tags import folded
+from lostmotion.files.text_frame import TextFrame
 
 MOMENTS = "Date Time"
 
@@ -31,8 +33,15 @@ def with_moments(table: Table) -> Table:
         return table
     date, clock = found
     both = nw.concat_str(nw.col(date), nw.col(clock), separator=" ").alias(MOMENTS)
+    frame = table.frame
+    if isinstance(frame, TextFrame):
+        joined: nw.DataFrame[Any] | TextFrame = frame.with_column(
+            frame.select([date, clock]).select(both)[MOMENTS], without=(date, clock)
+        )
+    else:
+        joined = frame.with_columns(both).drop(date, clock)
     note = f"Times were read from {date!r} and {clock!r} together."
-    return replace(table, frame=table.frame.with_columns(both).drop(date, clock), notes=(*table.notes, note))
+    return replace(table, frame=joined, notes=(*table.notes, note))
 
 
 def moment_columns(table: Table) -> tuple[str, str] | None:

@@ -90,9 +90,13 @@ def decimal_mark(table: Table, names: list[str]) -> str:
     >>> decimal_mark(table, ["PV"])
     ','
     """
+    table.read_ahead(names)
+    columns = {name: table.column(name) for name in names if is_text(table.column(name))}
+    if not any(_has_comma(series) for series in columns.values()):
+        return "."
     comma = dot = None
     proven = False
-    texts = {name: text_cells(table.column(name)) for name in names if is_text(table.column(name))}
+    texts = {name: text_cells(series) for name, series in columns.items()}
     grouped = _grouped_mark(list(texts.values()))
     if grouped:
         return grouped
@@ -114,6 +118,12 @@ def decimal_mark(table: Table, names: list[str]) -> str:
             "export with a decimal point, or with ';' between columns",
         )
     return ","
+
+
+def _has_comma(series: nw.Series[Any]) -> bool:
+    native = series.to_native()
+    cells = native if isinstance(native, pl.Series) and native.dtype == pl.String else text_cells(series)
+    return bool(cells.str.contains(",", literal=True).any())
 
 
 def _grouped_mark(texts: list[pl.Series]) -> str:
@@ -155,8 +165,7 @@ def _is_none(value: object) -> bool:
 
 def _from_text(table: Table, name: str, decimal: str) -> tuple[FloatArray, tuple[str, ...]]:
     cells = text_cells(table.column(name))
-    plain = _plain(cells, decimal)
-    parsed = plain.cast(pl.Float64, strict=False)
+    parsed = _parsed(cells, decimal)
     odd = (parsed.is_null() & cells.is_not_null()).to_numpy()
     notes: tuple[str, ...] = ()
     if odd.any():
@@ -165,8 +174,17 @@ def _from_text(table: Table, name: str, decimal: str) -> tuple[FloatArray, tuple
         if not known.all():
             raise _not_a_number(table, name, int(np.flatnonzero(odd)[np.flatnonzero(~known)[0]]), cells)
         notes = (_missing_note(name, words),)
-    values = parsed.cast(pl.Float64).fill_null(np.nan).to_numpy()
+    values = parsed.fill_null(np.nan).to_numpy()
     return np.array(values, dtype=np.float64), notes
+
+
+def _parsed(cells: pl.Series, decimal: str) -> pl.Series:
+    """Numbers, null where a cell is none: at once where cells are numbers as they stand, as nearly all are."""
+    if decimal == ".":
+        parsed = cells.cast(pl.Float64, strict=False)
+        if parsed.null_count() == cells.null_count():
+            return parsed
+    return _plain(cells, decimal).cast(pl.Float64, strict=False)
 
 
 def _plain(cells: pl.Series, decimal: str) -> pl.Series:

@@ -6,13 +6,16 @@ import gzip
 import io
 import zipfile
 import zlib
+from typing import IO
 
 from lostmotion.errors import DataError
+from lostmotion.files.watch import LONG, tell
 
 GZIP = b"\x1f\x8b"
 ZIP = b"PK\x03\x04"
 WORKBOOK = "xl/workbook"
 LARGEST = 1 << 33  # bytes unpacked: more is no record of a loop
+PIECE = 1 << 20  # bytes
 
 
 def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
@@ -30,8 +33,9 @@ def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
     """
     try:
         if raw.startswith(GZIP):
-            with gzip.GzipFile(fileobj=io.BytesIO(raw)) as stream:
-                return _limited(stream.read(LARGEST + 1), name), name.removesuffix(".gz")
+            packed = io.BytesIO(raw)
+            with gzip.GzipFile(fileobj=packed) as stream:
+                return _content(stream, name, packed), name.removesuffix(".gz")
         if raw.startswith(ZIP):
             return _from_zip(raw, name)
     except (OSError, EOFError, zlib.error, zipfile.BadZipFile, RuntimeError) as error:
@@ -60,10 +64,18 @@ def _from_zip(raw: bytes, name: str) -> tuple[bytes, str]:
                 f"one file in {name!r}", f"{len(members)}: {listed}", "unpack it and give one file"
             )
         with archive.open(members[0]) as stream:
-            return _limited(stream.read(LARGEST + 1), name), members[0].filename
+            return _content(stream, name, io.BytesIO()), members[0].filename
 
 
-def _limited(content: bytes, name: str) -> bytes:
-    if len(content) > LARGEST:
-        raise DataError.expected("a record of a loop", f"more than {LARGEST >> 30} GiB in {name!r}", "cut the export")
-    return content
+def _content(stream: IO[bytes] | gzip.GzipFile, name: str, packed: io.BytesIO) -> bytes:
+    """All of it: piece by piece, since one read of an unknown size takes twice the room."""
+    whole, size = io.BytesIO(), packed.getbuffer().nbytes
+    while piece := stream.read(PIECE):
+        whole.write(piece)
+        if whole.tell() > LONG:
+            tell(f"unpacking {name}", packed.tell(), size)
+        if whole.tell() > LARGEST:
+            raise DataError.expected(
+                "a record of a loop", f"more than {LARGEST >> 30} GiB in {name!r}", "cut the export"
+            )
+    return whole.getvalue()

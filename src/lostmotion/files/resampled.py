@@ -8,15 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.files.rates import JITTER, rounded, scattered, tidy, uniform
+from lostmotion.files.rates import JITTER, Rate, rounded, scattered, tidy, uniform
 
 LONGEST_HOLE = 20  # usual steps between stored values: over a longer hole nothing is made up
 SCAN_SHARE = 0.1  # of the steps are one scan long, at least, where the scan is told from the stamps
 SPREAD = 3.0  # scans: the longest tenth of the steps, at least, where a historian left values out
 OWN_SHARE = 0.5  # of the rows hold OP and PV both, at most, where each tag has stamps of its own
 EITHER_SHARE = 0.9  # of the rows hold OP or PV, at least; a third tag may have stamps of its own too
+APART = 0.25  # sampling times between OP and PV, at most, where each has stamps of its own, or OP counts as made up
 SLOWEST, FASTEST = 2.0, 0.05  # a dt that is asked for, in usual steps between stored values
 FEWEST_STEPS = 20  # by which a scan is told
+FEWEST_TOGETHER = 7.0  # rows without OP and PV that chance would make: none is then one case in a thousand
 MOST_SAMPLES = 20_000_000  # of a record: years of seconds; more is a wrong rate
 
 
@@ -86,17 +88,21 @@ def resampled(
     seconds, signals = seconds[filled], {role: values[filled] for role, values in signals.items()}
     steps = np.diff(seconds)
     regular = uniform(steps) or rounded(seconds, steps) or scattered(steps)
-    own = _own_stamps(signals, own_times) and (own_times or regular is None)
+    apart = regular is not None and _stored_apart(signals, seconds, regular)
+    own = apart or (_own_stamps(signals, own_times) and (own_times or regular is None))
     if regular is not None and not own:
         return None
     lead = seconds[~np.isnan(signals["pv"])] if own else seconds
     rate = _rate(lead, steps, own, dt)
+    if rate is None and apart and regular is not None and dt is None:
+        rate = regular.step
     if rate is None or np.ptp(seconds) / rate > MOST_SAMPLES:
         return None
     grid = lead[0] + rate * np.arange(int((seconds[-1] - lead[0]) / rate * (1 + 1e-12)) + 1)
     hole = _in_hole(grid, seconds)
     made = {role: _values(role, grid, seconds, values, hole) for role, values in signals.items()}
-    op, pv = (_made_up(grid, seconds[~np.isnan(signals[role])], rate) for role in ("op", "pv"))
+    near = (APART if own else 0.5) * rate
+    op, pv = (_made_up(grid, seconds[~np.isnan(signals[role])], near) for role in ("op", "pv"))
     missing = f"; {int(hole.sum())} samples in holes are missing" if hole.any() else ""
     note = (
         f"Values stand at irregular times and were resampled to {rate:g} s, OP held and PV on lines between them: "
@@ -112,6 +118,22 @@ def _own_stamps(signals: Mapping[str, FloatArray], known: bool) -> bool:
     if min(op.sum(), pv.sum()) < FEWEST_STEPS:
         return False
     return float(np.mean(op & pv)) < OWN_SHARE and (known or float(np.mean(op | pv)) > EITHER_SHARE)
+
+
+def _stored_apart(signals: Mapping[str, FloatArray], seconds: FloatArray, regular: Rate) -> bool:
+    """Whether empty cells at regular stamps hold no new value rather than a missing one, beyond chance.
+
+    Either no row holds OP and PV both; or there are rows without OP and rows without PV, none without both, and what
+    chance would have made of these is absent from the stamps: rows in which nothing had moved were not stored.
+    """
+    op, pv = (~np.isnan(signals[role]) for role in ("op", "pv"))
+    if min(op.sum(), pv.sum()) < FEWEST_STEPS or not (op | pv).all():
+        return False
+    if not (op & pv).any():
+        return True
+    expected = len(seconds) * float(np.mean(~op)) * float(np.mean(~pv))
+    absent = round(float(np.ptp(seconds)) / regular.step) + 1 - len(seconds)
+    return expected >= FEWEST_TOGETHER and absent >= 0.5 * expected
 
 
 def _rate(lead: FloatArray, steps: FloatArray, own: bool, dt: float | None) -> float | None:
@@ -172,11 +194,11 @@ def _values(
     return np.where(hole, np.nan, made)
 
 
-def _made_up(grid: FloatArray, times: FloatArray, dt: float) -> float:
-    """Share of the samples without a stored value within half a sampling time."""
+def _made_up(grid: FloatArray, times: FloatArray, near: float) -> float:
+    """Share of the samples without a stored value so near, in seconds."""
     if not len(times):
         return 1.0
     place = np.searchsorted(times, grid)
     before, after = times[np.maximum(place - 1, 0)], times[np.minimum(place, len(times) - 1)]
-    near = np.minimum(np.abs(grid - before), np.abs(after - grid)) <= 0.5 * dt * (1 + 1e-9)
-    return 1.0 - float(near.mean())
+    known = np.minimum(np.abs(grid - before), np.abs(after - grid)) <= near * (1 + 1e-9)
+    return 1.0 - float(known.mean())

@@ -5,13 +5,18 @@ from __future__ import annotations
 import codecs
 import csv
 import re
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError
-from lostmotion.files.head import DELIMITERS, find_head
+from lostmotion.files.head import DELIMITERS, TOP, find_head
 from lostmotion.files.table import Table, unique_names
+from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
+from lostmotion.files.text_frame import TextFrame
+from lostmotion.files.watch import LONG, tell
 
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
@@ -41,16 +46,22 @@ def parse_text(raw: bytes, source: str) -> Table:
     >>> table.delimiter, table.column("OP").to_list()
     (';', ['1,5'])
     """
-    text = decode(raw, source).replace("\r\n", "\n").replace("\r", "\n")
-    lines = text.split("\n")
-    header, rows, notes = find_rows(lines, source)
-    body = [lines[row] for row in rows]
-    delimiter = find_delimiter(header, body[:SAMPLE_LINES], source)
-    names = split_line(header, delimiter)
-    numbers = [row + 1 for row in rows]
-    frame = _parse(body, names, delimiter, numbers, source)
+    content = known_text(raw, source)
+    spans = list(cuts(content.raw)) or [(0, 0)]
+    top = _lines(content, spans[0])
+    if len(spans) > 1 and sum(map(has_cells, top)) <= TOP:  # the header is not in the first block: look at all
+        spans = [(0, len(content.raw))]
+        top = _lines(content, spans[0])
+    header, begin, notes = _find_header(top, _places(top, whole=len(spans) == 1), source)
+    blocks, again = find_blocks(content, spans, begin, header, has_cells)
+    if not blocks:
+        raise _no_rows(source)
+    body = content.rows(blocks[0]).decode().split("\n")[:SAMPLE_LINES]
+    rows = _Rows(content, blocks, header, find_delimiter(header, body, source), source)
+    numbers = numbers_of(blocks)
+    frame = rows.frame()
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
-    return Table(nw.from_native(frame, eager_only=True), source, aligned, delimiter, notes)
+    return Table(frame, source, aligned, rows.delimiter, (*notes, *_headers_again(again)))
 
 
 def decode(raw: bytes, source: str) -> str:
@@ -66,22 +77,37 @@ def decode(raw: bytes, source: str) -> str:
     >>> decode(b"\xef\xbb\xbfOP", "a.csv"), decode(b"\xb0C", "a.csv")
     ('OP', '°C')
     """
-    if not raw.strip():
+    content = known_text(raw, source)
+    return content.raw.decode(content.encoding)
+
+
+def known_text(raw: bytes, source: str) -> Content:
+    """Bytes as UTF-8 without mark, or Latin-1; raises as :func:`decode` does."""
+    if not raw[:BLOCK].strip() and not raw.strip():
         raise DataError.expected(
             "a header line and rows", f"an empty file {source!r}", "check that the export finished"
         )
     if raw.startswith(_UTF16):
-        return raw.decode("utf-16", errors="replace")
+        return Content(raw.decode("utf-16", errors="replace").encode())
     if b"\0" in raw or raw.startswith((b"PK\x03\x04", b"\x1f\x8b", b"%PDF")):
         raise DataError.expected(
             "delimited text or Parquet",
             f"a binary file {source!r}",
             "save it as CSV (in Excel: Save As, CSV) or unpack it first",
         )
+    return Content(raw.removeprefix(codecs.BOM_UTF8)) if _is_utf8(raw) else Content(raw, "latin-1")
+
+
+def _is_utf8(raw: bytes) -> bool:
+    if raw.isascii():
+        return True
+    decoder = codecs.getincrementaldecoder("utf-8")()
     try:
-        return raw.decode("utf-8-sig")
+        for start in range(0, len(raw), BLOCK):
+            decoder.decode(raw[start : start + BLOCK], final=start + BLOCK >= len(raw))
     except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        return False
+    return True
 
 
 def find_delimiter(header: str, body: list[str], source: str = "") -> str:
@@ -140,33 +166,55 @@ def find_rows(lines: list[str], source: str) -> tuple[str, list[int], tuple[str,
     DataError
         No header, or nothing below it.
     """
+    rows = _places(lines)
+    header, begin, notes = _find_header(lines, rows, source)
+    rows = [place for place in rows if place >= begin]
+    if not rows:
+        raise _no_rows(source)
+    again = sum(lines[place] == header for place in rows)
+    if again:
+        rows = [place for place in rows if lines[place] != header]
+    return header, rows, (*notes, *_headers_again(again))
+
+
+def _lines(content: Content, span: tuple[int, int]) -> list[str]:
+    return content.text(*span).decode().split("\n")
+
+
+def _places(lines: list[str], whole: bool = True) -> list[int]:
+    """Lines that are neither blank nor comments; of a whole text without rows of empty cells at the end."""
     rows = [place for place, line in enumerate(lines) if has_cells(line)]
-    while rows and not lines[rows[-1]].strip(' ,;\t"'):
+    while whole and rows and not lines[rows[-1]].strip(' ,;\t"'):
         rows.pop()
+    return rows
+
+
+def _find_header(lines: list[str], rows: list[int], source: str) -> tuple[str, int, tuple[str, ...]]:
+    """Header, the line of the first row, and what was passed over."""
     if not rows:
         raise DataError.expected("a header line and rows", f"none in {source!r}", "check the export")
     first = rows[0]
     head = find_head(lines, rows)
-    notes: tuple[str, ...] = ()
     if head is not None:
-        header, notes, rows = lines[head.header], head.notes, [place for place in rows if place >= head.first]
-    elif not _is_numeric(lines[first]):
-        header, rows = lines[first], rows[1:]
-    elif first and _COMMENT.match(lines[first - 1]):
-        header = lines[first - 1].lstrip(" #/")
-    else:
-        raise DataError.expected(
-            "column names in the first line",
-            f"numbers in line {first + 1} of {source!r}: {lines[first][:60]!r}",
-            "add a header line such as time,OP,PV,SP",
-        )
-    if not rows:
-        raise DataError.expected("rows below the header", f"none in {source!r}", "check the export")
-    again = sum(lines[place] == header for place in rows)
-    if again:
-        rows = [place for place in rows if lines[place] != header]
-        notes = (*notes, f"The header stands again in {again} line{'s' if again > 1 else ''}, passed over.")
-    return header, rows, notes
+        return lines[head.header], head.first, head.notes
+    if not _is_numeric(lines[first]):
+        return lines[first], first + 1, ()
+    if first and _COMMENT.match(lines[first - 1]):
+        return lines[first - 1].lstrip(" #/"), first, ()
+    raise DataError.expected(
+        "column names in the first line",
+        f"numbers in line {first + 1} of {source!r}: {lines[first][:60]!r}",
+        "add a header line such as time,OP,PV,SP",
+    )
+
+
+def _no_rows(source: str) -> DataError:
+    return DataError.expected("rows below the header", f"none in {source!r}", "check the export")
+
+
+def _headers_again(again: int) -> tuple[str, ...]:
+    lines = "1 line" if again == 1 else f"{again} lines"
+    return (f"The header stands again in {lines}, passed over.",) if again else ()
 
 
 def _is_numeric(line: str) -> bool:
@@ -187,21 +235,60 @@ def with_tabs(lines: list[str]) -> list[str]:
     return ["\t".join(line.split()) for line in lines]
 
 
-def _parse(body: list[str], names: list[str], delimiter: str, numbers: list[int], source: str) -> pl.DataFrame:
-    while len(names) > 1 and not names[-1].strip():
-        names = names[:-1]
-    if delimiter == BLANKS:
-        body, delimiter = with_tabs(body), "\t"
-    spare = f"c{len(names)}"  # one field more than the header: lines that end with a delimiter
-    places = delimiter.join(f"c{place}" for place in range(len(names) + 1))
-    try:
-        whole = "\n".join([places, *body, ""]).encode()  # as text a stream of it would take four bytes a letter
-        frame = pl.read_csv(whole, separator=delimiter, infer_schema=False)
-    except pl.exceptions.PolarsError as error:
-        raise _ragged(body, len(names), delimiter, numbers, source) from error
-    if (frame[spare].fill_null("").str.strip_chars() != "").any():
-        raise _ragged(body, len(names), delimiter, numbers, source)
-    return frame.drop(spare).rename(dict(zip(frame.columns[:-1], unique_names(names), strict=True)))
+class _Rows:
+    """Rows of a text, in blocks, and how their cells are separated."""
+
+    def __init__(self, content: Content, blocks: Sequence[Block], header: str, delimiter: str, source: str) -> None:
+        names = split_line(header, delimiter)
+        while len(names) > 1 and not names[-1].strip():
+            names = names[:-1]
+        self.delimiter, self.names = delimiter, unique_names(names)
+        self._content, self._blocks, self._source = content, blocks, source
+
+    def frame(self) -> nw.DataFrame[Any] | TextFrame:
+        """All columns, or of a long text those that will be asked for; every row is checked here."""
+        height = 0
+        for block in self._blocks:
+            part = self._parse(block)
+            height += part.height
+            self._tell("looking at the rows of", block)
+        if len(self._blocks) > 1:
+            return TextFrame(self.names, height, self._read)
+        return nw.from_native(part.rename(dict(zip(part.columns, self.names, strict=True))), eager_only=True)
+
+    def _read(self, places: Sequence[int]) -> Iterator[pl.DataFrame]:
+        for block in self._blocks:
+            yield self._csv(self._content.rows(block), places)
+            self._tell("reading the columns of", block)
+
+    def _tell(self, what: str, block: Block) -> None:
+        if len(self._content.raw) > LONG:
+            tell(f"{what} {self._source}", block.stop, len(self._content.raw))
+
+    def _parse(self, block: Block) -> pl.DataFrame:
+        """Cells of one block, all of them, once it is sure that no row has more than the header."""
+        text, spare = self._content.rows(block), f"c{len(self.names)}"
+        try:
+            frame = self._csv(text)
+        except pl.exceptions.PolarsError as error:
+            raise self._ragged(text, block) from error
+        if (frame[spare].fill_null("").str.strip_chars() != "").any():
+            raise self._ragged(text, block)
+        return frame.drop(spare)
+
+    def _csv(self, rows: bytes, places: Sequence[int] | None = None) -> pl.DataFrame:
+        delimiter = self.delimiter
+        if delimiter == BLANKS:
+            rows, delimiter = "\n".join(with_tabs(rows.decode().split("\n"))).encode(), "\t"
+        names = delimiter.join(f"c{place}" for place in range(len(self.names) + 1))  # lines may end with a delimiter
+        whole = b"\n".join([names.encode(), rows, b""])  # as text a stream of it would take four bytes a letter
+        return pl.read_csv(whole, separator=delimiter, infer_schema=False, columns=places)
+
+    def _ragged(self, rows: bytes, block: Block) -> DataError:
+        body = rows.decode().split("\n")
+        if self.delimiter == BLANKS:
+            return _ragged(with_tabs(body), len(self.names), "\t", block.numbers.tolist(), self._source)
+        return _ragged(body, len(self.names), self.delimiter, block.numbers.tolist(), self._source)
 
 
 def _ragged(body: list[str], fields: int, delimiter: str, numbers: list[int], source: str) -> DataError:
