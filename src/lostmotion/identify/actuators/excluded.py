@@ -106,17 +106,20 @@ class _Held:
         return cls(kind, problem, np.insert(theta, base.problem.eta_at, own), basis)
 
     def refined(self, limit: float) -> float:
-        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it."""
+        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it.
+
+        Only whether it is above `limit` is told for sure.
+        """
         if self.cost <= limit:
             return self.cost
         problem, own = self.problem, list(self.problem.own)
         along = np.zeros((self.theta.size, len(self.kind.slides)))
         for column, slide in enumerate(self.kind.slides):
             along[own, column] = slide
-        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True)
+        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True, bound=limit)
         met = self.kind.met_by(problem.u, fit.theta[own])
-        if np.array_equal(met, fit.theta[own]):
+        if fit.cost > limit or np.array_equal(met, fit.theta[own]):
             return fit.cost
         theta = fit.theta.copy()
         theta[own] = met
-        return refine(problem, theta, self.held, STEPS, tied=True).cost
+        return refine(problem, theta, self.held, STEPS, tied=True, bound=limit).cost
