@@ -9,25 +9,29 @@ ones are: the likelihood of a memory has many hills.
 from __future__ import annotations
 
 from dataclasses import replace
+from weakref import finalize
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, faults
+from lostmotion.identify.likelihood.beside import Beside
 from lostmotion.identify.likelihood.criterion import cost_of_parameters
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
-from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.identify.likelihood.refinement import refine
 
 FALL = 0.5 * 1.645**2  # of log-likelihood
 STEP = 0.8  # of one size to the next
 SMALLEST = 1e-3  # of the range of OP
 HALVINGS = 3  # of the last step
 STEPS = 40  # of the refinement at each size
+KEPT = 2  # fits beside which sizes are tried by turns
 REFINED = 2  # forms of a size: the best before the refinement
 
 Fits = dict[str, Fitted]
+_made: dict[tuple[int, str], Beside] = {}  # of the fits and kinds asked for last
 
 
 def largest_sizes(linear: Fitted, fits: Fits) -> dict[str, float]:
@@ -76,7 +80,7 @@ class _Sizes:
         forms = [_Held.on(base, self.kind, family, own) for family, own in self.kind.of_size(base.problem, size)]
         forms.sort(key=lambda form: form.cost)
         limit = self._limit(base)
-        return all(form.refined(limit) > limit for form in forms[:REFINED])
+        return not any(form.reaches(limit) for form in forms[:REFINED])
 
     def _limit(self, base: Fitted) -> float:
         """Sum of squares beside a fit that is FALL behind the linear model; its own structure is paid for (BIC)."""
@@ -89,37 +93,60 @@ class _Sizes:
 class _Held:
     """A model with the size of its actuator held, begun at a fit with the best gain and level."""
 
-    def __init__(self, kind: Kind, problem: Problem, theta: FloatArray, basis: FloatArray | None) -> None:
-        self.kind, self.problem, self.held = kind, problem, problem.free_but(problem.own, basis)
-        self.theta = settled(problem, theta, self.held)
-        self.cost = problem.evaluate(self.theta)[0]
+    def __init__(self, kind: Kind, problem: Problem, held: FloatArray, theta: FloatArray, cost: float) -> None:
+        self.kind, self.problem, self.held, self.theta, self.cost = kind, problem, held, theta, cost
 
     @classmethod
     def on(cls, base: Fitted, kind: Kind, family: Family, own: FloatArray) -> _Held:
         """With this actuator in the place of its own."""
-        mine, beside = list(base.problem.own), base.problem.family
-        problem = replace(base.problem, family=replace(family, load=beside.load, loads=beside.loads))
-        basis, theta = base.basis, np.delete(base.fit.theta, mine)
-        if basis is not None:
-            rest = np.delete(basis[:, ~np.any(basis[mine] != 0.0, axis=0)], mine, axis=0)
-            basis = np.insert(rest, [base.problem.eta_at] * own.size, 0.0, axis=0)
-        return cls(kind, problem, np.insert(theta, base.problem.eta_at, own), basis)
+        beside = _beside(base, family)
+        problem = replace(base.problem, family=_with_loads_of(base, family))
+        return cls(kind, problem, beside.held, *beside.settled(problem, own))
+
+    def reaches(self, limit: float) -> bool:
+        """Whether it can be refined to a sum of squares that is not above a limit."""
+        return self.cost <= limit or self._refined(limit) <= limit
 
     def refined(self, limit: float) -> float:
-        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it.
+        """Sum of squares with everything else refined; as begun, where that is not above a limit."""
+        return self.cost if self.cost <= limit else self._refined(np.inf)
 
-        Only whether it is above `limit` is told for sure.
-        """
-        if self.cost <= limit:
-            return self.cost
+    def _refined(self, bound: float) -> float:
+        """The same, where the actuator lies as well, as long as OP meets it; above a bound it is not exact."""
         problem, own = self.problem, list(self.problem.own)
         along = np.zeros((self.theta.size, len(self.kind.slides)))
         for column, slide in enumerate(self.kind.slides):
             along[own, column] = slide
-        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True, bound=limit)
+        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True, bound=bound)
         met = self.kind.met_by(problem.u, fit.theta[own])
-        if fit.cost > limit or np.array_equal(met, fit.theta[own]):
+        if fit.cost > bound or np.array_equal(met, fit.theta[own]):
             return fit.cost
         theta = fit.theta.copy()
         theta[own] = met
-        return refine(problem, theta, self.held, STEPS, tied=True, bound=limit).cost
+        return refine(problem, theta, self.held, STEPS, tied=True, bound=bound).cost
+
+
+def _with_loads_of(base: Fitted, family: Family) -> Family:
+    """An actuator with the loads of a fit."""
+    return replace(family, load=base.problem.family.load, loads=base.problem.family.loads)
+
+
+def _beside(base: Fitted, family: Family) -> Beside:
+    """All but the actuator of a fit, with room for one of this family; what was made last is kept while the fit is."""
+    key = id(base), family.kind
+    if key not in _made:
+        for oldest in list(_made)[: 1 - KEPT]:
+            _made.pop(oldest, None)
+        _made[key] = _without_actuator(base, family)
+        finalize(base, _made.pop, key, None)
+    return _made[key]
+
+
+def _without_actuator(base: Fitted, family: Family) -> Beside:
+    mine, basis, at, count = list(base.problem.own), base.basis, base.problem.eta_at, len(family.own)
+    problem = replace(base.problem, family=_with_loads_of(base, family))
+    theta = np.insert(np.delete(base.fit.theta, mine), [at] * count, 0.0)
+    if basis is not None:
+        rest = np.delete(basis[:, ~np.any(basis[mine] != 0.0, axis=0)], mine, axis=0)
+        basis = np.insert(rest, [at] * count, 0.0, axis=0)
+    return Beside(problem, theta, problem.free_but(problem.own, basis))

@@ -102,16 +102,27 @@ def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None
 
     Without them an integrating process starts so far off that its first steps go anywhere.
     """
-    basis = problem.basis if basis is None else basis
-    free = np.eye(theta.size) if basis is None else basis
-    at = problem.eta_at + len(problem.family.own)
-    linear = [*range(problem.structure.na, problem.eta_at), *range(at, problem.noise_at)]
-    linear += range(problem.initial_at, theta.size)
-    columns = free[:, free[linear].any(axis=0)]
+    columns = linear_columns(problem, problem.basis if basis is None else basis)[1]
     theta = problem.project(theta)
     _, gradient, hessian = problem.evaluate(theta)
-    moved = theta + _damped_step(_projected(hessian, gradient, columns), columns, LINEAR_DAMPING)[0]
+    moved = theta + linear_step(hessian, gradient, columns)
     return moved if problem.admissible(moved) else theta
+
+
+def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int], FloatArray]:
+    """Indices of the parameters in which the errors are linear, and the free directions (size, free) with one of them.
+
+    These are B, the offset, the sizes of what acts beside the actuator, and the initial states.
+    """
+    free = np.eye(problem.size) if basis is None else basis
+    linear = [*range(problem.structure.na, problem.eta_at), *range(problem.own.stop, problem.noise_at)]
+    linear += range(problem.initial_at, problem.size)
+    return linear, free[:, free[linear].any(axis=0)]
+
+
+def linear_step(hessian: FloatArray, gradient: FloatArray, columns: FloatArray) -> FloatArray:
+    """To the least sum of squares along these directions, from the normal equations."""
+    return _damped_step(_projected(hessian, gradient, columns), columns, LINEAR_DAMPING)[0]
 
 
 class _Inside:
