@@ -25,13 +25,13 @@ class Beside:
         With an actuator of the kind that is tried.
     theta : ndarray
         Parameter vector; what the own parameters of the actuator are does not matter.
-    held : ndarray, shape (size, free)
-        Directions that are free; the actuator is not.
+    basis : ndarray, shape (size, free), or None
+        Directions that are free, as for ``settled``.
     """
 
-    def __init__(self, problem: Problem, theta: FloatArray, held: FloatArray) -> None:
-        self.problem, self.theta, self.held = problem, theta, held
-        self.rows, self.columns = linear_columns(problem, held)
+    def __init__(self, problem: Problem, theta: FloatArray, basis: FloatArray | None = None) -> None:
+        self.problem, self.theta = problem, theta
+        self.rows, self.columns = linear_columns(problem, problem.basis if basis is None else basis)
         self.parts = problem.parts(theta)
 
     @cached_property
