@@ -7,7 +7,7 @@ filter pass and its products with these.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.likelihood import add_lagged, all_pole
@@ -24,11 +24,14 @@ def respond(a: FloatArray, d: FloatArray, x: FloatArray, out: FloatArray) -> Non
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _dot(one: FloatArray, other: FloatArray) -> float:
+def _sum_of_products(one: FloatArray, other: FloatArray) -> float:
     total = 0.0
     for k in range(one.size):
         total += one[k] * other[k]
     return total
+
+
+_dot = np.dot if config.DISABLE_JIT else _sum_of_products  # type: ignore[attr-defined]
 
 
 @njit(cache=True, nogil=True)
@@ -64,9 +67,7 @@ def input_products(
         respond(a, d, x[head - delay : stop - delay], padded[lags:])
         errors = without[head + p : stop].copy()
         for i in range(lags):
-            gain, lagged = b[i], padded[lags - i + p : lags - i + n]
-            for k in range(errors.size):
-                errors[k] -= gain * lagged[k]
+            errors -= b[i] * padded[lags - i + p : lags - i + n]
         for i in range(lags):
             row = padded[lags - i + p : lags - i + n]
             target[i] += _dot(row, errors)
