@@ -8,23 +8,17 @@ ones are: the likelihood of a memory has many hills.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.held_size import HeldSize
 from lostmotion.identify.actuators.kind import Kind, faults
 from lostmotion.identify.likelihood.criterion import cost_of_parameters
-from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.problem import Problem
-from lostmotion.identify.likelihood.refinement import refine, settled
 
 FALL = 0.5 * 1.645**2  # of log-likelihood
 STEP = 0.8  # of one size to the next
 SMALLEST = 1e-3  # of the range of OP
 HALVINGS = 3  # of the last step
-STEPS = 40  # of the refinement at each size
 REFINED = 2  # forms of a size: the best before the refinement
 
 Fits = dict[str, Fitted]
@@ -73,7 +67,7 @@ class _Sizes:
 
     def _behind(self, base: Fitted, size: float) -> bool:
         """The same, beside the process, noise and loads of one fit."""
-        forms = [_Held.on(base, self.kind, family, own) for family, own in self.kind.of_size(base.problem, size)]
+        forms = [HeldSize.on(base, self.kind, family, own) for family, own in self.kind.of_size(base.problem, size)]
         forms.sort(key=lambda form: form.cost)
         limit = self._limit(base)
         return all(form.refined(limit) > limit for form in forms[:REFINED])
@@ -84,39 +78,3 @@ class _Sizes:
         own = len(base.problem.family.own) * float(np.log(n))
         paid = cost_of_parameters(base, n) - own - cost_of_parameters(linear, n)
         return n * linear.fit.cost / linear.problem.errors * float(np.exp((2.0 * FALL - paid) / n))
-
-
-class _Held:
-    """A model with the size of its actuator held, begun at a fit with the best gain and level."""
-
-    def __init__(self, kind: Kind, problem: Problem, theta: FloatArray, basis: FloatArray | None) -> None:
-        self.kind, self.problem, self.held = kind, problem, problem.free_but(problem.own, basis)
-        self.theta = settled(problem, theta, self.held)
-        self.cost = problem.evaluate(self.theta)[0]
-
-    @classmethod
-    def on(cls, base: Fitted, kind: Kind, family: Family, own: FloatArray) -> _Held:
-        """With this actuator in the place of its own."""
-        mine, beside = list(base.problem.own), base.problem.family
-        problem = replace(base.problem, family=replace(family, load=beside.load, loads=beside.loads))
-        basis, theta = base.basis, np.delete(base.fit.theta, mine)
-        if basis is not None:
-            rest = np.delete(basis[:, ~np.any(basis[mine] != 0.0, axis=0)], mine, axis=0)
-            basis = np.insert(rest, [base.problem.eta_at] * own.size, 0.0, axis=0)
-        return cls(kind, problem, np.insert(theta, base.problem.eta_at, own), basis)
-
-    def refined(self, limit: float) -> float:
-        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it."""
-        if self.cost <= limit:
-            return self.cost
-        problem, own = self.problem, list(self.problem.own)
-        along = np.zeros((self.theta.size, len(self.kind.slides)))
-        for column, slide in enumerate(self.kind.slides):
-            along[own, column] = slide
-        fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True)
-        met = self.kind.met_by(problem.u, fit.theta[own])
-        if np.array_equal(met, fit.theta[own]):
-            return fit.cost
-        theta = fit.theta.copy()
-        theta[own] = met
-        return refine(problem, theta, self.held, STEPS, tied=True).cost
