@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import GateError, InputError
@@ -19,7 +20,7 @@ from lostmotion.records import LoopRecord
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.simulate import PI
 
-UPSTREAM = "other oscillation"
+OUTSIDE = 0.05  # of the rows beyond the span, from which on it is no stray value: it has other units than OP
 
 
 def solve(
@@ -77,7 +78,7 @@ def solve(
     """
     reason_of(accept)
     way = _Way(record, accept, progress or _silent)
-    way.check()
+    way.check(span or record.op_span)
     if way.open:
         way.diagnose(integrating, loop_type)
     if way.open:
@@ -87,6 +88,12 @@ def solve(
     if way.open:
         way.block()
     return way.solution
+
+
+def _outside(op: FloatArray, span: tuple[float, float]) -> float:
+    """Share of the rows."""
+    known = op[np.isfinite(op)]
+    return float(np.mean((known < span[0]) | (known > span[1]))) if known.size else 0.0
 
 
 def _silent(line: str) -> None: ...
@@ -135,14 +142,19 @@ class _Way:
         self.accepted = (*self.accepted, accepted(gate, reason))
         self._pass(name, f"{said} ACCEPTED: {reason}.")
 
-    def check(self) -> None:
-        """Whether an identification can be tried."""
+    def check(self, span: tuple[float, float] | None) -> None:
+        """Whether an identification can be tried, and OP keeps to its span: else it is that of other units."""
         found = CheckedRecord.of(self.record)
         worst = next((one for one in found.report.findings if one.level == "error"), None)
         if worst is not None:
             self._stop("check", worst.what, worst.remedy or worst.why)
         elif found.prepared.refusal is not None:
             self._stop("check", found.prepared.refusal, "use another record of this loop")
+        elif span is not None and (share := _outside(self.record.op, span)) > OUTSIDE:
+            said = f"OP is outside of its span, {span[0]:g} to {span[1]:g}, in {100.0 * share:.0f} % of the rows."
+            low, high = np.nanmin(self.record.op), np.nanmax(self.record.op)
+            remedy = f"leave the span out, or give it in the units of OP, which runs from {low:.4g} to {high:.4g}"
+            self.steps.append(Step("check", False, said, remedy, {"span": None}))
         else:
             self._pass("check", f"{100.0 * found.share:.3g} % of {len(self.record)} rows can be used.")
 
@@ -190,8 +202,8 @@ class _Way:
             found = compensation_study(self.fit, controller, **given)
         except InputError as error:
             expected, got, remedy = error.said or ("a loop that can be simulated", str(error), "see there")
-            said = f"Expected {expected}, got {got}."
-            self.steps.append(Step("simulate", False, said, remedy, acceptable=isinstance(error, GateError)))
+            said, settings = f"Expected {expected}, got {got}.", next(iter(error.ways), {})
+            self.steps.append(Step("simulate", False, said, remedy, settings, isinstance(error, GateError)))
             return
         self.study = found
         more = found.block.accepted
