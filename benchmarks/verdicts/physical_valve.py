@@ -3,7 +3,7 @@
 Stiction: air on a diaphragm moves a stem of some mass against a spring, with static and Coulomb friction and Stribeck's
 fall between them (Karnopp's rule for the rest). Backlash: a stem without friction drives the plug through a gap with a
 damped plug that stays where it was left. Behind it an equal-percentage valve and a tank with an outlet by the root of
-its level, or two lags with a gain that depends on the place; a PID with filtered derivative and clamping against windup;
+its level, or two lags with a gain that depends on the place; a PID with filtered derivative, clamped;
 transmitter with a lag, coloured noise and 12 to 16 bits. Integrated at a fiftieth of the sampling time.
 """
 

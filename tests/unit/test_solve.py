@@ -107,10 +107,14 @@ def test_several_gates_leave_each_reason_once(steps):
 
 def test_gains_that_open_it_are_said(steps):
     found = steps(study=studied("compensate and retune"))
-    assert found.closed.settings == {"kp": 1.235, "ki": 0.03457}
+    assert found.closed.settings == {"retune": True}
+    assert "retune to Kp 1.235, Ki 0.03457 1/s when the block goes in" in found.closed.remedy
     lines = command_lines(found, Path("FIC 1.csv"), RecordOptions(op="CO", dt=0.5), {"kp": 9.0, "loop_type": "flow"})
-    assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 1.235 --loop-type flow --ki 0.03457"
+    assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 9 --loop-type flow --retune"
     assert lines[-1].endswith('--accept "REASON"')
+    block = steps(study=studied("compensate and retune"), retune=True).block
+    assert block.notes[-1] == "only with the controller at Kp 1.235, Ki 0.03457 1/s"
+    assert steps(study=studied("maintain"), retune=True).closed.name == "simulate"
     alone = steps(study=studied("retune")).closed
     assert "to Kp 1.235, Ki 0.03457 1/s" in alone.remedy
     assert not alone.settings

@@ -36,7 +36,7 @@ OPTIONS = {
     "time": "--time",
     "wanted": "--interval",
 }
-FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw"}
+FLAGS = {("time", "False"): "--ignore-time", ("raw", "True"): "--raw", ("retune", "True"): "--retune"}
 OVERRIDE = OPTIONS["accept"]
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
