@@ -38,6 +38,11 @@ def largest_sizes(linear: Fitted, fits: Fits) -> dict[str, float]:
     return {kind.name: _Sizes(linear, kind, fits.get(kind.name)).largest() for kind in kinds}
 
 
+def nothing_excluded() -> dict[str, float]:
+    """Of a record that does not show that OP moves PV."""
+    return {kind.name: float(np.inf) for kind in faults() if kind.size is not None}
+
+
 class _Sizes:
     """Sizes of one kind."""
 

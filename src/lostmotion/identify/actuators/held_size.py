@@ -36,7 +36,10 @@ class HeldSize:
         return cls(kind, problem, np.insert(theta, base.problem.eta_at, own), basis)
 
     def refined(self, limit: float) -> float:
-        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it."""
+        """Sum of squares with everything else refined, where the actuator lies as well, as long as OP meets it.
+
+        Where it slides away from OP and is brought back, the end can be worse than the beginning, which then counts.
+        """
         if self.cost <= limit:
             return self.cost
         problem, own = self.problem, list(self.problem.own)
@@ -46,7 +49,7 @@ class HeldSize:
         fit = refine(problem, self.theta, np.hstack([self.held, along]), STEPS, tied=True)
         met = self.kind.met_by(problem.u, fit.theta[own])
         if np.array_equal(met, fit.theta[own]):
-            return fit.cost
+            return min(fit.cost, self.cost)
         theta = fit.theta.copy()
         theta[own] = met
-        return refine(problem, theta, self.held, STEPS, tied=True).cost
+        return min(refine(problem, theta, self.held, STEPS, tied=True).cost, self.cost)
