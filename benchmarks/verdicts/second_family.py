@@ -28,8 +28,8 @@ CELLS = len(CAUSES) * len(PROCESSES) * len(DISTURBANCES) * len(WIDTHS)
 SAMPLES = 2000
 
 
-def second_family(seed: int) -> FaultyLoop:
-    """Cell `seed` of the grid (modulo its size), with everything else drawn."""
+def second_family(seed: int, share: float = 1.0) -> FaultyLoop:
+    """Cell `seed` of the grid (modulo its size), with everything else drawn; of the width only a share is there."""
     rest, cause = divmod(seed, len(CAUSES))
     process = PROCESSES[rest % len(PROCESSES)]
     disturbance = DISTURBANCES[rest // len(PROCESSES) % len(DISTURBANCES)]
@@ -38,7 +38,7 @@ def second_family(seed: int) -> FaultyLoop:
     linear, kp, ki, gain = _loop(rng, process)
     if CAUSES[cause] == "tuning":
         kp, ki = near_the_limit(linear, kp, ki, 0.97)
-    actuator = _actuator(rng, CAUSES[cause], width)
+    actuator = _actuator(rng, CAUSES[cause], share * width)
     deviation = width * rng.uniform(0.05, 0.45) / max(kp, 0.3)
     noise = deviation * rng.normal(size=SAMPLES)
     load = _load(rng, disturbance, width)

@@ -208,3 +208,16 @@ def test_a_model_by_numbers_is_inverted_as_it_is():
     made = lm.block_from_model(lm.DeadZone(49.0, 51.0, 2.0, 3.0), 1.0)
     assert (made.settings["left_slope"], made.settings["right_slope"]) == (2.0, 3.0)
     assert made.settings["cap"] > 30.0
+
+
+@pytest.mark.parametrize(("crossed", "open_"), [(None, True), ((2, 3), True), ((1, 9), False), ((4, 1), False)])
+def test_a_dead_zone_that_was_crossed_once_is_no_ground_for_a_block(crossed, open_):
+    facts = made_fit("dead zone").facts
+    moved = replace(facts, evidence=replace(facts.evidence, crossings=crossed, free_moves=0.1))
+    assert closed(moved) is None  # SP was moved: the process is known by that
+    facts = replace(facts, evidence=replace(facts.evidence, crossings=crossed, free_moves=1e-9))
+    assert (closed(facts) is None) == open_
+    assert closed(facts, sized=False) is None  # to ask for a test, or to watch
+    assert lm.FitFacts.from_dict(json.loads(json.dumps(facts.to_dict()))).evidence.crossings == crossed
+    if not open_:
+        assert "1 time on the " + ("left" if crossed[0] == 1 else "right") in refusal(GateError, facts.block)

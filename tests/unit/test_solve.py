@@ -107,10 +107,14 @@ def test_several_gates_leave_each_reason_once(steps):
 
 def test_gains_that_open_it_are_said(steps):
     found = steps(study=studied("compensate and retune"))
-    assert found.closed.settings == {"kp": 1.235, "ki": 0.03457}
+    assert found.closed.settings == {"retune": True}
+    assert "retune to Kp 1.235, Ki 0.03457 1/s when the block goes in" in found.closed.remedy
     lines = command_lines(found, Path("FIC 1.csv"), RecordOptions(op="CO", dt=0.5), {"kp": 9.0, "loop_type": "flow"})
-    assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 1.235 --loop-type flow --ki 0.03457"
+    assert lines[0] == "lostmotion solve 'FIC 1.csv' --op CO --dt 0.5 --kp 9 --loop-type flow --retune"
     assert lines[-1].endswith('--accept "REASON"')
+    block = steps(study=studied("compensate and retune"), retune=True).block
+    assert block.notes[-1] == "only with the controller at Kp 1.235, Ki 0.03457 1/s"
+    assert steps(study=studied("maintain"), retune=True).closed.name == "simulate"
     alone = steps(study=studied("retune")).closed
     assert "to Kp 1.235, Ki 0.03457 1/s" in alone.remedy
     assert not alone.settings
@@ -118,12 +122,14 @@ def test_gains_that_open_it_are_said(steps):
 
 def test_no_reason_helps_where_the_loop_cannot_be_simulated(steps):
     def refused(*_, **__):
-        raise ParameterError.expected("a span that holds the OP", "(0, 1)", "give span=(low, high)")
+        error = ParameterError.expected("a span that holds the OP", "(0, 1)", "give span=(low, high)")
+        raise error.leads_on({"span": (-2.9, 3.1)})
 
     found = steps(study=refused, accept="why not")
     assert not found.closed.acceptable
-    lines = command_lines(found, Path("a.csv"), RecordOptions(), {})
-    assert lines == ["lostmotion solve a.csv --op-span LOW HIGH"]
+    for options in (RecordOptions(), RecordOptions(op_span=(0.0, 1.0))):
+        lines = command_lines(found, Path("a.csv"), options, {"known_gain": 2.0})
+        assert lines == ["lostmotion solve a.csv --op-span -2.9 3.1 --known-gain 2"]
 
     def gate(*_, **__):
         raise GateError.expected("a model that reproduces the record", "another", "identify again")
@@ -153,3 +159,24 @@ def test_a_record_that_cannot_be_used_ends_at_the_check():
     assert found.closed.name == "check"
     assert command_lines(found, Path("a.csv"), RecordOptions(), {}) == ["lostmotion check a.csv"]
     assert "reason in words" in refusal(ParameterError, way, loop_record(), accept=" ")
+
+
+def test_a_span_of_other_units_is_no_saturation():
+    op = 2.0 * np.sin(np.arange(400) / 9.0)
+    found = lm.solve(lm.LoopRecord(op, np.r_[0.0, op[:-1]], dt=1.0, op_span=(0.0, 100.0)))
+    assert found.closed.name == "check"
+    assert "runs from -2 to 2" in found.closed.remedy
+    lines = command_lines(found, Path("a.csv"), RecordOptions(op_span=(0.0, 100.0)), {})
+    assert lines == ["lostmotion solve a.csv"]
+
+
+def test_the_span_that_is_proposed_holds_op_and_what_the_block_adds():
+    fit = made_fit("dead zone")
+    (least, most), half = fit.facts.op_range, 0.5 * fit.parameters["width"]
+    with pytest.raises(ParameterError) as caught:
+        fit.block(span=(least + 1e-3, most))
+    low, high = caught.value.ways[0]["span"]
+    assert low <= least - half
+    assert most + half <= high
+    assert high - low < 1.25 * (most - least + 2.0 * half)
+    assert fit.block(span=(low, high)).kind == "dead zone"

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
 
 KnownGain = Annotated[float | None, number("--known-gain", "Static gain of the process behind the valve.")]
+Retune = Annotated[bool, typer.Option("--retune", help="Retune with the block, where the study asks for both.")]
 BlockOut = Annotated[Path | None, number("--out", "Write the block here as JSON, for `export`, where one comes out.")]
 
 
@@ -35,6 +36,7 @@ def solve(
     loop_type: Type = None,
     integrating: Integrating = None,
     accept: Accept = None,
+    retune: Retune = False,
     *,
     pi: ControllerOptions,
     columns: RecordOptions,
@@ -54,11 +56,14 @@ def solve(
     kind = None if loop_type is None else loop_type.value
     found = lm.solve(
         record, controller=pi.controller, gain=known_gain, span=columns.op_span, loop_type=kind,
-        integrating=integrating, accept=accept, progress=_progress,
+        integrating=integrating, accept=accept, retune=retune, progress=_progress,
     )  # fmt: skip
     if found.block is not None:
         output.write_json(out, found.block.to_dict())
-    asked = {"kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating}
+    asked = {
+        "kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating,
+        "retune": retune,
+    }  # fmt: skip
     lines = command_lines(found, file, columns, asked) if found.closed is not None else _next(found, file, out)
     told = as_options(found.summary()).replace("--span ", "--op-span ")
     text = "\n".join([told, *(f"  {line}" for line in lines)])

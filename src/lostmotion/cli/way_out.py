@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import fields
+from collections.abc import Mapping
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,11 +37,9 @@ def command_lines(solution: Solution, file: Path, columns: RecordOptions, asked:
     words = [str(file), *typed(columns)]
     lines = []
     if step.settings:
-        lines.append(_line("solve", *words, *_flags({**asked, **step.settings})))
+        lines.append(_line("solve", str(file), *_again(columns, asked, step.settings)))
     elif step.name == "check":
         lines.append(_line("check", *words))
-    elif step.name == "simulate" and "span=(" in step.remedy and columns.op_span is None:
-        lines.append(f"{_line('solve', *words, *_flags(asked))} --op-span LOW HIGH")
     elif step.name == "simulate" and solution.study is None and asked.get("kp") is None:
         lines.append(f"{_line('solve', *words, *_flags(asked))} --kp KP --ki KI")
     elif step.name in ("diagnose", "identify") and _telling(solution):
@@ -50,6 +49,13 @@ def command_lines(solution: Solution, file: Path, columns: RecordOptions, asked:
     if step.acceptable:
         lines.append(f'{_line("solve", *words, *_flags(asked))} --accept "{PLACE}"')
     return lines
+
+
+def _again(columns: RecordOptions, asked: Mapping[str, Any], settings: Mapping[str, Any]) -> list[str]:
+    """Options of `solve` with other settings; a span is one of the record."""
+    options = {**asked, **settings}
+    span = options.pop("span", columns.op_span)
+    return [*typed(replace(columns, op_span=span)), *_flags(options)]
 
 
 def _telling(solution: Solution) -> bool:

@@ -39,7 +39,12 @@ OPTIONS = {
     "time": "--time",
     "wanted": "--interval",
 }
-FLAGS = {("time", "False"): "--ignore-time", ("quality", "False"): "--ignore-quality", ("raw", "True"): "--raw"}
+FLAGS = {
+    ("time", "False"): "--ignore-time",
+    ("quality", "False"): "--ignore-quality",
+    ("raw", "True"): "--raw",
+    ("retune", "True"): "--retune",
+}
 OVERRIDE = OPTIONS["accept"]
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from lostmotion import _verbs
 from lostmotion.arguments import finite, not_negative, positive
 from lostmotion.compensate.block import CompensatorBlock
@@ -212,4 +214,19 @@ def _require_span(facts: FitFacts, span: tuple[float, float]) -> None:
     least, most = facts.op_range
     if least < span[0] or most > span[1]:
         got = f"{span}, OP {least:.4g} to {most:.4g}"
-        raise ParameterError.expected("a span that holds the OP of the record", got, "give span=(low, high)")
+        low, high = span_seen(facts)
+        remedy = f"give span=(low, high), the limits of OP; {low:g} to {high:g} is what it did, with room for the block"
+        error = ParameterError.expected("a span that holds the OP of the record", got, remedy)
+        raise error.leads_on({"span": (low, high)})
+
+
+def span_seen(facts: FitFacts) -> tuple[float, float]:
+    """What OP did in the record, and half of the lost motion to either side, which is what the block adds.
+
+    Rounded outwards to a hundredth of its width: the narrowest clamps between which the block does what it is for.
+    """
+    least, most = facts.op_range
+    room = 0.5 * facts.parameters[facts.kind.size] if facts.kind.size else 0.0
+    grain = 10.0 ** np.floor(np.log10(max(most - least, 1e-300)) - 1.0)
+    low, high = np.floor((least - room) / grain), np.ceil((most + room) / grain)
+    return float(f"{low * grain:.6g}"), float(f"{high * grain:.6g}")

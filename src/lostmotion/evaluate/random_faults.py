@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.arguments import whole
+from lostmotion.arguments import positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.models import (
     Backlash,
@@ -81,7 +81,13 @@ class FaultyLoop:
 
 
 def random_faulty_loop(
-    seed: int, samples: int = 2000, cause: str | None = None, process: str | None = None, *, rough: bool = False
+    seed: int,
+    samples: int = 2000,
+    cause: str | None = None,
+    process: str | None = None,
+    *,
+    rough: bool = False,
+    share: float = 1.0,
 ) -> FaultyLoop:
     """Draw a loop.
 
@@ -94,6 +100,8 @@ def random_faulty_loop(
     rough : bool
         Also steps of load in half of the loops, noise with long tails in a third, and a swing from upstream in a third,
         whatever the cause.
+    share : float
+        Of the width that is drawn: below 1 a fault that noise and load, which are drawn for the whole of it, hide.
 
     Examples
     --------
@@ -106,7 +114,7 @@ def random_faulty_loop(
     process = str(rng.choice(PROCESSES)) if process is None else process
     linear, controller, pace = _process(rng, process, cause == "tuning")
     width = float(np.exp(rng.uniform(*np.log(WIDTHS))))
-    actuator = _actuator(rng, cause, width)
+    actuator = _actuator(rng, cause, positive("share", share) * width)
     n = round(samples / (1.0 - SETTLED))
     deviation = width * np.exp(rng.uniform(np.log(0.01), np.log(0.5))) / max(abs(controller.kp), 0.3)
     noise = deviation * (_grains(rng, n) if rough else rng.normal(size=n))

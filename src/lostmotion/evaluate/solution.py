@@ -40,7 +40,7 @@ class Step:
     passed: bool
     said: str
     remedy: str = ""
-    settings: Mapping[str, float] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
     acceptable: bool = False
 
     def to_dict(self) -> dict[str, Any]:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
+from lostmotion.compensate import CompensatorBlock
 from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import GateError, InputError
@@ -19,7 +21,8 @@ from lostmotion.records import LoopRecord
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.simulate import PI
 
-UPSTREAM = "other oscillation"
+RETUNED = "compensate and retune"
+OUTSIDE = 0.05  # of the rows beyond the span, from which on it is no stray value: it has other units than OP
 
 
 def solve(
@@ -31,6 +34,7 @@ def solve(
     loop_type: str | None = None,
     integrating: bool | None = None,
     accept: str | None = None,
+    retune: bool = False,
     progress: Callable[[str], None] | None = None,
     **study: Any,
 ) -> Solution:
@@ -51,6 +55,8 @@ def solve(
         As in :func:`diagnose`.
     accept : str, optional
         Reason for which closed gates are passed all the same, where there is a size to compensate; the block keeps it.
+    retune : bool
+        The controller is retuned together with the block, where that is what the study says; the block notes the gains.
     progress : callable, optional
         Is given a line on what is done next.
     **study
@@ -77,16 +83,22 @@ def solve(
     """
     reason_of(accept)
     way = _Way(record, accept, progress or _silent)
-    way.check()
+    way.check(span or record.op_span)
     if way.open:
         way.diagnose(integrating, loop_type)
     if way.open:
         way.identify(gain, integrating)
     if way.open:
-        way.simulate(controller, span, study)
+        way.simulate(controller, span, study, retune=retune)
     if way.open:
         way.block()
     return way.solution
+
+
+def _outside(op: FloatArray, span: tuple[float, float]) -> float:
+    """Share of the rows."""
+    known = op[np.isfinite(op)]
+    return float(np.mean((known < span[0]) | (known > span[1]))) if known.size else 0.0
 
 
 def _silent(line: str) -> None: ...
@@ -102,6 +114,7 @@ class _Way:
     steps: list[Step] = field(default_factory=list)
     fine: bool = False
     accepted: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     diagnosis: Diagnosis | None = None
     fit: HammersteinFit | None = None
     study: CompensationStudy | None = None
@@ -115,9 +128,12 @@ class _Way:
     def solution(self) -> Solution:
         """What came of it."""
         ended = self.open and self.study is not None
-        block = replace(self.study.block, accepted="; ".join(self.accepted)) if ended and self.study else None
+        block = self._noted(self.study.block) if ended and self.study else None
         outcome = "block" if ended else "nothing wrong" if self.fine else "closed"
         return Solution(outcome, tuple(self.steps), self.diagnosis, self.fit, self.study, block)
+
+    def _noted(self, block: CompensatorBlock) -> CompensatorBlock:
+        return replace(block, accepted="; ".join(self.accepted), notes=(*block.notes, *self.notes))
 
     def _pass(self, name: str, said: str) -> None:
         self.steps.append(Step(name, True, said))
@@ -135,14 +151,19 @@ class _Way:
         self.accepted = (*self.accepted, accepted(gate, reason))
         self._pass(name, f"{said} ACCEPTED: {reason}.")
 
-    def check(self) -> None:
-        """Whether an identification can be tried."""
+    def check(self, span: tuple[float, float] | None) -> None:
+        """Whether an identification can be tried, and OP keeps to its span: else it is that of other units."""
         found = CheckedRecord.of(self.record)
         worst = next((one for one in found.report.findings if one.level == "error"), None)
         if worst is not None:
             self._stop("check", worst.what, worst.remedy or worst.why)
         elif found.prepared.refusal is not None:
             self._stop("check", found.prepared.refusal, "use another record of this loop")
+        elif span is not None and (share := _outside(self.record.op, span)) > OUTSIDE:
+            said = f"OP is outside of its span, {span[0]:g} to {span[1]:g}, in {100.0 * share:.0f} % of the rows."
+            low, high = np.nanmin(self.record.op), np.nanmax(self.record.op)
+            remedy = f"leave the span out, or give it in the units of OP, which runs from {low:.4g} to {high:.4g}"
+            self.steps.append(Step("check", False, said, remedy, {"span": None}))
         else:
             self._pass("check", f"{100.0 * found.share:.3g} % of {len(self.record)} rows can be used.")
 
@@ -181,7 +202,9 @@ class _Way:
         """The verdict has been accepted one step before."""
         return bool(self.accepted) and verdict not in [kind.name for kind in faults()]
 
-    def simulate(self, controller: PI | None, span: tuple[float, float] | None, options: dict[str, Any]) -> None:
+    def simulate(
+        self, controller: PI | None, span: tuple[float, float] | None, options: dict[str, Any], *, retune: bool
+    ) -> None:
         """Whether the block is worth it, and safe with the present controller."""
         self.tell("simulating")
         assert self.fit is not None  # noqa: S101
@@ -190,8 +213,8 @@ class _Way:
             found = compensation_study(self.fit, controller, **given)
         except InputError as error:
             expected, got, remedy = error.said or ("a loop that can be simulated", str(error), "see there")
-            said = f"Expected {expected}, got {got}."
-            self.steps.append(Step("simulate", False, said, remedy, acceptable=isinstance(error, GateError)))
+            said, settings = f"Expected {expected}, got {got}.", next(iter(error.ways), {})
+            self.steps.append(Step("simulate", False, said, remedy, settings, isinstance(error, GateError)))
             return
         self.study = found
         more = found.block.accepted
@@ -201,9 +224,18 @@ class _Way:
         if found.recommendation == "compensate" and found.safe:
             self._pass("simulate", " ".join(found.reasons[:2]))
             return
+        if found.recommendation == RETUNED and retune:
+            self._retuned(found)
+            return
         remedy, settings = _way_out(found)
         gate = Closed("a block that is worth it and safe", found.reasons[0], remedy)
         self._gate("simulate", gate, found.reasons[0], settings)
+
+    def _retuned(self, study: CompensationStudy) -> None:
+        """The block with the gains that it needs."""
+        said = f"only with the controller at {_said(_gains(study.cases['with, retuned'].controller))}"
+        self.notes = (*self.notes, said)
+        self._pass("simulate", f"{study.reasons[0].rstrip('.')}: {said}.")
 
     def block(self) -> None:
         """What came out."""
@@ -212,12 +244,12 @@ class _Way:
         self._pass("block", f"{made.kind.capitalize()} block, scan time {made.scan_time:g} s.")
 
 
-def _way_out(study: CompensationStudy) -> tuple[str, dict[str, float]]:
-    """What to do instead of the block as it is; gains with which the way may go on."""
+def _way_out(study: CompensationStudy) -> tuple[str, dict[str, bool]]:
+    """What to do instead of the block as it is; settings with which the way may go on."""
     word = study.recommendation
-    if word == "compensate and retune":
-        gains = _gains(study.cases["with, retuned"].controller)
-        return f"retune to {_said(gains)} first, and give these gains", gains
+    if word == RETUNED:
+        gains = _said(_gains(study.cases["with, retuned"].controller))
+        return f"retune to {gains} when the block goes in, and say so with retune=True", {"retune": True}
     if word == "retune":
         return f"retune instead of compensating, to {_said(_gains(study.cases['retuned'].controller))}", {}
     ways = {"maintain": "mend the actuator", "leave": "leave the loop as it is"}

@@ -13,6 +13,7 @@ BRACKETS = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
 _CUT = re.compile(r"[\s_\-.]+")
 _PART = re.compile(r"[^\s_\-./:\\]+")
 _ISA = re.compile(r"^(?P<area>.*?[^A-Za-z])??(?P<letters>[A-Za-z]{2,4})[-_ .]?(?P<number>\d[\dA-Za-z]*)$")
+_SUFFIX = re.compile(r"(?<=\d)([A-Za-z]?)_+\d\w*$")  # of a file that is one of many of a loop: FIC20102__1207_0004
 Loops = dict[str, dict[str, str]]
 
 
@@ -150,8 +151,11 @@ def loop_type(tag: str) -> str:
     --------
     >>> loop_type("FIC-101"), loop_type("2411PDIC10321/PID1"), loop_type("Pump 3"), loop_type("F211")
     ('flow', 'pressure', '', '')
+    >>> loop_type("2411FIC20102__1207_0004"), loop_type("LIC-7B_2"), loop_type("Pump 3_2")
+    ('flow', 'level', '')
     """
-    for part in (tag, *re.split(r"[./:\\]", tag)):
+    bare = _SUFFIX.sub(r"\1", tag)
+    for part in (tag, bare, *re.split(r"[./:\\]", bare)):
         parsed = isa(part)
         if parsed is not None and parsed[1][1:] in (*CONTROLS, *MEASURES, *MOVES):
             return LOOP_TYPES[parsed[1][0]]

@@ -16,7 +16,7 @@ from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import EveryKind, is_open
-from lostmotion.identify.actuators.excluded import largest_sizes
+from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
@@ -235,7 +235,9 @@ class _Identification:
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
             if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
                 bounds[kinds.best] = chosen.widest
-        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in largest_sizes(linear, fits).items()}
+        unseen = linear_result.status is Status.CANNOT_TELL  # OP hardly moves PV: nor would a valve that stands still
+        sizes = nothing_excluded() if unseen else largest_sizes(linear, fits)
+        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in sizes.items()}
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:

@@ -25,6 +25,9 @@ class Evidence:
         Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
     other_kind : (str, float) or None
         Kind that is likelier than the one asked for, and by how much log-likelihood, less what parameters cost.
+    crossings : (int, int) or None
+        Times that OP went from the middle of a dead zone beyond its left and its right break point; None: no dead zone,
+        or a fit saved before they were counted.
     """
 
     gain_over_linear: float
@@ -35,3 +38,4 @@ class Evidence:
     closed_loop: bool = False
     free_moves: float = 1.0
     other_kind: tuple[str, float] | None = None
+    crossings: tuple[int, int] | None = None

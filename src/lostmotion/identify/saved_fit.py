@@ -139,12 +139,19 @@ def _evidence(saved: Fields) -> Evidence:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
     if "other_kind" in saved:
         given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
+    if "crossings" in saved:
+        given["crossings"] = saved.made("crossings", "how often either break point was crossed", _crossings)
     return replace(found, **given)
 
 
 def _other_kind(pair: object) -> tuple[str, float]:
     name, ahead = as_list(pair)
     return kind_of(str(name)).name, as_number(ahead)
+
+
+def _crossings(pair: object) -> tuple[int, int]:
+    left, right = as_list(pair)
+    return round(as_number(left)), round(as_number(right))
 
 
 def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:

@@ -31,10 +31,11 @@ def weigh(
         for d, value in zip(models, variances, strict=True)
     )
     kind, n = kind_of(fitted.problem.family.kind), min(fitted.problem.errors, linear.problem.errors)
-    beyond = (0, 0)
+    beyond, crossed = (0, 0), None
     if kind.dead_between:
         below, above = (values[name] for name in kind.break_points)
         beyond = int(np.sum(u < below)), int(np.sum(u > above))
+        crossed = crossings(below - u, 0.5 * (above - below)), crossings(u - above, 0.5 * (above - below))
     loop = feedback(scaled)
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
@@ -44,7 +45,21 @@ def weigh(
         rivals=_rivals(fitted, scaled.scaling) if kind.dead_between else (),
         closed_loop=loop.closed,
         free_moves=loop.free,
+        crossings=crossed,
     )
+
+
+def crossings(beyond: FloatArray, back: float) -> int:
+    """Times that a signal went above 0 from below -`back`, or began there: noise about 0 counts once.
+
+    Examples
+    --------
+    >>> crossings(np.array([1.0, -0.1, 0.2, -2.0, -0.5, 0.3]), 1.0)
+    2
+    """
+    sides = np.where(beyond > 0.0, 1, np.where(beyond < -back, -1, 0))
+    sides = sides[sides != 0]
+    return int(np.count_nonzero(np.diff(sides, prepend=-1) > 0))
 
 
 def _rivals(fitted: Fitted, scaling: Scaling) -> tuple[tuple[float, float, float], ...]:

@@ -12,8 +12,8 @@ from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
 from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
-from lostmotion.identify.actuators.excluded import _Held as HeldSize  # a size held in a single record: one code
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
+from lostmotion.identify.actuators.held_size import HeldSize
 from lostmotion.identify.actuators.kind import NEEDED, Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import without_loads
 from lostmotion.identify.actuators.sought import Sought

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.diagnose.advice import advise, severity_of
+from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
@@ -41,6 +42,13 @@ class Asked:
     integrating: bool | None
     loop_type: str | None
     tolerance: float
+
+    def of(self, records: Sequence[LoopRecord]) -> Asked:
+        """With the type of the loop that most tags say, where none was given: a loop has one, a file may not tell."""
+        types = Counter(record.loop_type for record in records if record.loop_type in LEAST_INDEX)
+        if self.loop_type is not None or not types:
+            return self
+        return replace(self, loop_type=types.most_common(1)[0][0])
 
     def diagnosis(self, record: LoopRecord) -> Diagnosis:
         """Of one record by itself."""
@@ -92,7 +100,7 @@ def diagnose_together(
         raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", asked.tolerance, "e.g. 0.01")
     if starts is not None and len(starts) != len(records):
         raise ParameterError.expected(f"{len(records)} start times", len(starts), "give one for each record")
-    span = _same_span(records)
+    asked, span = asked.of(records), _same_span(records)
     limit = 100.0 * asked.tolerance * span.percent
     shares, heard, reach = _hear(records, asked, starts, say, singly)
     heard, evidence = _finer(heard, SMALLEST * reach, LARGEST * reach)
