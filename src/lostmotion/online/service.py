@@ -14,7 +14,7 @@ from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
-from lostmotion.files.results import lock_file, write_bytes
+from lostmotion.files.writer import lock_file, refuse, sweep, write_bytes
 from lostmotion.online.monitor import OnlineMonitor
 from lostmotion.online.packing import pack, unpack
 
@@ -54,10 +54,10 @@ class Kept:
         self._lock: BinaryIO | None = None
         if path is None:
             return
-        if not path.parent.is_dir():
-            raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+        refuse(path, force=True)
         self._lock = lock_file(path)
         try:
+            sweep(path)
             if path.exists():
                 self._load(path)
         except LostMotionError:
@@ -95,7 +95,7 @@ class Kept:
         if self.path is None or (not hurry and now - self._saved < SAVE_EVERY):
             return
         header = {"settings": self.settings, "position": follower.position}
-        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""))
+        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""), force=True)
         self._saved = now
 
 
