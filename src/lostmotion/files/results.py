@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.errors import DataError, FileAccessError
+from lostmotion.files.schema import parsed
 from lostmotion.files.writer import write_bytes
+
+MOST_JSON = 1 << 26  # bytes: a fit has some 10 KiB
 
 
 def write_text(path: str | os.PathLike[str], text: str, force: bool = False) -> Path:
@@ -38,12 +41,15 @@ def read_json(path: str | os.PathLike[str], what: str, remedy: str) -> dict[str,
         It is no JSON, or JSON of something else than a dictionary.
     """
     source = Path(path)
+    if source.exists() and not source.is_file():
+        raise FileAccessError(f"expected a file with {what}, got {source}, which is none; give a regular file")
     try:
-        data = json.loads(source.read_text(encoding="utf-8"))
+        with source.open("rb") as stream:
+            data = parsed(stream.read(MOST_JSON + 1), MOST_JSON)
     except OSError as error:
         raise FileAccessError(f"expected a readable {source}, got {error.strerror}; check the path") from error
-    except (ValueError, RecursionError) as error:
-        raise DataError.expected(f"the JSON of {what}", f"{source}: {error}", remedy) from error
+    except ValueError as error:
+        raise DataError.expected(f"the JSON of {what}", f"{source}: {str(error)[:200]}", remedy) from error
     if not isinstance(data, dict):
         raise DataError.expected(f"the JSON of {what}", f"other JSON in {source}", remedy)
     return data
