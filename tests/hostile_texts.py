@@ -69,19 +69,19 @@ def _without_comments(text, _):
 
 
 def _tree(text, _):
-    root = ET.fromstring(text.encode())  # noqa: S314  our own file
-    return [_element(element) for element in root.iter()]
+    return list(_elements(ET.fromstring(text.encode()), said=True))  # noqa: S314  our own file
 
 
-def _element(element):
+def _elements(element, said):
+    """Names, attributes and text of all elements; below documentation, only that there is text and nothing else."""
     name = element.tag.rpartition("}")[2]
-    attributes = {key: value for key, value in element.attrib.items() if key != "Id"}
-    if name in ("Comment", "documentation", "Description"):
-        return name, attributes, len(list(element)), (element.tail or "").strip()
-    if name == "p" and not re.search(r":=", element.text or ""):
-        return name, attributes, len(list(element)), (element.tail or "").strip()
-    said = _without_comments(element.text, None) if name in ("Declaration", "ST", "Line", "p") and element.text else ""
-    return name, attributes, said or (element.text or "").strip(), (element.tail or "").strip()
+    said = said and name not in ("Comment", "documentation", "Description")
+    attributes = {key: value for key, value in element.attrib.items() if key != "Id"}  # Id: a digest of all
+    inside = (element.text or "") if said else ""
+    code = _without_comments(inside, None) if name in ("Declaration", "ST", "Line", "p") else inside
+    yield name, attributes, code.strip(), len(element), (element.tail or "").strip()
+    for inner in element:
+        yield from _elements(inner, said)
 
 
 BARE = {
