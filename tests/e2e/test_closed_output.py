@@ -47,3 +47,10 @@ def test_a_full_disk_under_standard_output_is_one_line(record):
         assert done.stderr.splitlines()[-1].startswith("error: expected room on standard output, got 'No space left")
         assert "Traceback" not in done.stderr
         assert len(done.stderr.splitlines()) == 1
+
+
+def test_what_was_typed_cannot_make_lines_or_colours():
+    done = run(["check", "a\nb\x1b[31m.csv", "--json"], subprocess.PIPE)
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
+    assert "\x1b" not in done.stderr + done.stdout
