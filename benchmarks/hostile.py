@@ -89,6 +89,7 @@ def attack_states(count: int, random: np.random.Generator) -> Counter[str]:
     tally: Counter[str] = Counter()
     for group in _groups([*(whole(*parts(base)) for base in bases), *chosen], AT_ONCE):
         tally += _of_one_process(group, text)
+        print(f"states so far: {dict(tally)}", file=sys.stderr, flush=True)
     return tally
 
 

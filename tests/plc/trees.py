@@ -1,4 +1,4 @@
-"""Digest of the syntax tree of ST without its comments, by tree-sitter; with the Python of .venv-plc: `trees.py FILE ..`.
+"""Digest of the tree of ST without its comments, by tree-sitter; with the Python of .venv-plc: `trees.py FILE ..`.
 
 A tree with errors has the digest "error".
 """
