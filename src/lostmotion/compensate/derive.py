@@ -14,6 +14,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate
 from lostmotion.models import Nonlinearity
 
+MOST_SCANS = 1e8  # that a process takes; three times as many are counted
 RAMP_SCANS = (10.0, 600.0)  # for the whole lost motion
 
 
@@ -83,7 +84,7 @@ def block_from_model(
     """
     low, high = finite("span", span[0]), finite("span", span[1])
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
-    scans = None if process_time is None else positive("process_time", process_time) / positive("scan_time", scan_time)
+    scans = None if process_time is None else _process_scans(process_time, scan_time)
     plan = Plan(not_negative("factor", factor), noise, (low, high), centre, scans, method)
     derived = rule(valve, plan)
     if noise is None and derived.kind != "stiction knocker":
@@ -213,3 +214,11 @@ def _require_span(facts: FitFacts, span: tuple[float, float]) -> None:
     if least < span[0] or most > span[1]:
         got = f"{span}, OP {least:.4g} to {most:.4g}"
         raise ParameterError.expected("a span that holds the OP of the record", got, "give span=(low, high)")
+
+
+def _process_scans(process_time: float, scan_time: float) -> float:
+    """Time of the process in scans; the block counts them in whole numbers of 32 bits."""
+    scans = positive("process_time", process_time) / positive("scan_time", scan_time)
+    if not scans <= MOST_SCANS:
+        raise ParameterError.expected(f"a process_time up to {MOST_SCANS:g} scans", f"{scans:g}", "check both times")
+    return scans
