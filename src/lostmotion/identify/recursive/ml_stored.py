@@ -37,7 +37,8 @@ def check_header(header: Any) -> dict[str, Any]:
 
 def check_settings(settings: Settings) -> None:
     """ValueError where they would ask for more memory than a loop can need."""
-    if max(settings.orders) > MOST_ORDER or settings.start_samples > MOST_START:
+    orders = (*settings.orders, settings.noise if isinstance(settings.noise, int) else 0)
+    if max(orders) > MOST_ORDER or settings.start_samples > MOST_START:
         raise ValueError("settings")
 
 
