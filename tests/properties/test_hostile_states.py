@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lostmotion.errors import DataError, LostMotionError
+from lostmotion.identify import RecursiveML
 from lostmotion.online import monitor, service
 from lostmotion.online.packing import unpack
 from tests import state_of_online as online
@@ -106,3 +107,11 @@ def test_headers_that_are_no_json_of_ours():
     long = signed(KIND, {}, b"")
     with pytest.raises(LostMotionError):
         unpack(KIND, long[: len(KIND) + 1] + b"\xff" * 8 + long[len(KIND) + 9 :])
+
+
+@pytest.mark.parametrize("name", ["na", "nb", "delay", "noise", "start_samples"])
+def test_settings_that_ask_for_any_memory_are_refused(saved, name):
+    *_, own, arrays = parts(saved[0])
+    header = json.dumps(changed(own, ("settings", name), 2**62)).encode()
+    with pytest.raises(DataError):
+        RecursiveML.from_bytes(archived({**arrays, "header": np.frombuffer(header, dtype=np.uint8)}))
