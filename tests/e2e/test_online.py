@@ -13,7 +13,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.cli import main
-from lostmotion.files.results import lock_file
+from lostmotion.files.writer import lock_file
 
 pytestmark = pytest.mark.statistics
 

@@ -67,7 +67,7 @@ def test_refusals(tmp_path):
         files.write_columns(tmp_path / "a.csv", {"OP": [1.0], "PV": [1.0, 2.0]})
     with pytest.raises(DataError, match="one length"):
         files.write_columns(tmp_path / "a.csv", {})
-    with pytest.raises(FileAccessError, match="can be written"):
+    with pytest.raises(FileAccessError, match="got none; make it first"):
         files.write_columns(tmp_path / "absent" / "a.csv", COLUMNS)
     (tmp_path / "b.csv").mkdir()
     with pytest.raises(FileAccessError, match="got the folder"):

@@ -63,7 +63,7 @@ def compensate(
     """
     import numpy as np
 
-    output.refuse(out)
+    output.refuse(table=out)
     valve, accepted = _zone(**asdict(zone), gate=gate)
     block = lm.DeadZoneCompensator.from_dead_zone(valve, centre)
     record = columns.read(file, sp=None)

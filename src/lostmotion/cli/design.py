@@ -129,7 +129,7 @@ def design(
     does not show one (give your guess with --left and --right, or --accept REASON). A process that integrates needs
     --pv-limits.
     """
-    output.refuse(written.out, figures=(written.figure,))
+    output.refuse(figures=(written.figure,), table=written.out)
     opened = gate.given()
     if fit is not None:
         model, noise = _from_fit(fit, guess.left, guess.right, guess.slope_ratio, opened["accept"])

@@ -94,6 +94,7 @@ def export(
     block = asked.block(source, opened)
     fit = None if isinstance(source, lm.CompensatorBlock) else source
     done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, **opened)
+    done.refuse(out, output.force)
     block = done.source.block
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json as json_module
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from lostmotion.cli.closed_output import no_more_output
 from lostmotion.cli.options import number
 from lostmotion.cli.progress import progress
 from lostmotion.errors import FileAccessError
@@ -32,9 +35,12 @@ class PrintOptions:
     json: Json = False
 
     def show(self, text: str, data: dict[str, Any] | list[dict[str, Any]]) -> None:
-        """Print a result as text or as JSON."""
+        """Print a result as text or as JSON; where nobody reads on, the exit code still says what was found."""
         progress("")
-        typer.echo(json_module.dumps(data, indent=2, allow_nan=False) if self.json else text)
+        try:
+            typer.echo(json_module.dumps(data, indent=2, allow_nan=False) if self.json else text)
+        except BrokenPipeError:
+            no_more_output()
 
 
 @dataclass(frozen=True)
@@ -43,19 +49,32 @@ class OutputOptions(PrintOptions):
 
     force: Force = False
 
-    def refuse(self, *paths: Path | None, figures: tuple[Path | None, ...] = ()) -> None:
+    def refuse(self, *paths: Path | None, figures: tuple[Path | None, ...] = (), table: Path | None = None) -> None:
         """Refuse what could not be written.
 
         Raises
         ------
         FileAccessError
-            A file is there and `force` is not set, its folder is not, or a figure has no format that can be drawn.
+            A file is there and `force` is not set, its folder is not or cannot be written, two outputs are one file,
+            or a figure has no format that can be drawn.
+        ParameterError
+            A table has no format that can be written.
         """
-        for path in (*paths, *figures):
-            refuse_existing(path, self.force)
+        given = [path for path in (*paths, *figures, table) if path is not None]
+        if not given:
+            return
+        from lostmotion.files.write import known_format
+        from lostmotion.files.writer import refuse
+
+        if table is not None:
+            known_format(table)
         for path in figures:
             if path is not None and path.suffix.lower() not in FORMATS:
                 raise FileAccessError(f"expected a figure as png, pdf or svg, got {path}; give one of these endings")
+        for path in given:
+            refuse(path, self.force)
+        if len({os.path.realpath(path) for path in given}) < len(given):
+            raise FileAccessError(f"expected a file for each output, got one for two of {len(given)}; name them apart")
 
     def write_json(self, path: Path | None, data: Any) -> None:
         """Write a result, where it is wanted."""
@@ -77,22 +96,18 @@ class OutputOptions(PrintOptions):
 
     def write_text(self, path: Path, text: str) -> None:
         """Write a page."""
-        from lostmotion.files import write_text
+        from lostmotion.files.writer import write_bytes
 
-        write_text(path, text, self.force)
+        write_bytes(path, text.encode("utf-8"), self.force)
 
     def write_figure(self, path: Path | None, result: Any) -> None:
         """Draw a result, where that is wanted."""
         if path is not None:
-            result.plot().savefig(path, dpi=120)
+            from lostmotion.files.writer import write_bytes
 
-
-def refuse_existing(path: Path | None, force: bool) -> None:
-    """Raise before any work is done where an output would overwrite a file."""
-    if path is not None and path.exists() and not force:
-        raise FileAccessError(f"expected a new file, got {path} which exists; use --force to replace it")
-    if path is not None and not path.parent.is_dir():
-        raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+            stream = BytesIO()
+            result.plot().savefig(stream, format=path.suffix.lower()[1:], dpi=120)
+            write_bytes(path, stream.getbuffer(), self.force)
 
 
 def places(files: list[Path], target: Path | None, what: str, ending: str) -> dict[Path, Path]:

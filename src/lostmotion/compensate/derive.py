@@ -16,6 +16,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate
 from lostmotion.models import Nonlinearity
 
+MOST_SCANS = 1e8  # that a process takes; three times as many are counted
 RAMP_SCANS = (10.0, 600.0)  # for the whole lost motion
 
 
@@ -85,7 +86,7 @@ def block_from_model(
     """
     low, high = finite("span", span[0]), finite("span", span[1])
     noise = None if op_noise is None else not_negative("op_noise", op_noise)
-    scans = None if process_time is None else positive("process_time", process_time) / positive("scan_time", scan_time)
+    scans = None if process_time is None else _process_scans(process_time, scan_time)
     plan = Plan(not_negative("factor", factor), noise, (low, high), centre, scans, method)
     derived = rule(valve, plan)
     if noise is None and derived.kind != "stiction knocker":
@@ -230,3 +231,11 @@ def span_seen(facts: FitFacts) -> tuple[float, float]:
     grain = 10.0 ** np.floor(np.log10(max(most - least, 1e-300)) - 1.0)
     low, high = np.floor((least - room) / grain), np.ceil((most + room) / grain)
     return float(f"{low * grain:.6g}"), float(f"{high * grain:.6g}")
+
+
+def _process_scans(process_time: float, scan_time: float) -> float:
+    """Time of the process in scans; the block counts them in whole numbers of 32 bits."""
+    scans = positive("process_time", process_time) / positive("scan_time", scan_time)
+    if not scans <= MOST_SCANS:
+        raise ParameterError.expected(f"a process_time up to {MOST_SCANS:g} scans", f"{scans:g}", "check both times")
+    return scans

@@ -11,6 +11,7 @@ from lostmotion.errors import DataError, InputError
 from lostmotion.files.fields import Fields
 from lostmotion.files.results import read_json
 from lostmotion.identify import FitFacts
+from lostmotion.identify.saved_fit import LONGEST, SHORTEST
 
 KEYS = ("kind", "scan_time", "settings")
 OTHER_KEYS = ("notes", "accepted")
@@ -49,7 +50,9 @@ def _block(data: Mapping[str, Any]) -> CompensatorBlock:
     for name in settings.names:
         settings.number(name)
     saved.text("kind")
-    saved.number("scan_time")
+    scan_time = saved.number("scan_time")
+    if not SHORTEST <= scan_time <= LONGEST:
+        raise DataError.expected(f"a scan_time from {SHORTEST:g} to {LONGEST:g} s in a block", scan_time, REMEDY)
     if "notes" in saved:
         saved.texts("notes")
     if "accepted" in saved:

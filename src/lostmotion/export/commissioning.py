@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from lostmotion.export import outside
 from lostmotion.export.dialects import Dialect, structured_text
 from lostmotion.export.frame import declare, render
 from lostmotion.export.source import Source
@@ -19,7 +20,7 @@ def page(source: Source, dialect: Dialect, files: list[str]) -> str:
         "commissioning.md.j2",
         source=source,
         block=source.block,
-        header=source.header(f"see the first lines of {files[0]}.")[:7],
+        header=source.header(f"see the first lines of {files[0]}.", outside.markdown)[:7],
         files=files,
         how=dialect.how_to_import,
         rows=declared.rows,

@@ -17,7 +17,7 @@ from lostmotion.export.provenance import provenance
 from lostmotion.export.replay import Replay, replay
 from lostmotion.export.source import Source
 from lostmotion.export.vectors import vectors
-from lostmotion.files import write_text
+from lostmotion.files.writer import refuse_folder, write_folder
 from lostmotion.identify import RatedEstimate, facts_of
 
 
@@ -53,23 +53,25 @@ class Exported:
         """Execute the written code in plain Python over adversarial scans and compare it with the kernel."""
         return replay(self.code, self.source, rows, seed)
 
+    def refuse(self, folder: str | os.PathLike[str], force: bool = False) -> None:
+        """Raise FileAccessError where :meth:`write` could not write there."""
+        place = Path(folder)
+        names = (*self.code, *(f"{self.source.name}_{rest}" for rest in ("vectors.csv", "commissioning.md")))
+        there = [str(place / name) for name in names if os.path.lexists(place / name)]
+        if there and not force:
+            raise FileAccessError(f"expected new files, got {', '.join(there)}; use --force to replace them")
+        refuse_folder(place, names)
+
     def write(self, folder: str | os.PathLike[str], force: bool = False) -> list[Path]:
-        """Write all files into a folder, which is made where it is not there.
+        """Write all files into a folder, or none; one that is not there is made, and appears with all of them.
 
         Raises
         ------
         FileAccessError
-            One of them exists and `force` is not set; then none is written.
+            One of them exists and `force` is not set, or cannot be written; then none is written.
         """
-        place, files = Path(folder), self.files
-        there = [str(place / name) for name in files if (place / name).exists()]
-        if there and not force:
-            raise FileAccessError(f"expected new files, got {', '.join(there)}; use --force to replace them")
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileAccessError(f"expected a folder {place}, got {error.strerror}; choose another") from error
-        return [write_text(place / name, text, force) for name, text in files.items()]
+        self.refuse(folder, force)
+        return write_folder(folder, {name: text.encode("utf-8") for name, text in self.files.items()}, force)
 
 
 def export(

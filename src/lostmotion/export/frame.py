@@ -8,9 +8,10 @@ from functools import cache
 from typing import Any
 
 import jinja2
+from markupsafe import Markup
 
 from lostmotion.export.names import plc_names
-from lostmotion.export.source import Source, plain
+from lostmotion.export.source import Source
 from lostmotion.export.tree import Block, Name
 
 SECTIONS = ("input", "parameter", "output", "state")
@@ -49,7 +50,7 @@ def declare(
             value = source.values[variable.name.lower()] if section == "parameter" else variable.default
             default = source.constant(variable.kind, value, true, false)
             unit = f"{variable.unit}: " if variable.unit else ""
-            row = Row(name, types[variable.kind], default, variable.kind, plain(unit + variable.meaning))
+            row = Row(name, types[variable.kind], default, variable.kind, unit + variable.meaning)
             rows[section].append(row)
     for local in block.local_names:
         default = source.constant(local.kind, 0.0, true, false)
@@ -59,7 +60,7 @@ def declare(
 
 @cache
 def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("lostmotion.export"),
         autoescape=jinja2.select_autoescape(("xml.j2",), default=False),
         trim_blocks=True,
@@ -67,6 +68,14 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         undefined=jinja2.StrictUndefined,
     )
+    environment.filters["cdata"] = _cdata
+    return environment
+
+
+def _cdata(text: str) -> Markup:
+    """A CDATA section, which nothing inside it can end."""
+    inside = str(text).replace("]]>", "]]]]><![CDATA[>")
+    return Markup(f"<![CDATA[{inside}]]>")  # noqa: S704  what it holds is data
 
 
 def render(template: str, **context: Any) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
-import re
-import unicodedata
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
@@ -16,6 +15,7 @@ import numpy.typing as npt
 from lostmotion.compensate import CompensatorBlock, Specification
 from lostmotion.errors import ParameterError
 from lostmotion.export.names import block_name
+from lostmotion.export.outside import anywhere
 from lostmotion.export.translate import translate
 from lostmotion.export.tree import Block, Name
 
@@ -60,10 +60,7 @@ class Source:
         block_name(self.name, {variable.name.lower() for variable in self.specification.variables})
         if self.real not in TYPES:
             raise ParameterError.expected(f"real out of {list(TYPES)}", self.real, "LREAL where the PLC has it")
-        try:
-            dt.date.fromisoformat(self.date)
-        except ValueError as error:
-            raise ParameterError.expected("a date as YYYY-MM-DD", self.date, "give the day of the export") from error
+        _check_date(self.date)
         for variable, value in zip(self.specification.section("parameter"), self.parameters, strict=True):
             name = variable.name.lower()
             if not np.isfinite(value):
@@ -109,17 +106,17 @@ class Source:
             return str(int(value))
         return real_text(value, self.real)
 
-    def header(self, verified: str) -> list[str]:
-        """Lines at the top of every file, plain ASCII."""
+    def header(self, verified: str, said: Callable[[str], str] = anywhere) -> list[str]:
+        """Lines at the top of every file; what others wrote goes through `said` of :mod:`lostmotion.export.outside`."""
         values = self.values
-        lines = [
+        return [
             f"{self.name}: compensates {self.specification.title}. Made by lostmotion {_version()}, {self.date}.",
             f"Source: {self.specification.source}.",
-            f"Data: {self.data}",
-            f"Fit: {self.fit}",
-            f"Interval: {self.interval}",
-            *([f"ACCEPTED behind a closed gate: {self.block.accepted}"] if self.block.accepted else []),
-            f"Settings: {'; '.join(self.block.notes) or UNKNOWN}",
+            f"Data: {said(self.data)}",
+            f"Fit: {said(self.fit)}",
+            f"Interval: {said(self.interval)}",
+            *([f"ACCEPTED behind a closed gate: {said(self.block.accepted)}"] if self.block.accepted else []),
+            f"Settings: {said('; '.join(self.block.notes)) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "
             f"{values['ramp_step']:.6g} a scan while switching, units of OP.",
@@ -129,7 +126,6 @@ class Source:
             f"Verified: {verified}",
             "Read the commissioning page before the download, and try the block in manual first.",
         ]
-        return [plain(line) for line in lines]
 
 
 def real_text(value: float, real: str) -> str:
@@ -141,14 +137,14 @@ def real_text(value: float, real: str) -> str:
     return f"{mantissa}E{int(exponent)}" if exponent else mantissa
 
 
-def plain(text: str) -> str:
-    """ASCII in one line, without what would end a comment, a CDATA section or a string."""
-    ascii_text = unicodedata.normalize("NFKD", text).encode("ascii", "replace").decode()
-    ascii_text = re.sub(r"\s+", " ", ascii_text)
-    ascii_text = "".join(sign if sign.isprintable() else "?" for sign in ascii_text)
-    for bad, good in (("(*", "( *"), ("*)", "* )"), ("/*", "/ *"), ("*/", "* /"), ("]]>", "]] >"), ("\\", "/")):
-        ascii_text = ascii_text.replace(bad, good)
-    return re.sub(r"-{2,}", "-", ascii_text).replace("??", "? ?").strip()
+def _check_date(date: str) -> None:
+    """Refuse what is no day; of the other forms of ISO 8601 a tool knows nothing."""
+    try:
+        day = dt.date.fromisoformat(date).isoformat()
+    except (TypeError, ValueError):
+        day = ""
+    if day != date:
+        raise ParameterError.expected("a date as YYYY-MM-DD", repr(date)[:40], "give the day of the export")
 
 
 def _version() -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import secrets
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy.typing as npt
 import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
+from lostmotion.files.writer import refuse, write_bytes
 
 _SEPARATORS = {".csv": ",", ".txt": "\t", ".tsv": "\t"}
 _PARQUET = (".parquet", ".pq")
@@ -77,37 +78,37 @@ def write_table(path: str | os.PathLike[str], columns: Any, force: bool = False)
     if isinstance(columns, Mapping):
         return write_columns(path, columns, force)
     target = Path(path)
-    _check(target, force)
-    frame = _polars(columns)
-    part = target.with_name(f".{target.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
+    suffix = known_format(target)
+    refuse(target, force)
+    frame, stream = _polars(columns), BytesIO()
     try:
-        with part.open("xb") as stream:
-            if target.suffix.lower() in _PARQUET:
-                frame.write_parquet(stream)
-            else:
-                frame.fill_nan(None).write_csv(stream, separator=_SEPARATORS[target.suffix.lower()])
-        part.replace(target)
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise FileAccessError(
-            f"expected a folder that can be written, got {reason!r} for {str(target)!r}; choose another path"
-        ) from error
-    finally:
-        part.unlink(missing_ok=True)
-    return target
+        if suffix in _PARQUET:
+            frame.write_parquet(stream)
+        else:
+            frame.fill_nan(None).write_csv(stream, separator=_SEPARATORS[suffix])
+    except (OSError, pl.exceptions.PolarsError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        remedy = f"columns of numbers, or text as {', '.join(_SEPARATORS)}"
+        raise FileAccessError(f"expected a table that {suffix} can hold, got {reason!r}; give {remedy}") from error
+    return write_bytes(target, stream.getbuffer(), force)
 
 
-def _check(target: Path, force: bool) -> None:
-    if target.suffix.lower() not in (*_SEPARATORS, *_PARQUET):
+def known_format(path: Path) -> str:
+    """Suffix of a table, in lower case.
+
+    Raises
+    ------
+    ParameterError
+        Another suffix.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (*_SEPARATORS, *_PARQUET):
         raise ParameterError.expected(
             f"a name that ends with one of {[*_SEPARATORS, *_PARQUET]}",
-            repr(target.name),
+            repr(path.name),
             "choose the format by the suffix",
         )
-    if target.is_dir():
-        raise FileAccessError(f"expected a file name, got the folder {str(target)!r}; add a file name")
-    if target.exists() and not force:
-        raise FileAccessError(f"expected a new file, got {str(target)!r}, which exists; use --force")
+    return suffix
 
 
 def _polars(columns: Any) -> pl.DataFrame:

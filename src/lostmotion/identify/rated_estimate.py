@@ -95,7 +95,8 @@ class RatedEstimate(NamedEstimate, ABC):
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:
-            factor = np.exp((high - low) / (2.0 * self.parameters[name]))
+            with np.errstate(over="ignore"):
+                factor = np.exp((high - low) / (2.0 * self.parameters[name]))
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
         if self.status in HIDDEN:
             if name == self.kind.size:

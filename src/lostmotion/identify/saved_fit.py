@@ -20,6 +20,7 @@ from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
 
 REMEDY = "use what fit.save() or identify --out wrote"
+SHORTEST, LONGEST = 1e-12, 1e12  # s
 NEEDED = (
     "status", "preferred", "model", "noise", "parameters", "covariance", "intervals_95", "evidence", "settings", "data",
 )  # fmt: skip
@@ -56,7 +57,7 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
         "known_gain": settings.number_or_none("gain"),
         "op_range": about.pair("op_range"),
         "op_noise": about.number_or_none("op_noise"),
-        "dt": about.number("dt"),
+        "dt": _dt(about, model.linear),
         "samples": about.count("samples"),
         **{name: about.text(name) for name in ("tag", "source", "fingerprint")},
     }
@@ -75,6 +76,15 @@ def _model(saved: Fields) -> Hammerstein:
     actuator = saved.made("nonlinearity", "an actuator that is identified", _actuator)
     linear = saved.made("linear", "a linear process", LinearModel.from_dict)
     return Hammerstein(actuator, linear, saved.number("offset"))
+
+
+def _dt(about: Fields, linear: LinearModel) -> float:
+    """Sampling time of the record, which is that of the process and one that a record can have."""
+    dt = about.number("dt")
+    if not SHORTEST <= dt <= LONGEST or linear.dt != dt:
+        got = f"{dt:g} s beside a process at {linear.dt:g} s"
+        raise DataError.expected(f"one dt from {SHORTEST:g} to {LONGEST:g} s in a fit", got, REMEDY)
+    return dt
 
 
 def _actuator(data: Any) -> Nonlinearity:

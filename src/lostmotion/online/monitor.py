@@ -8,12 +8,13 @@ from typing import Any, Self
 import numpy as np
 
 from lostmotion.arguments import positive, whole
-from lostmotion.errors import ParameterError
+from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.grid import Rows
 from lostmotion.identify import RecursiveEstimate, RecursiveML, WatchingEstimator
 from lostmotion.online import messages
 from lostmotion.online.masks import Masks
 from lostmotion.online.packing import pack, unpack
+from lostmotion.online.stored import REMEDY, check_monitor
 from lostmotion.online.timeline import Timeline
 from lostmotion.online.trend import Trend
 
@@ -208,10 +209,14 @@ class OnlineMonitor:
             The bytes are something else, of another version, or damaged.
         """
         header, blob = unpack(KIND, data)
+        check_monitor(header)
         settings = header["settings"]
         if settings["op_limits"] is not None:
             settings["op_limits"] = tuple(settings["op_limits"])
-        new = cls(estimator(blob), **settings)
+        try:
+            new = cls(estimator(blob), **settings)
+        except ParameterError as error:
+            raise DataError.expected("settings of a monitor in a state", str(error)[:200], REMEDY) from error
         new.counts = header["counts"]
         new.masks.state = header["masks"]
         new.timeline.state = header["timeline"]

@@ -8,6 +8,7 @@ import struct
 from typing import Any
 
 from lostmotion.errors import DataError
+from lostmotion.files.schema import checked, kept, parsed
 
 _CHECK = 32  # bytes of the hash at the end
 
@@ -40,4 +41,13 @@ def unpack(kind: str, data: bytes) -> tuple[dict[str, Any], bytes]:
         raise DataError.expected(f"a whole {kind!r}", "a damaged one", "start anew, or take a backup")
     (length,) = struct.unpack_from("<Q", data, len(start))
     begin = len(start) + 8
-    return json.loads(data[begin : begin + length]), data[begin + length : -_CHECK]
+    stop = begin + length
+    if stop > len(data) - _CHECK:
+        raise DataError.expected(f"a whole {kind!r}", "a header that is longer than the rest", "take a backup")
+    try:
+        header = parsed(data[begin:stop])
+    except ValueError as error:
+        raise DataError.expected(f"a header in {kind!r}", str(error)[:100], "start anew, or take a backup") from error
+    return checked(header, kept("a group", lambda value: isinstance(value, dict)), kind, "take a backup"), data[
+        stop:-_CHECK
+    ]

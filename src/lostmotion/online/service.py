@@ -10,15 +10,18 @@ from threading import Event
 from typing import Any, BinaryIO, Self
 
 from lostmotion.arguments import positive
-from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
+from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
 from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
-from lostmotion.files.results import lock_file, write_bytes
+from lostmotion.files.schema import anything, checked, group, table
+from lostmotion.files.writer import lock_file, refuse, sweep, write_bytes
 from lostmotion.online.monitor import OnlineMonitor
 from lostmotion.online.packing import pack, unpack
+from lostmotion.online.stored import REMEDY, WHAT, check_position
 
 KIND = "lostmotion online state 1"
+HEADER = group(settings=table(anything), position=table(anything))
 POLL = 0.5  # s between looks at a file that does not grow
 SAVE_EVERY = 1.0  # s: while catching up the state is not written more often than this
 
@@ -54,10 +57,10 @@ class Kept:
         self._lock: BinaryIO | None = None
         if path is None:
             return
-        if not path.parent.is_dir():
-            raise FileAccessError(f"expected a folder {path.parent}, got none; make it first")
+        refuse(path, force=True)
         self._lock = lock_file(path)
         try:
+            sweep(path)
             if path.exists():
                 self._load(path)
         except LostMotionError:
@@ -81,13 +84,17 @@ class Kept:
         except OSError as error:
             raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
         header, blob = unpack(KIND, data)
+        checked(header, HEADER, WHAT, REMEDY)
         stored = header["settings"]
         for name, value in self.settings.items():
             if stored.get(name) != value:
-                got = f"{stored.get(name)} in {path}"
+                got = f"{str(stored.get(name))[:100]} in {path}"
                 raise ParameterError.expected(f"{name} = {value}", got, "start as before, or with another state file")
-        self.position = header["position"]
+        self.position = check_position(header["position"])
         self.monitor = OnlineMonitor.from_bytes(blob) if blob else None
+        layout = self.position["layout"]
+        if self.monitor is not None and (layout is None or layout["dt"] != self.monitor.dt):
+            raise DataError.expected(f"dt = {self.monitor.dt:g} s in the position of {WHAT}", "another", REMEDY)
 
     def save(self, follower: Follower, monitor: OnlineMonitor | None, hurry: bool = True) -> None:
         """Write the state; without `hurry` not more often than once a second."""
@@ -95,7 +102,7 @@ class Kept:
         if self.path is None or (not hurry and now - self._saved < SAVE_EVERY):
             return
         header = {"settings": self.settings, "position": follower.position}
-        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""))
+        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""), force=True)
         self._saved = now
 
 

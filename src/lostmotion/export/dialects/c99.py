@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from lostmotion.export import outside
 from lostmotion.export.dialects.assemble import Declaration, assemble
 from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import declare, render
@@ -49,7 +50,7 @@ def files(source: Source) -> dict[str, str]:
     body = Printer(syntax, declared.names).lines(source.tree.body, depth=1)
     context = {
         "name": source.name,
-        "header": source.header(VERIFIED),
+        "header": source.header(VERIFIED, outside.c99),
         "rows": declared.rows,
         "body": body,
         "real": types["real"],
@@ -62,7 +63,7 @@ def files(source: Source) -> dict[str, str]:
 def restore(files: Mapping[str, str]) -> str:
     """Declarations from the structures of the header, the body of the step function line by line."""
     (name,) = {file.rpartition(".")[0] for file in files}
-    header, text = files[f"{name}.h"], files[f"{name}.c"]
+    header, text = (_below_remarks(files[f"{name}.{ending}"]) for ending in ("h", "c"))
     words = {"parameters": "VAR_INPUT", "inputs": "VAR_INPUT", "outputs": "VAR_OUTPUT", "state": "VAR"}
     defaults = re.findall(r"([^\s,{]+), /\* (\w+) \*/", text)
     known = {variable: value for value, variable in defaults}
@@ -78,6 +79,12 @@ def restore(files: Mapping[str, str]) -> str:
     body = text[text.index("_step(") :].split("{\n", 1)[1].rsplit("}", 1)[0]
     real = "LREAL" if "double" in header else "REAL"
     return assemble(name, declarations, "\n".join(_line(line, real) for line in body.splitlines()))
+
+
+def _below_remarks(text: str) -> str:
+    """What stands below the remarks at the top, whose words are no code."""
+    found = re.search(r"^#", text, re.MULTILINE)
+    return text[found.start() :] if found else text
 
 
 def _line(line: str, real: str) -> str:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from lostmotion.export import outside
 from lostmotion.export.dialects.assemble import Declaration, assemble, only_file
 from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import declare, render
@@ -38,7 +39,7 @@ def files(source: Source) -> dict[str, str]:
     text = render(
         "l5x.xml.j2",
         name=source.name,
-        header=source.header(VERIFIED),
+        header=source.header(VERIFIED, outside.structured_text),
         rows=declared.rows,
         body=printer.lines(block.body),
         reset=["(* No retained data: the first scan starts anew. *)", *reset],

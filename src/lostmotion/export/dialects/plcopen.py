@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from lostmotion.export import outside
 from lostmotion.export.dialects import structured_text
 from lostmotion.export.dialects.assemble import assemble, only_file
 from lostmotion.export.dialects.dialect import Dialect
@@ -26,7 +27,7 @@ def files(source: Source) -> dict[str, str]:
         "plcopen.xml.j2",
         name=source.name,
         date=source.date,
-        header=source.header(VERIFIED),
+        header=source.header(VERIFIED, outside.structured_text),
         rows=declared.rows,
         body="\n".join(body) + "\n",
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from lostmotion.export import outside
 from lostmotion.export.dialects.assemble import only_file
 from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import declare, render
@@ -34,7 +35,7 @@ def files(source: Source) -> dict[str, str]:
         numbers="REAL#{}" if source.real == "real" else "{}",
     )
     body = Printer(syntax, declared.names).lines(source.tree.body, depth=1)
-    header = source.header(VERIFIED)
+    header = source.header(VERIFIED, outside.scl)
     text = render("scl.scl.j2", name=source.name, header=header, rows=declared.rows, body=body)
     return {f"{source.name}.scl": text}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from lostmotion.export import outside
 from lostmotion.export.dialects.assemble import only_file
 from lostmotion.export.dialects.dialect import Dialect
 from lostmotion.export.frame import Declared, declare, render
@@ -45,7 +46,7 @@ def parts(source: Source) -> tuple[Declared, list[str]]:
 def files(source: Source) -> dict[str, str]:
     """The block as one file of ST."""
     declared, body = parts(source)
-    header = source.header(VERIFIED)
+    header = source.header(VERIFIED, outside.structured_text)
     text = render("structured_text.st.j2", name=source.name, header=header, rows=declared.rows, body=body)
     return {f"{source.name}.st": text}
 

@@ -6,6 +6,7 @@ import uuid
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
+from lostmotion.export import outside
 from lostmotion.export.dialects import structured_text
 from lostmotion.export.dialects.assemble import only_file
 from lostmotion.export.dialects.dialect import Dialect
@@ -21,7 +22,7 @@ VERIFIED = (
 def files(source: Source) -> dict[str, str]:
     """The block as one .TcPOU; its Id follows from the text, so the same input gives the same file."""
     declared, body = structured_text.parts(source)
-    header = source.header(VERIFIED)
+    header = source.header(VERIFIED, outside.structured_text)
     identity = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join([source.name, *header, *body]))
     text = render("tcpou.xml.j2", name=source.name, id=identity, header=header, rows=declared.rows, body=body)
     return {f"{source.name}.TcPOU": text}

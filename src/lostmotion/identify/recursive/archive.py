@@ -19,8 +19,8 @@ from lostmotion.errors import DataError
 # What NumPy and zipfile raise on a damaged archive (RuntimeError: a flipped bit says that it is encrypted; TokenError,
 # SyntaxError: in the header of an array), and what the reader of its arrays finds missing or of the wrong kind
 BROKEN = (
-    ValueError, TypeError, KeyError, IndexError, AttributeError, OSError, EOFError, RuntimeError, SyntaxError,
-    MemoryError, OverflowError, struct.error, tokenize.TokenError, zipfile.BadZipFile, zlib.error,
+    ArithmeticError, ValueError, TypeError, KeyError, IndexError, AttributeError, OSError, EOFError, RuntimeError,
+    SyntaxError, MemoryError, struct.error, tokenize.TokenError, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 
 
@@ -35,6 +35,9 @@ def pack(**arrays: Any) -> bytes:
 def reading(data: bytes) -> Iterator[dict[str, npt.NDArray[Any]]]:
     """Arrays by name; whatever is found wrong with them inside is a DataError, ParameterError included."""
     try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            if sum(member.file_size for member in archive.infolist()) > len(data):
+                raise ValueError("packed")  # ours are not, and a packed one may unpack to any size
         with np.load(io.BytesIO(data), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         yield arrays

@@ -9,17 +9,24 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.files.schema import parsed
 from lostmotion.identify.recursive.archive import pack, reading
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_start import FirstWindow
+from lostmotion.identify.recursive.ml_stored import (
+    check_header,
+    check_recursion,
+    check_scales,
+    check_settings,
+    check_window,
+)
 from lostmotion.identify.recursive.recursive_estimate import ChangeEvent
 from lostmotion.kernels.recursive_ml import drift
 from lostmotion.kernels.recursive_ml import state as ml
 
 FORMAT = "lostmotion recursive ml 2"
 FIRST_FORMAT = "lostmotion recursive ml 1"  # without what tells drift, colour and steps of OP; they begin anew
-AT_MOST = {ml.FILLED: ml.BLOCK, ml.WINDOW: ml.RING, ml.BLOCKS: ml.COUNT}  # counters and their bounds
 
 
 def packed(first: FirstWindow, recursion: Recursion | None) -> bytes:
@@ -44,7 +51,7 @@ def packed(first: FirstWindow, recursion: Recursion | None) -> bytes:
 def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
     """First window and recursion from bytes; DataError where they are something else."""
     with reading(data) as parts:
-        header = json.loads(parts["header"].tobytes())
+        header = check_header(parsed(parts["header"].tobytes()))
         if header["format"] not in (FORMAT, FIRST_FORMAT):
             raise ValueError(header["format"])
         return _restored(header, parts)
@@ -52,19 +59,20 @@ def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
 
 def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindow, Recursion | None]:
     settings = Settings(**header["settings"])
-    seen, gathered = int(header["seen"]), parts["gathered"]
+    seen, gathered = header["seen"], parts["gathered"]
+    check_settings(settings)
+    check_window(gathered, settings, seen)
+    check_scales(parts["scales"])
     events = [ChangeEvent(**event) for event in header["events"]]
     scales = (float(parts["scales"][0]), float(parts["scales"][1]))
-    first = FirstWindow(
-        settings, gathered[0].tolist(), gathered[1].tolist(), seen, int(header["next_try"]),
-        bool(header.get("integrating", False)),
-    )  # fmt: skip
+    u, y = gathered.tolist()
+    first = FirstWindow(settings, u, y, seen, header["next_try"], header.get("integrating", False))
     if not parts["state"].size:
         return first, None
     state, layout = np.ascontiguousarray(parts["state"]), np.ascontiguousarray(parts["layout"])
     if header["format"] == FIRST_FORMAT:
         state, layout = _grown(settings, state, layout)
-    check(settings, state, layout)
+    check_recursion(settings, state, layout)
     if header["format"] == FIRST_FORMAT:
         drift.agree(state, layout)
     return first, Recursion(settings, state, layout, scales, seen, events)
@@ -77,23 +85,3 @@ def _grown(settings: Settings, state: FloatArray, layout: IntArray) -> tuple[Flo
     if not 0 <= p * p < state.size:
         raise ValueError("layout")
     return ml.grown(state, layout, settings.tuning.places(settings.orders, p))
-
-
-def check(settings: Settings, state: FloatArray, layout: IntArray) -> None:
-    """ValueError where the arrays do not fit the settings: the kernel does not look where it writes."""
-    if layout.shape != (ml.LAYOUT_SIZE,) or layout.dtype != np.int64:
-        raise ValueError("layout")
-    p = int(layout[ml.P])
-    if not 0 <= p * p < state.size:
-        raise ValueError("layout")
-    made_state, made_layout = settings.tuning.allocate(settings.orders, p)
-    if state.shape != made_state.shape or state.dtype != made_state.dtype:
-        raise ValueError("state")
-    fixed = list(ml.NOT_MOVING)
-    if not np.array_equal(layout[fixed], made_layout[fixed]):
-        raise ValueError("layout")
-    for count, most in AT_MOST.items():
-        if not 0 <= layout[count] <= layout[most] - (count == ml.FILLED):
-            raise ValueError("counters")
-    if not (0 <= layout[ml.DRIFT] < ml.DRIFTS and 0 <= layout[ml.GROUPED] < drift.GROUP and layout[ml.FAR] >= 0):
-        raise ValueError("counters")

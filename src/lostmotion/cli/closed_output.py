@@ -1,0 +1,34 @@
+"""Standard output that nobody reads any more, or that lies on a full disk."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from lostmotion.errors import FileAccessError
+
+
+def no_more_output() -> None:
+    """Send what is still to be said nowhere, so that Python does not complain about it at its end."""
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+    except (OSError, ValueError):
+        return
+
+
+def full_output(error: OSError) -> FileAccessError:
+    """The error of a write to standard output; files have theirs told by the writer.
+
+    Raises
+    ------
+    OSError
+        It is another one.
+    """
+    import errno
+
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF):
+        raise error
+    no_more_output()
+    return FileAccessError(f"expected room on standard output, got {error.strerror!r}; free some, or send it elsewhere")

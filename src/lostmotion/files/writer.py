@@ -1,0 +1,302 @@
+"""The one place where files are written: whole or not at all, never through a link, nothing left over.
+
+Bytes go to a file without a name, which Linux removes by itself when a process dies; it gets its name when all are on
+the disk. Where a file is replaced, it has a second name between two system calls; :func:`sweep` finds it after a kill
+just there. Elsewhere (Windows, some network drives) that second name is there from the beginning.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import secrets
+import stat
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from lostmotion.errors import FileAccessError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
+_NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
+Buffer = bytes | memoryview
+_PATHLIKE = str | os.PathLike[str]
+
+
+def refuse(path: _PATHLIKE, force: bool = False) -> Path:
+    """Path of a file that can be written, as far as can be known before.
+
+    Raises
+    ------
+    FileAccessError
+        It exists and `force` is not set; it is a link, a folder or a device; its folder is not there or cannot be
+        written; no file can have that name.
+    """
+    target = Path(path)
+    with _told(target):
+        _refuse_folder(target.parent)
+        with suppress(FileNotFoundError):
+            _refuse_present(target, target.lstat().st_mode, force)
+    return target
+
+
+def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
+    """Raise FileAccessError where files of these names could not be written, or the folder not be made."""
+    place = Path(folder)
+    with _told(place):
+        if os.path.lexists(place):
+            if not place.is_dir():
+                raise FileAccessError(f"expected a folder, got the file {str(place)!r}; choose another")
+            for name in names:
+                refuse(place / name, force=True)
+            return
+        above = next(parent for parent in place.absolute().parents if os.path.lexists(parent))
+        _refuse_folder(above)
+
+
+def write_bytes(path: _PATHLIKE, data: Buffer, force: bool = False) -> Path:
+    """Write a file in one step: after a crash or a power cut it is the old one or the new one.
+
+    Raises
+    ------
+    FileAccessError
+        See :func:`refuse`; and a full disk, which leaves what was there.
+    """
+    return write_together({Path(path): data}, force)[0]
+
+
+def write_together(files: Mapping[Path, Buffer], force: bool = False) -> list[Path]:
+    """Write all files or none: all are on the disk before the first gets its name, and an error takes new names back.
+
+    Only a kill between the naming of two of them, which takes microseconds, can leave the first without the others.
+
+    Raises
+    ------
+    FileAccessError
+        As in :func:`write_bytes`, for any of them; then none is new.
+    """
+    targets = [refuse(path, force) for path in files]
+    drafts: list[_Draft] = []
+    try:
+        for target, data in zip(targets, files.values(), strict=True):
+            drafts.append(_Draft(target, target.parent))
+            drafts[-1].fill(data)
+        _place(drafts, force)
+    finally:
+        for draft in drafts:
+            draft.close()
+    return targets
+
+
+def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = False) -> list[Path]:
+    """Write files into a folder; one that is not there appears with all of them at once.
+
+    Raises
+    ------
+    FileAccessError
+        As in :func:`write_together`; or the folder cannot be made.
+    """
+    place = Path(folder)
+    refuse_folder(place, files)
+    if place.is_dir():
+        return write_together({place / name: data for name, data in files.items()}, force)
+    with _told(place):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside = place.parent / _second_name(place)
+        drafts: list[_Draft] = []
+        try:
+            for name, data in files.items():
+                drafts.append(_Draft(beside / name, place.parent))
+                drafts[-1].fill(data)
+            beside.mkdir()
+            for draft in drafts:
+                draft.name_it(force=False)
+            beside.rename(place)
+        except BaseException:
+            for draft in drafts:
+                draft.take_back()
+            with suppress(OSError):
+                beside.rmdir()
+            raise
+        finally:
+            for draft in drafts:
+                draft.close()
+        _settle(place.parent)
+    return [place / name for name in files]
+
+
+def sweep(path: _PATHLIKE) -> None:
+    """Remove what a killed process has left of `path`; only for who alone works with it, see :func:`lock_file`."""
+    target = Path(path)
+    for left in target.parent.glob(f"{_prefix(target)}*"):
+        with suppress(OSError):
+            left.unlink()
+
+
+def lock_file(path: Path) -> BinaryIO | None:
+    """Keep other processes of lostmotion from working with `path` until what is returned is closed, or we end.
+
+    None where the platform has no such locks. The file that holds the lock stays; it is empty.
+
+    Raises
+    ------
+    FileAccessError
+        Another process works with it, or the folder cannot be written.
+    """
+    if fcntl is None:
+        return None
+    beside = path.with_name(f".{path.name}.lock")
+    with _told(beside):
+        number = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, PLAIN)
+    stream = os.fdopen(number, "rb")
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        stream.close()
+        raise FileAccessError(f"expected {path} for this process alone, got another one that works with it") from error
+    return stream
+
+
+class _Draft:
+    """Bytes on the disk of a folder that are not yet under their name."""
+
+    def __init__(self, target: Path, folder: Path) -> None:
+        self.target, self._placed = target, False
+        self.beside: Path | None = None  # second name
+        with _told(target):
+            self._stream = self._open(folder)
+
+    def _open(self, folder: Path) -> BinaryIO:
+        if _NAMELESS:
+            with suppress(OSError):
+                return os.fdopen(os.open(folder, _NAMELESS | os.O_WRONLY, PLAIN), "wb")
+        self.beside = folder / _second_name(self.target)
+        return self.beside.open("xb")
+
+    def fill(self, data: Buffer) -> None:
+        """Put the bytes on the disk, under the permissions of the file that they replace."""
+        with _told(self.target, len(data)):
+            if hasattr(os, "fchmod") and self.target.is_file():
+                os.fchmod(self._stream.fileno(), stat.S_IMODE(self.target.stat().st_mode))
+            self._stream.write(data)
+            self._stream.flush()
+            os.fsync(self._stream.fileno())
+
+    def name_it(self, force: bool) -> None:
+        """Give the bytes their name; without `force` no file of that name is replaced, even one made just now."""
+        with _told(self.target):
+            if self.beside is None:
+                if not os.path.lexists(self.target):
+                    self._link(self.target)
+                    self._placed = True
+                    return
+                self.beside = self.target.parent / _second_name(self.target)
+                self._link(self.beside)
+            self._stream.close()
+            if os.path.lexists(self.target) and not force:
+                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
+            self.beside.replace(self.target)
+            self._placed, self.beside = True, None
+
+    def _link(self, path: Path) -> None:
+        """Name of a file without one; the number of a folder makes Python follow /proc to the file."""
+        here = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.link(f"/proc/self/fd/{self._stream.fileno()}", path, src_dir_fd=here)
+        finally:
+            os.close(here)
+
+    def take_back(self) -> None:
+        """Remove what was named."""
+        if self._placed:
+            self.target.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Let go; what has no name is gone."""
+        with suppress(OSError):
+            self._stream.close()
+        if self.beside is not None:
+            self.beside.unlink(missing_ok=True)
+
+
+def _place(drafts: list[_Draft], force: bool) -> None:
+    """Name all drafts; where one fails, those that are new are taken away again."""
+    new = [draft for draft in drafts if not os.path.lexists(draft.target)]
+    try:
+        for draft in drafts:
+            draft.name_it(force)
+    except BaseException:
+        for draft in new:
+            draft.take_back()
+        raise
+    for folder in {draft.target.parent for draft in drafts}:
+        _settle(folder)
+
+
+def _settle(folder: Path) -> None:
+    """Names on the disk as well, where the platform can; what was written stands in any case."""
+    with suppress(OSError):
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
+
+
+def _prefix(target: Path) -> str:
+    return f".lostmotion-{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:16]}-"
+
+
+def _second_name(target: Path) -> str:
+    """Of one length, so that a name that is just short enough stays so."""
+    return f"{_prefix(target)}{secrets.token_hex(8)}"
+
+
+def _refuse_present(target: Path, mode: int, force: bool) -> None:
+    said = repr(str(target))
+    if stat.S_ISDIR(mode):
+        raise FileAccessError(f"expected a file name, got the folder {said}; add a file name")
+    if stat.S_ISLNK(mode):
+        raise FileAccessError(f"expected a file, got the link {said}; give the file itself")
+    if not stat.S_ISREG(mode):
+        raise FileAccessError(f"expected a file, got {said}, which is a device or a pipe; give a new name")
+    if not force:
+        raise FileAccessError(f"expected a new file, got {said}, which exists; use --force to replace it")
+
+
+def _refuse_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise FileAccessError(f"expected a folder {folder}, got none; make it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise FileAccessError(f"expected a folder that can be written, got {str(folder)!r}; choose another")
+
+
+@contextmanager
+def _told(target: Path, size: int | None = None) -> Iterator[None]:
+    """What the system refuses, in the words of the house."""
+    try:
+        yield
+    except FileAccessError:
+        raise
+    except FileExistsError as error:
+        raise FileAccessError(
+            f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
+        ) from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        if getattr(error, "errno", None) in FULL:
+            room = "room" if size is None else f"room for {size} bytes"
+            raise FileAccessError(
+                f"expected {room} to write {str(target)[:200]!r}, got {reason!r}; free some, or choose another disk"
+            ) from error
+        raise FileAccessError(
+            f"expected a folder that can be written, got {reason!r} for {str(target)[:200]!r}; choose another path"
+        ) from error

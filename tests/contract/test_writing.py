@@ -1,0 +1,97 @@
+"""Nobody writes a file but the writer, and nothing in the core runs what others wrote."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+CORE = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
+FILES = sorted(CORE.rglob("*.py"))
+WRITERS = {
+    "write_text", "write_bytes", "writelines", "savefig", "tofile", "touch", "mkdir", "makedirs", "rename", "renames",
+    "replace", "unlink", "rmdir", "symlink_to", "hardlink_to", "link", "symlink", "truncate", "write_csv", "dump",
+    "write_parquet", "sink_csv", "sink_parquet", "save", "savez", "savetxt", "to_csv", "to_parquet", "savemat",
+    "copy2", "copyfile", "copytree", "rmtree", "mkstemp", "mkdtemp", "NamedTemporaryFile", "chmod",
+}  # fmt: skip
+NOT_FILES = {  # what has such a name and writes no file, or goes through the writer
+    "files/write.py": {"write_parquet", "write_csv", "write_bytes"},  # into memory, then the writer
+    "files/results.py": {"write_bytes", "write_text"}, "files/text.py": {"rename"},  # columns of a frame
+    "online/service.py": {"write_bytes"}, "files/workbook.py": {"write_csv"},
+    "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
+    "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
+}  # fmt: skip
+RUNS = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
+MODULES = {"pickle", "marshal", "shelve", "subprocess", "socket", "urllib", "http", "requests", "ctypes", "dill"}
+
+
+def calls(path):
+    """Names of what is called, with the call and, of a method, what it is called on."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call):
+            function = node.func
+            if isinstance(function, ast.Attribute):
+                yield function.attr, node, ast.unparse(function.value)
+            elif isinstance(function, ast.Name):
+                yield function.id, node, ""
+
+
+def for_writing(node, name, on):
+    """A call of open() that is not for reading alone."""
+    words = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
+    words += [word.value.value for word in node.keywords if word.arg == "mode" and isinstance(word.value, ast.Constant)]
+    if on == "os" or name == "fdopen":
+        return True
+    return name == "open" and any(isinstance(word, str) and set(word) & set("wxa+") and len(word) < 4 for word in words)
+
+
+def test_files_are_written_by_the_writer_alone():
+    faults = []
+    for path in FILES:
+        name = path.relative_to(CORE).as_posix()
+        allowed = NOT_FILES.get(name, set())
+        for called, node, on in calls(path):
+            opened = name != "cli/closed_output.py" and called in ("open", "fdopen") and for_writing(node, called, on)
+            if name != "files/writer.py" and (
+                opened or (called in WRITERS - allowed and not _harmless(called, node, on))
+            ):
+                faults.append(f"{name}:{node.lineno} {called}()")
+    assert not faults, f"files are written by files/writer.py: {faults}"
+
+
+def _harmless(called, node, on):
+    """Methods of texts and dataclasses, of the command line's own output, and of results."""
+    if called == "replace" and on != "os":
+        return len(node.args) != 1 or bool(node.keywords) or on == ""
+    return on in ("output", "self", "self.kept")
+
+
+def test_nothing_runs_what_others_wrote():
+    """The one exec runs a text made of checked tokens of a file that we made: no name of it is from outside."""
+    faults = []
+    for path in FILES:
+        name = path.relative_to(CORE).as_posix()
+        allowed = {"export/reader.py": {"exec", "compile"}}.get(name, set())
+        faults += [
+            f"{name}:{node.lineno} {called}()"
+            for called, node, on in calls(path)
+            if called in RUNS - allowed and on != "re"
+        ]
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
+            faults += [f"{name}:{node.lineno} {word}" for word in names if word.partition(".")[0] in MODULES]
+    assert not faults, faults
+
+
+CAUGHT = (
+    "open(p, 'w')", "p.open('xb')", "open(p, mode='a')", "os.open(p, 1)", "p.write_text('')", "os.replace(a, b)",
+    "beside.replace(target)", "figure.savefig(p)", "frame.write_csv(p)",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CAUGHT)
+def test_the_search_finds_what_it_is_for(code, tmp_path):
+    path = tmp_path / "a.py"
+    path.write_text(code)
+    ((called, node, on),) = calls(path)
+    assert for_writing(node, called, on) or (called in WRITERS and not _harmless(called, node, on))
