@@ -16,6 +16,7 @@ WRITERS = {
 NOT_FILES = {  # what has such a name and writes no file, or goes through the writer
     "files/write.py": {"write_parquet", "write_csv", "write_bytes"},  # into memory, then the writer
     "files/results.py": {"write_bytes", "write_text"}, "files/text.py": {"rename"},  # columns of a frame
+    "files/joined.py": {"rename"}, "files/long.py": {"rename"},
     "online/service.py": {"write_bytes"}, "files/workbook.py": {"write_csv"},
     "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
     "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
@@ -79,8 +80,13 @@ def test_nothing_runs_what_others_wrote():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
-            faults += [f"{name}:{node.lineno} {word}" for word in names if word.partition(".")[0] in MODULES]
+            faults += [f"{name}:{node.lineno} {word}" for word in names if _reaches_out(word)]
     assert not faults, faults
+
+
+def _reaches_out(module):
+    """Taking an address apart opens no connection."""
+    return module != "urllib.parse" and module.partition(".")[0] in MODULES
 
 
 CAUGHT = (

@@ -81,7 +81,9 @@ def grouped(paths: Sequence[Path]) -> list[Group]:
 
 
 def holds_one_tag(path: Path) -> bool:
-    """Whether a file holds the values of one tag, and so no whole record."""
+    """Whether a file holds the values of one tag, and so no whole record; what is no regular file is not looked at."""
+    if not path.is_file():  # a pipe would wait for whoever writes into it
+        return False
     try:
         content = peeked(path)
     except (LostMotionError, OSError):
