@@ -48,6 +48,7 @@ class Page:
 PAGES = (
     Page("accuracy", "benchmarks/accuracy.py", 5),
     Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",), shares=True),
+    Page("clean-bill", "benchmarks/clean_bill.py", 6),
     Page("commissioning-example", "examples/virtual_commissioning.py", 1, ("tests/plc/*.py",), "make plc", shares=True),
     Page("compensation", "benchmarks/compensation.py", 2, ("benchmarks/compensation.md",), shares=True),
     Page("compensation-study-figures", "benchmarks/compensation_study.py", 3, shares=True),
@@ -65,6 +66,7 @@ PAGES = (
     Page("startup", "benchmarks/startup.py", 1, (COMMANDS,)),
     Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),
+    Page("wrong-inverse", "benchmarks/wrong_inverse.py", 6),
 )
 BY_HAND = {
     "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
