@@ -93,7 +93,7 @@ def test_counted_rows_miss_sampling_times():
 
 def test_stamps_of_a_minute_put_the_rows_behind_a_gap_into_theirs():
     minutes = [FIRST + timedelta(minutes=minute) for minute in (*range(100), *range(105, 200))]
-    found = read(written([minute for minute in minutes for _ in range(60)], "%Y-%m-%d %H:%M"))
+    found = read(written([minute for minute in minutes for _ in range(60)], "%Y-%m-%d %H:%M"), dt=1.0)
     assert (found.dt, found.gaps, found.gap_seconds) == (1.0, (6000,), (300.0,))
     assert found.moment(6000) == minutes[100]
 
