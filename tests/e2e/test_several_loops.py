@@ -98,7 +98,7 @@ def test_diagnose_takes_every_loop(capsys, plant, tmp_path):
     assert lines[-1].startswith("3 loops: ")
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["FIC101.png", "PIC102.png"]
     data = json.loads((tmp_path / "a.json").read_text())
-    assert [one["file"] for one in data] == [f"'{plant}' --loop {tag}" for tag in TAGS]
+    assert [(one["file"], one["loop"]) for one in data] == [(str(plant), tag) for tag in TAGS]
     alone = json.loads(run(capsys, "diagnose", plant, "--loop", "PIC102", "--op-span", 0, 100, "--json")[1])
     assert (alone["verdict"], alone["size"]) == (data[1]["verdict"], data[1]["size"])
 

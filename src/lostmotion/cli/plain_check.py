@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lostmotion.cli.options import RecordOptions
+from lostmotion.cli.several import modes_as_options
 from lostmotion.cli.sources import words_of
 from lostmotion.cli.way_out import typed
 from lostmotion.cli.wording import as_options
@@ -28,8 +29,8 @@ def plain(found: CheckedRecord, record: LoopRecord, file: Path, columns: RecordO
     lines += [f"Read so: {as_options(note)}" for note in report.notes]
     for finding in report.findings:
         said = " ".join(part for part in (finding.what, finding.why, finding.remedy) if part)
-        lines.append(f"{LEVELS[finding.level]}: {as_options(said)}")
-    lines += [as_options(line.strip()) for line in prepared.summary().splitlines()]
+        lines.append(f"{LEVELS[finding.level]}: {as_options(modes_as_options(said))}")
+    lines += [as_options(modes_as_options(line.strip())) for line in prepared.summary().splitlines()]
     lines.append("Usable." if found.usable else "Not usable for identification.")
     lines.append(f"Next: {next_command(found, file, columns)}")
     return "\n".join(lines)

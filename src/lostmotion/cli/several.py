@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +17,8 @@ from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.progress import WHERE, progress
-from lostmotion.cli.wording import RUNNING, message
+from lostmotion.cli.sources import TYPED, named_as, words_of
+from lostmotion.cli.wording import RUNNING, as_options, message
 from lostmotion.errors import LostMotionError
 
 
@@ -32,6 +36,7 @@ class Reported(Protocol):
 
 Result = TypeVar("Result", bound=Reported)
 STOPPED, LEFT = "Stopped", "stopped before it was done"
+_MODES = re.compile(r"(Modes\s+(\S.*?)\s+are\s+not\s+known[^:]*:\s+)automatic=\(\.\.\)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -46,8 +51,8 @@ class Outcome(Generic[Result]):
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         if self.result is None:
-            return {"file": str(self.file), "error": self.failure, "message": self.said}
-        return {"file": str(self.file), **self.result.to_dict()}
+            return {**named_as(self.file), "error": self.failure, "message": self.said}
+        return {**named_as(self.file), **self.result.to_dict()}
 
 
 def refuse_tag(files: list[Path], columns: RecordOptions) -> None:
@@ -126,9 +131,27 @@ def _tried(file: Path, work: Callable[[Path], Result]) -> Outcome[Result]:
     try:
         return Outcome(file, work(file))
     except (LostMotionError, LinAlgError) as error:
-        lines = commands_on(error, [RUNNING.get(), str(file)])
+        lines = commands_on(error, [RUNNING.get(), *words_of(file), *TYPED.get()])
         said = f"{message(error)}. Type {' or '.join(lines)}" if lines else message(error)
         return Outcome(file, None, type(error).__name__, said)
+
+
+def modes_as_options(text: str) -> str:
+    """Text in which the setting for a mode that is not known is the option; with its word, where there is one only.
+
+    Examples
+    --------
+    >>> modes_as_options("Modes '1' are not known here; ... Say which means automatic: automatic=(..).")
+    "Modes '1' are not known here; ... Say which means automatic: --auto-value 1."
+    """
+    return _MODES.sub(lambda found: found[1] + _auto_value(found[2]), text)
+
+
+def _auto_value(shown: str) -> str:
+    try:
+        return f"--auto-value {shlex.quote(ast.literal_eval(shown))}"
+    except (SyntaxError, ValueError, TypeError):  # several words
+        return as_options("automatic=(..)")
 
 
 def data_of(found: list[Outcome[Result]], named: bool = False) -> Any:
@@ -154,7 +177,7 @@ def tell(
         To be raised: 0 where every result is there and accepted, else 1.
     """
     if len(found) == 1 and found[0].result is not None:
-        text = found[0].result.summary()
+        text = modes_as_options(found[0].result.summary())
     else:
         text = "\n" + table([(one.file.stem, one.result) for one in found])
     if len(found) > 1 and output.json:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from functools import lru_cache
 from os.path import commonprefix
 from pathlib import Path
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     _Path = Path
 else:
     _Path = type(Path())  # of the system; only from Python 3.12 on Path itself can be inherited from
+
+
+TYPED: ContextVar[tuple[str, ...]] = ContextVar("TYPED", default=())  # options of the record that was read last
 
 
 class Source(_Path):
@@ -75,6 +79,14 @@ class Source(_Path):
 def words_of(file: Path) -> list[str]:
     """What is typed for a file, without the options."""
     return [without_password(word) for word in file.words] if isinstance(file, Source) else [str(file)]
+
+
+def named_as(file: Path) -> dict[str, str]:
+    """File, and the loop of it where one of several is meant, JSON-ready."""
+    loop = file.loop if isinstance(file, Source) else None
+    words = words_of(file)
+    named = {"file": shlex.join(words) if len(words) > 1 else words[0]}
+    return named if loop is None else {**named, "loop": loop}
 
 
 def is_address(file: Path) -> bool:
@@ -166,6 +178,9 @@ def _content(words: tuple[str, ...], query: str | None, uncertain: str, ignored:
 
 def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:
     """Record of a file by `read`; an error of one loop leads on by commands that name it."""
+    from lostmotion.cli.way_out import typed
+
+    TYPED.set(tuple(typed(columns)))
     loop = file.loop if isinstance(file, Source) else None
     if loop is None:
         content = content_of(file, columns)
@@ -174,7 +189,7 @@ def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions)
     try:
         return read(content_of(file, columns), loop=loop)
     except InputError as error:
-        raise _of_loop(error, words_of(file), loop) from error
+        raise _of_loop(error, [*words_of(file), *TYPED.get()], loop) from error
 
 
 def _of_loop(error: InputError, words: list[str], loop: str) -> InputError:

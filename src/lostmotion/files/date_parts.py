@@ -91,10 +91,11 @@ def _time_of_day(parts: pl.DataFrame) -> FloatArray:
     hour = np.where(after, hour % 12 + 12, np.where(before, hour % 12, hour))
     fraction = ("0." + parts["fraction"].fill_null("0")).cast(pl.Float64).to_numpy()
     seconds = hour * 3600.0 + _ints(parts["minute"], 0) * 60.0 + _ints(parts["second"], 0) + fraction
-    return np.asarray(seconds - _zone_seconds(parts["zone"]), dtype=np.float64)
+    return np.asarray(seconds - zone_seconds(parts["zone"]), dtype=np.float64)
 
 
-def _zone_seconds(zone: pl.Series) -> FloatArray:
+def zone_seconds(zone: pl.Series) -> FloatArray:
+    """Seconds ahead of UTC; 0 for Z and where none is stated."""
     digits = zone.str.replace(":", "", literal=True)
     sign = np.where(digits.str.starts_with("-").fill_null(value=False).to_numpy(), -1.0, 1.0)
     return sign * (_ints(digits.str.slice(1, 2), 0) * 3600.0 + _ints(digits.str.slice(3, 2), 0) * 60.0)

@@ -9,7 +9,7 @@ import polars as pl
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
-from lostmotion.files.date_parts import DATE, Parts, parts_of
+from lostmotion.files.date_parts import DATE, Parts, parts_of, zone_seconds
 from lostmotion.files.table import Table
 from lostmotion.records.sampling import Bools
 
@@ -23,7 +23,7 @@ class AmbiguousDatesError(TimeError):
     """Day and month cannot be told apart, and it matters."""
 
 
-def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, tuple[str, ...]]:
+def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, tuple[str, ...], bool]:
     """Seconds of dates and times of day; missing cells are NaN.
 
     Parameters
@@ -41,6 +41,8 @@ def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, 
         From 1970-01-01, or from midnight where there is no date.
     notes : tuple of str
         The order that was chosen, where more than one was possible.
+    certain : bool
+        No other order gives the same steps from other days.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def parse_dates(table: Table, name: str, cells: pl.Series) -> tuple[FloatArray, 
         raise _no_date(table, name, cells, int(np.flatnonzero(strange)[0]))
     seconds = np.where(filled, parts.seconds, np.nan)
     if not dated.any():
-        return seconds, ()
+        return seconds, (), True
     return _choose(table, name, cells, _readings(parts, filled), seconds)
 
 
@@ -82,7 +84,7 @@ def date_orders(table: Table, name: str, cells: pl.Series) -> tuple[str, ...]:
     >>> date_orders(Table(nw.from_native(cells.to_frame(), eager_only=True), "a"), "t", cells)
     ('day first', 'month first')
     """
-    seconds, _ = parse_dates(table, name, cells)
+    seconds, _, _ = parse_dates(table, name, cells)
     known = ~np.isnan(seconds)
     parts = parts_of(cells)
     if not parts.dated.any():
@@ -164,9 +166,22 @@ def states_zone(cells: pl.Series) -> bool:
     return bool(perhaps.str.extract_groups(DATE).struct.field("zone").is_not_null().any())
 
 
+def zone_of(cells: pl.Series) -> float:
+    """Seconds by which the zone of the first cell that states one is ahead of UTC; 0 where none does.
+
+    Examples
+    --------
+    >>> zone_of(pl.Series(["2026-03-01 06:00:00+01:00", "2026-03-01 06:01:00+01:00"]))
+    3600.0
+    """
+    first = cells.filter(cells.str.contains(_PERHAPS_A_ZONE).fill_null(value=False))[:1]
+    ahead = zone_seconds(first.str.extract_groups(DATE).struct.field("zone"))
+    return float(ahead[0]) if len(ahead) else 0.0
+
+
 def _choose(
     table: Table, name: str, cells: pl.Series, days: dict[str, FloatArray], seconds: FloatArray
-) -> tuple[FloatArray, tuple[str, ...]]:
+) -> tuple[FloatArray, tuple[str, ...], bool]:
     filled = ~np.isnan(seconds)
     valid = {order: day * 86400.0 + seconds for order, day in days.items() if not np.isnan(day[filled]).any()}
     if not valid:
@@ -182,9 +197,17 @@ def _choose(
             "give dt=<seconds>, or export ISO dates (2017-01-21 15:20:00)",
         )
     order, chosen = next(iter(left.items()))
+    certain = "month first" not in days or _alone(valid, chosen)  # 21-Jan-17 is never the 17th
     if len(_distinct(valid)) == 1:
-        return chosen, ()
-    return chosen, (f"Dates in {name!r} were read {order}, the reading whose times follow each other.",)
+        return chosen, (), certain
+    return chosen, (f"Dates in {name!r} were read {order}, the reading whose times follow each other.",), certain
+
+
+def _alone(valid: dict[str, FloatArray], chosen: FloatArray) -> bool:
+    """Whether no other reading has the same steps from another day."""
+    first = int(np.argmax(~np.isnan(chosen)))
+    others = (times for times in valid.values() if times[first] != chosen[first])
+    return not any(np.array_equal(times - times[first], chosen - chosen[first], equal_nan=True) for times in others)
 
 
 def _readings(parts: Parts, filled: Bools) -> dict[str, FloatArray]:

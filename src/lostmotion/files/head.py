@@ -24,6 +24,7 @@ class Head:
     header: int
     first: int
     notes: tuple[str, ...] = ()
+    units: int | None = None  # line with the units of the columns
 
 
 def find_head(lines: list[str], places: list[int]) -> Head | None:
@@ -40,7 +41,7 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
     --------
     >>> lines = ["Trend of 1.3.2024", "Time;FIC1.OP;FIC1.PV", "s;%;m3/h", *(f"{k};1,5;2,5" for k in range(30))]
     >>> find_head(lines, list(range(33)))
-    Head(header=1, first=3, notes=('Line 1 was passed over.', 'Line 3 holds units and was passed over.'))
+    Head(header=1, first=3, notes=('Line 1 was passed over.', 'Line 3 holds units and was passed over.'), units=2)
     """
     top = places[:TOP]
     delimiter, width = _columns([lines[place] for place in places[len(top) // 2 :][:SEEN]])
@@ -68,7 +69,8 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
     for number in range(chosen + 1, rows[0]):
         what = "units" if _are_units(split[number]) else "descriptions"
         notes.append(f"Line {top[number] + 1} holds {what} and was passed over.")
-    return Head(top[chosen], top[rows[0]], tuple(notes))
+    units = next((top[number] for number in range(chosen + 1, rows[0]) if _are_units(split[number])), None)
+    return Head(top[chosen], top[rows[0]], tuple(notes), units)
 
 
 def _columns(lines: list[str]) -> tuple[str, int]:

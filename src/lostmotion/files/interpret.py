@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from datetime import datetime
 
 import narwhals.stable.v2 as nw
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError, TimeError
+from lostmotion.files.began import began, moment_of
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
@@ -48,6 +50,10 @@ class Meaning:
         What was assumed about the columns; which words and times were passed over.
     made_up : (float, float)
         Shares of the samples of OP and PV that lie between stored values.
+    start : datetime or None
+        When the first sample was recorded; of a growing file None.
+    gap_seconds : tuple of float
+        What is missing at each gap of the clock; empty where that is not known.
     """
 
     table: Table
@@ -60,6 +66,8 @@ class Meaning:
     assumed: tuple[str, ...]
     words: tuple[str, ...]
     made_up: tuple[float, float] = (0.0, 0.0)
+    start: datetime | None = None
+    gap_seconds: tuple[float, ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -129,10 +137,9 @@ def interpret(
         if even is not None:
             clock = Clock(even.dt, (), (*stamps.notes, even.note))
             assumed = (*table.notes, *columns.notes, *comma)
-            taken = table.taken(even.rows)
-            return Meaning(
-                taken, columns, used, decimal, even.signals, None, clock, assumed, (*words, *doubt), even.made_up
-            )
+            taken, said = table.taken(even.rows), (*words, *doubt)
+            start = moment_of(stamps, even.first)
+            return Meaning(taken, columns, used, decimal, even.signals, None, clock, assumed, said, even.made_up, start)
     made_up = (0.0, 0.0)
     if usable is None and table.own_times:
         filled = held(table, {role: getattr(columns, role) for role in signals}, signals)
@@ -147,14 +154,15 @@ def interpret(
             raise
         raise no_common_rate(stamps.seconds, ~table.column(columns.pv).is_null().to_numpy()) from error
     assumed = (*table.notes, *columns.notes, *comma)
-    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, (*words, *doubt), made_up)
+    words = (*words, *doubt)
+    start, lost = began(stamps, clock) if usable is None else (None, ())
+    return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, words, made_up, start, lost)
 
 
 def _of_rows(stamps: Stamps, table: Table, rows: IntArray) -> Stamps:
     """Times of some of the rows."""
-    seconds = stamps.seconds[rows]
     dates = None if stamps.dates is None else stamps.dates[rows.tolist()]
-    return replace(stamps, seconds=seconds - seconds[:1], table=table, dates=dates)
+    return replace(stamps.from_first(stamps.seconds[rows]), table=table, dates=dates)
 
 
 def _in_order(
@@ -162,10 +170,11 @@ def _in_order(
 ) -> tuple[Table, dict[str, FloatArray], Stamps]:
     """Rows in the order of time, and what was done to have them so."""
     found = by_time(stamps) if table.own_times else arranged(stamps, list(signals.values()))
+    notes = (*stamps.notes, *found.notes)
     if np.array_equal(found.rows, np.arange(len(stamps.seconds))):
-        return table, signals, replace(stamps, seconds=found.seconds, notes=(*stamps.notes, *found.notes))
+        return table, signals, replace(stamps, seconds=found.seconds, notes=notes, set_back=found.set_back)
     table = table.taken(found.rows)
-    moved = replace(stamps, seconds=found.seconds - found.seconds[0], table=table, notes=(*stamps.notes, *found.notes))
+    moved = replace(stamps.from_first(found.seconds), table=table, notes=notes, set_back=found.set_back)
     return table, {role: values[found.rows] for role, values in signals.items()}, moved
 
 

@@ -151,7 +151,7 @@ def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: 
     whole = _concatenated(ones)
     decimal = decimal_mark(whole, list(whole.names))
     stamps = read_times(whole, whole.names[0], decimal)
-    parts, notes, end = [], list(stamps.notes), 0
+    parts, notes, end, set_back = [], list(stamps.notes), 0, False
     for one, name in zip(ones, names, strict=True):
         begin, end = end, end + len(one.table.frame)
         cells, said = good_cells(one.table, one.value, one.quality, trust, name)
@@ -159,10 +159,11 @@ def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: 
         dates = None if stamps.dates is None else stamps.dates[begin:end]
         own = replace(stamps, seconds=stamps.seconds[begin:end], dates=dates, name=str(one.time), table=one.table)
         found = arranged(own, [codes])
+        set_back = set_back or found.set_back
         notes += [*said, *words, *(f"{one.table.source}: {note}" for note in found.notes)]
         parts.append(pl.DataFrame({"time": found.seconds, "tag": name, "value": values[found.rows.tolist()]}))
     frame = wide(pl.concat(parts, how="vertical_relaxed").filter(pl.col("time").is_not_nan()), "time")
-    clock = _clock(frame["time"], stamps)
+    clock = _clock(frame["time"], stamps, dated=not set_back and stamps.certain)
     frame = frame.with_columns(clock).rename({"time": str(ones[0].time)})
     return Table(nw.from_native(frame, eager_only=True), source, notes=tuple(notes), own_times=True)
 
@@ -190,13 +191,14 @@ def _values(cells: pl.Series, name: str, decimal: str, table: Table) -> tuple[pl
     return pl.Series(values), values, words
 
 
-def _clock(seconds: pl.Series, stamps: Stamps) -> pl.Series:
-    """Times as dates where they are, else as they were read."""
+def _clock(seconds: pl.Series, stamps: Stamps, dated: bool) -> pl.Series:
+    """Times as dates where they are and can be told, else as they were read."""
     if stamps.dates is None and not (stamps.epoch or stamps.local):
         return (seconds / stamps.scale).alias("time")
-    whole = ((seconds + stamps.origin) * 1e6).round().cast(pl.Int64)
-    if stamps.origin < DAY:  # times of day
+    if stamps.origin < DAY or not dated:  # times of day, or since an unknown day
+        whole = ((seconds + stamps.origin % DAY) * 1e6).round().cast(pl.Int64)
         return whole.cast(pl.Duration("us")).alias("time")
+    whole = ((seconds + stamps.origin) * 1e6).round().cast(pl.Int64)
     moments = whole.cast(pl.Datetime("us"))
     return (moments if stamps.local else moments.dt.replace_time_zone("UTC")).alias("time")
 

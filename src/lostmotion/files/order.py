@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,15 +28,18 @@ class Arranged:
         Their times; NaN where the cell is empty.
     notes : tuple of str
         What was done.
+    set_back : bool
+        The clock was set back on the way: from there on the times are no longer what it showed.
     """
 
     rows: IntArray
     seconds: FloatArray
     notes: tuple[str, ...] = ()
+    set_back: bool = False
 
     def picked(self, places: IntArray, note: str) -> Arranged:
         """Some of the rows, in another order."""
-        return Arranged(self.rows[places], self.seconds[places], (*self.notes, note))
+        return replace(self, rows=self.rows[places], seconds=self.seconds[places], notes=(*self.notes, note))
 
 
 def by_time(stamps: Stamps) -> Arranged:
@@ -111,7 +114,7 @@ def _wintered(stamps: Stamps, found: Arranged, keys: FloatArray) -> Arranged:
         note = (
             f"The clock of {stamps.name!r} was set back an hour at {stamps.at(int(found.rows[row]))}; the rows go on."
         )
-        found = Arranged(found.rows, moved, (*found.notes, note))
+        found = Arranged(found.rows, moved, (*found.notes, note), set_back=True)
     return found
 
 
@@ -138,13 +141,10 @@ def _sorted(stamps: Stamps, found: Arranged, keys: FloatArray) -> Arranged | Non
     if twice.any():
         count = int(twice.sum())
         rows, were = ("row", "was") if count == 1 else ("rows", "were")
-        found = Arranged(
-            found.rows,
-            found.seconds,
-            (*found.notes, f"{count} {rows} stood twice, with the same values, and {were} left out."),
-        )
+        note = f"{count} {rows} stood twice, with the same values, and {were} left out."
+        found = replace(found, notes=(*found.notes, note))
     if not backs:
-        return Arranged(found.rows[order], found.seconds[order], found.notes)
+        return replace(found, rows=found.rows[order], seconds=found.seconds[order])
     places = f"{backs} place{'s' if backs > 1 else ''}"
     return found.picked(order, f"Rows were out of order in {places} and were sorted by {stamps.name!r}.")
 

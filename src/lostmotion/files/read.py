@@ -14,6 +14,7 @@ from lostmotion.files.opened import opened
 from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loop_type
+from lostmotion.files.units import unit_of
 from lostmotion.records.modes import holds
 from lostmotion.records.record import LoopRecord, StringArray
 
@@ -89,7 +90,8 @@ def read_loop(
     Returns
     -------
     LoopRecord
-        Its ``notes`` say what was assumed, its ``gaps`` where rows are missing.
+        Its ``notes`` say what was assumed, its ``gaps`` where rows are missing and ``gap_seconds`` for how long; its
+        ``start`` when it began, where the times are dates, and its units are those of the file.
 
     Raises
     ------
@@ -140,10 +142,10 @@ def read_loop(
         notes=meaning.notes,
         loop_type=kind,
         made_up=meaning.made_up,
-        start=None,
-        gap_seconds=(),
-        op_unit="",
-        pv_unit="",
+        start=meaning.start,
+        gap_seconds=meaning.gap_seconds,
+        op_unit=unit_of(meaning.table, meaning.columns.op),
+        pv_unit=unit_of(meaning.table, meaning.columns.pv),
     )
 
 

@@ -38,6 +38,8 @@ class Resampled:
         What was done, and the shares that were made up.
     made_up : (float, float)
         These shares, of OP and PV.
+    first : float
+        Time of the first sample, as the rows have theirs.
     """
 
     dt: float
@@ -45,6 +47,7 @@ class Resampled:
     rows: IntArray
     note: str
     made_up: tuple[float, float]
+    first: float
 
 
 def resampled(
@@ -109,7 +112,7 @@ def resampled(
         f"{100 * op:.0f} % of OP, {100 * pv:.0f} % of PV made up{missing}."
     )
     rows = np.flatnonzero(filled)[np.clip(np.searchsorted(seconds, grid + 1e-9 * rate, side="right") - 1, 0, None)]
-    return Resampled(rate, made, rows, note, (op, pv))
+    return Resampled(rate, made, rows, note, (op, pv), float(grid[0]))
 
 
 def _own_stamps(signals: Mapping[str, FloatArray], known: bool) -> bool:

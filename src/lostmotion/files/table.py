@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import narwhals.stable.v2 as nw
@@ -33,6 +33,8 @@ class Table:
         What was assumed while opening it.
     own_times : bool
         Each column had times of its own: empty cells hold no new value rather than a missing one.
+    units : mapping of str to str
+        What a row of units says of the columns, by their names.
     """
 
     frame: nw.DataFrame[Any] | TextFrame
@@ -41,6 +43,7 @@ class Table:
     delimiter: str = ""
     notes: tuple[str, ...] = ()
     own_times: bool = False
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def names(self) -> list[str]:

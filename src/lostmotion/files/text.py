@@ -6,6 +6,7 @@ import codecs
 import csv
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import narwhals.stable.v2 as nw
@@ -52,7 +53,7 @@ def parse_text(raw: bytes, source: str) -> Table:
     if len(spans) > 1 and sum(map(has_cells, top)) <= TOP:  # the header is not in the first block: look at all
         spans = [(0, len(content.raw))]
         top = _lines(content, spans[0])
-    header, begin, notes = _find_header(top, _places(top, whole=len(spans) == 1), source)
+    header, begin, notes, units = _find_header(top, _places(top, whole=len(spans) == 1), source)
     blocks, again = find_blocks(content, spans, begin, header, has_cells)
     if not blocks:
         raise _no_rows(source)
@@ -61,7 +62,8 @@ def parse_text(raw: bytes, source: str) -> Table:
     numbers = numbers_of(blocks)
     frame = rows.frame()
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
-    return Table(frame, source, aligned, rows.delimiter, (*notes, *_headers_again(again)))
+    found = Table(frame, source, aligned, rows.delimiter, (*notes, *_headers_again(again)))
+    return replace(found, units=rows.beside(units)) if units else found
 
 
 def decode(raw: bytes, source: str) -> str:
@@ -167,7 +169,7 @@ def find_rows(lines: list[str], source: str) -> tuple[str, list[int], tuple[str,
         No header, or nothing below it.
     """
     rows = _places(lines)
-    header, begin, notes = _find_header(lines, rows, source)
+    header, begin, notes, _ = _find_header(lines, rows, source)
     rows = [place for place in rows if place >= begin]
     if not rows:
         raise _no_rows(source)
@@ -189,18 +191,18 @@ def _places(lines: list[str], whole: bool = True) -> list[int]:
     return rows
 
 
-def _find_header(lines: list[str], rows: list[int], source: str) -> tuple[str, int, tuple[str, ...]]:
-    """Header, the line of the first row, and what was passed over."""
+def _find_header(lines: list[str], rows: list[int], source: str) -> tuple[str, int, tuple[str, ...], str]:
+    """Header, the line of the first row, what was passed over, and the row of units."""
     if not rows:
         raise DataError.expected("a header line and rows", f"none in {source!r}", "check the export")
     first = rows[0]
     head = find_head(lines, rows)
     if head is not None:
-        return lines[head.header], head.first, head.notes
+        return lines[head.header], head.first, head.notes, "" if head.units is None else lines[head.units]
     if not _is_numeric(lines[first]):
-        return lines[first], first + 1, ()
+        return lines[first], first + 1, (), ""
     if first and _COMMENT.match(lines[first - 1]):
-        return lines[first - 1].lstrip(" #/"), first, ()
+        return lines[first - 1].lstrip(" #/"), first, (), ""
     raise DataError.expected(
         "column names in the first line",
         f"numbers in line {first + 1} of {source!r}: {lines[first][:60]!r}",
@@ -255,6 +257,11 @@ class _Rows:
         if len(self._blocks) > 1:
             return TextFrame(self.names, height, self._read)
         return nw.from_native(part.rename(dict(zip(part.columns, self.names, strict=True))), eager_only=True)
+
+    def beside(self, line: str) -> dict[str, str]:
+        """Cells of a line above the rows, by the names of their columns."""
+        cells = (cell.strip() for cell in split_line(line, self.delimiter))
+        return {name: cell for name, cell in zip(self.names, cells, strict=False) if cell}
 
     def _read(self, places: Sequence[int]) -> Iterator[pl.DataFrame]:
         for block in self._blocks:

@@ -52,6 +52,10 @@ class Stamps:
         First time as it was read; seconds since 1970 for dates.
     local : bool
         Dates by the clock on the wall, which may be set back in autumn.
+    certain : bool
+        The first date has one reading, or is none.
+    set_back : bool
+        That clock was set back on the way: from there on the times are no longer what it showed.
     """
 
     name: str
@@ -64,6 +68,12 @@ class Stamps:
     epoch: bool = False
     origin: float = 0.0
     local: bool = False
+    certain: bool = True
+    set_back: bool = False
+
+    def from_first(self, seconds: FloatArray) -> Stamps:
+        """The same with other times, of which the first is the new origin."""
+        return replace(self, seconds=seconds - seconds[:1], origin=self.origin + float(seconds[0]))
 
     def at(self, row: int) -> str:
         """Say row, line and the time as it stands in the source."""
@@ -98,9 +108,9 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
         cells = cells.set(cells.str.to_lowercase().is_in(list(BAD_WORDS)), None)
         known = cells.drop_nulls()
         if len(known) and not looks_numeric(known[0]):
-            seconds, notes = parse_dates(table, name, cells)
+            seconds, notes, certain = parse_dates(table, name, cells)
             local = not (states_zone(cells) or all_are(cells, dated=False))
-            return replace(_stamps(table, name, seconds, notes=notes), dates=cells, local=local)
+            return replace(_stamps(table, name, seconds, notes=notes), dates=cells, local=local, certain=certain)
     values, notes = to_numbers(table, name, decimal)
     return _from_numbers(table, name, values, notes)
 
@@ -130,7 +140,7 @@ def _from_numbers(table: Table, name: str, values: FloatArray, notes: tuple[str,
     if scale is not None:
         note = f"Times in {name!r} were read as {label} since 1970."
         stamps = _stamps(table, name, (values - known[0]) * scale, notes=(*notes, note))
-        return replace(stamps, scale=scale, epoch=True)
+        return replace(stamps, scale=scale, epoch=True, origin=float(known[0]) * scale)
     days = day_numbers(known)
     if days and not _round_steps(known):
         seconds = np.round((values - known[0]) * DAY, DAY_DECIMALS)

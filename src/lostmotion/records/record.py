@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from bisect import bisect_right
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
@@ -145,7 +146,7 @@ class LoopRecord:
 
     def moment(self, row: int) -> datetime | None:
         """When a row was recorded; None where it is not known: no start, or behind a gap of unknown length."""
-        behind = sum(gap <= row for gap in self.gaps)
+        behind = bisect_right(self.gaps, row)
         if self.start is None or (behind and not self.gap_seconds):
             return None
         return later(self.start, row * self.dt + sum(self.gap_seconds[:behind]))
