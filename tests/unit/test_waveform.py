@@ -37,6 +37,7 @@ def test_a_line_in_a_window_does_not_matter_much():
     assert abs(waveform_index(OP + ramp, PV - ramp).log_odds - waveform_index(OP, PV).log_odds) < 0.5
 
 
+@pytest.mark.statistics
 def test_simulated_loops_are_told_apart():
     """Loops of another simulation than that of the training; area under the curve."""
     seeds = range(700, 725)
