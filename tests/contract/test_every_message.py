@@ -3,14 +3,13 @@
 A new message makes `test_no_message_is_left` fail with its place: add a case that provokes it to `tests/reader_*.py`.
 """
 
-import ast
 import re
 import shlex
 from importlib.util import find_spec
 
 import pytest
 
-from lostmotion.cli.wording import FLAGS, OPTIONS, SETTING
+from lostmotion.cli.wording import FLAGS, OPTIONS
 from lostmotion.errors import LostMotionError
 from lostmotion.files import read_loop
 from tests.e2e.test_commands import run
@@ -160,21 +159,17 @@ def test_what_a_message_says_to_type_works(capsys, tmp_path, case):
 
 
 @pytest.mark.parametrize("case", FILES)
-def test_what_a_message_says_to_set_works(seen, tmp_path, case):
-    """In Python: settings that the error carries, and those that its remedy writes out."""
-    error = seen[1][case]
+def test_settings_that_an_error_carries_work(seen, tmp_path, case):
     source, settings = FILES[case](tmp_path, case)
-    written = [{name: ast.literal_eval(value)} for name, value in SETTING.findall(_remedy(error)) if _is_literal(value)]
-    for way in [*error.ways, *(way for way in written if not error.ways)]:
+    for way in getattr(seen[1][case], "ways", ()):
         assert len(read_loop(source, **settings | way)) > 1, way
 
 
-def _remedy(error):
-    return error.said[2] if getattr(error, "said", None) else ""
-
-
-def _is_literal(value):
-    return not value.startswith("<")
+def test_missing_values_are_kept_where_the_message_says_so(seen, tmp_path):
+    case = "missing values that are not wanted"
+    assert "read with missing='keep'" in str(seen[1][case])
+    source, settings = stored(tmp_path, case)
+    assert len(read_loop(source, **settings | {"missing": "keep"})) > 1
 
 
 @pytest.mark.parametrize("case", LISTED)
