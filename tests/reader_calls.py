@@ -14,6 +14,7 @@ import pytest
 
 from lostmotion.files import matlab, packed, read_loop, read_loops, text_lines, workbook
 from lostmotion.files.follow import Follower
+from lostmotion.files.frames import read_bytes
 from lostmotion.files.growing import GrowingFile
 from lostmotion.files.layout import Asked
 from lostmotion.records import LoopRecord, check, prepare
@@ -105,6 +106,7 @@ OTHERS = {  # what no file alone provokes
     "another word for uncertain": lambda _: read_loop(pl.DataFrame({"OP": OP, "PV": PV}), uncertain="drop"),
     "no such file": lambda folder: read_loop(folder / "absent.csv"),
     "a folder": read_loop,
+    "a folder for the bytes of a file": read_bytes,
     "no such file to follow": lambda folder: Follower(folder / "absent.csv"),
     "a folder to follow": Follower,
     "a position of another version": lambda folder: resumed(folder, version=99),

@@ -5,6 +5,7 @@ A new message makes `test_no_message_is_left` fail with its place: add a case th
 
 import re
 import shlex
+import sys
 from importlib.util import find_spec
 
 import pytest
@@ -110,7 +111,8 @@ def seen(tmp_path_factory):
             (folder / "a.xlsx").write_bytes(content)
             found[case] = refused(read_loop, folder / "a.xlsx")
         if find_spec("sqlalchemy"):
-            found["no driver"] = refused(lambda: read_loop("postgresql+none://host/plant", query="SELECT 1"))
+            patch.setitem(sys.modules, "psycopg2", None)
+            found["no driver"] = refused(lambda: read_loop("postgresql+psycopg2://host/plant", query="SELECT 1"))
         checked()
     return places, found
 
