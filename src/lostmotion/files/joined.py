@@ -131,7 +131,7 @@ def _one_clock(ones: Sequence[OneTag]) -> bool:
     if any(clock is None for clock in clocks):
         without = [one.table.source for one in ones if one.time is None]
         raise TimeError.expected("times in every file", f"none in {', '.join(without)}", "export the times too")
-    return all(clock == clocks[0] for clock in clocks)
+    return all(clock == clocks[0] for clock in clocks) and len({time_unit(str(one.time)) for one in ones}) == 1
 
 
 def _side_by_side(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: Trust) -> Table:
