@@ -167,3 +167,23 @@ def test_after_a_kill_every_file_is_whole(tmp_path):
                 assert size % 20_000 == 0
         for path in tmp_path.iterdir():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(FileAccessError, match="expected a folder, got the file"):
+        writer.refuse_folder(tmp_path / "taken", ["a.st"])
+
+
+def test_a_folder_that_may_not_be_written_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(writer.os, "access", lambda folder, mode: False)  # root may write anywhere
+    with pytest.raises(FileAccessError, match="that can be written"):
+        writer.refuse(tmp_path / "a.csv")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks of this kind")
+def test_a_lock_is_for_one(tmp_path):
+    with writer.lock_file(tmp_path / "state"), pytest.raises(FileAccessError, match="for this process alone"):
+        writer.lock_file(tmp_path / "state")
+    with writer.lock_file(tmp_path / "state"):
+        pass
