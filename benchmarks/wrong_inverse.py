@@ -1,6 +1,6 @@
 """Does a loop with backlash or stiction ever get a block against a dead zone?
 
-Run: ``.venv/bin/python benchmarks/wrong_inverse.py`` (about 5 minutes on two cores); writes docs/wrong-inverse.md and
+Run: ``.venv/bin/python benchmarks/wrong_inverse.py`` (about 6 minutes on two cores); writes docs/wrong-inverse.md and
 prints wrong blocks. A shorter run (``--first``, ``--second``, ``--physical``) prints only.
 
 Each loop goes to a block and its code as a newcomer does it: ``identify`` with the record and nothing else, ``block``,
