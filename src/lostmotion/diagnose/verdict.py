@@ -14,7 +14,7 @@ from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
-SURE = 0.5  # least probability of a fault
+SURE = 0.5  # least probability of a fault: in calm simulated loops no alarm is above it (docs/diagnosis.md)
 CLEARED = 0.55  # least probability of none
 CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop that looks as if the valve slipped
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
@@ -124,9 +124,9 @@ def _fault(fit: HammersteinFit, measured: Measured, sticking_likelier: bool) -> 
     what cannot be in a loop with a PI controller that swings by itself. A dead zone only lowers the gain of a
     self-regulating loop: it lets a tight loop swing near its critical frequency, as a sine, but makes no triangles and
     squares; a level it lets swing in any shape (the paper's tank). Neither does a saturation, anywhere. And a dead band
-    alone does not make a self-regulating loop swing for ever (its describing
-    function does not meet the response of the loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, and
-    the likelihood does not say clearly that the valve never slips, it slips.
+    alone does not make a self-regulating loop swing for ever (its describing function does not meet the response of the
+    loop; Choudhury, Thornhill and Shah, 2005): where such a loop does, and the likelihood does not say clearly that the
+    valve never slips, it slips.
     """
     best = fit.kind
     swings = measured.swings and not measured.driven

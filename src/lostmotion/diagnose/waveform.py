@@ -18,7 +18,6 @@ from lostmotion.errors import DataError
 LEAST = 64  # samples
 A_CYCLE, CYCLES = 32, 8  # values a cycle, cycles in a window
 SIZE = A_CYCLE * CYCLES
-FEWEST = 2.0  # cycles in a record; learned from 3.5, real records of three are told no worse
 FASTEST = 8  # samples a cycle
 SLOWEST = 3  # cycles in a record
 LARGEST = 5.0  # standard deviations
@@ -67,7 +66,7 @@ def waveform_index(op: FloatArray, pv: FloatArray, integrating: bool = False) ->
     Raises
     ------
     DataError
-        Fewer than 64 samples or two cycles, another number of PV, or a constant.
+        Fewer than 64 samples, another number of PV, or a constant.
 
     Notes
     -----
@@ -75,9 +74,9 @@ def waveform_index(op: FloatArray, pv: FloatArray, integrating: bool = False) ->
     cycle, each signal without its line and in standard deviations. The networks (four convolutions, 21,000 numbers
     each) were trained on 2.5 million simulated loops (``benchmarks/waveform``): valves that stick (He et al. 2007, "A
     curve fitting method for detecting valve stiction in oscillating control loops", Ind. Eng. Chem. Res. 46) or do
-    not, tight tuning, swings from outside in four forms, drift, steps, rounding; no real record was among them. The
-    idea of showing OP and PV to a convolutional network: Amiruddin et al. (2019), "Valve stiction detection through
-    improved pattern recognition using neural networks", Control Eng. Practice 90, and later works.
+    not, tight tuning, swings from outside in four forms, drift, steps, rounding; no real record was among them. Neural
+    networks for this: Amiruddin et al. (2019), "Valve stiction detection through improved pattern recognition using
+    neural networks", Control Eng. Practice 90; convolutional ones: Kamaruddin et al. (2020), J. Process Control 87.
 
     Examples
     --------
@@ -90,8 +89,6 @@ def waveform_index(op: FloatArray, pv: FloatArray, integrating: bool = False) ->
     if op.size != pv.size:
         raise DataError.expected(f"{op.size} samples of pv, as of op", pv.size, "pass both of the same rows")
     period = _period(op, pv)
-    if op.size < FEWEST * period:
-        raise DataError.expected("two cycles of the slowest swing", f"{op.size / period:.1f}", "pass a longer record")
     windows = _windows(op, pv, period)
     odds = [_log_odds(network, windows, integrating) for network in _networks()]
     return Waveform(float(np.mean(odds)), period, len(windows))
