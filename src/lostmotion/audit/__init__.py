@@ -1,0 +1,1 @@
+"""Many loops: screen, assess, rank, group, follow; on this machine or on a cluster."""

@@ -1,0 +1,1 @@
+"""Results of audits in SQL: rows, tables, what is written and what is asked."""
