@@ -20,6 +20,19 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
 CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})
 
 
+def probability(value: float) -> str:
+    """Probability in whole percent that is never certain.
+
+    Examples
+    --------
+    >>> probability(0.936), probability(0.9998), probability(0.001)
+    ('94 %', 'over 99 %', 'under 1 %')
+    """
+    if value > 0.99:
+        return "over 99 %"
+    return "under 1 %" if value < 0.01 else f"{100.0 * value:.0f} %"
+
+
 def cause(name: str) -> str:
     """Class of the verdict in words.
 

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import verdicts
-from lostmotion.report.diagnosis_text import probability, size_text
+from lostmotion.diagnose.evidence_words import probability
+from lostmotion.report.diagnosis_text import size_text
 from lostmotion.text_table import text_table
 
 NAME = 20

@@ -6,7 +6,7 @@ import math
 
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import Item
-from lostmotion.diagnose.evidence_words import LABEL, balance, cause
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause, probability
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
@@ -104,19 +104,6 @@ def size_text(diagnosis: Diagnosis) -> str:
         return f"about {diagnosis.size_percent:.2g} % {whole} (apparent, no interval)"
     value, between = _between(diagnosis.size_percent, low, high)
     return f"{value} % {whole} (95 % interval {between})"
-
-
-def probability(value: float) -> str:
-    """Probability in whole percent that is never certain.
-
-    Examples
-    --------
-    >>> probability(0.936), probability(0.9998), probability(0.001)
-    ('94 %', 'over 99 %', 'under 1 %')
-    """
-    if value > 0.99:
-        return "over 99 %"
-    return "under 1 %" if value < 0.01 else f"{100.0 * value:.0f} %"
 
 
 def _between(value: float, low: float, high: float) -> tuple[str, str]:

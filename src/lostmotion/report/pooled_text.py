@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 from lostmotion.diagnose import PooledDiagnosis
+from lostmotion.diagnose.evidence_words import probability
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.pooled.pooled_diagnosis import SPEAKS, RecordShare
 from lostmotion.identify.actuators.kind import NO_FAULT
-from lostmotion.report.diagnosis_text import not_excluded, probability, verdict_sentence
+from lostmotion.report.diagnosis_text import not_excluded, verdict_sentence
 from lostmotion.report.digits import bracketed, digits, plain, span
 from lostmotion.report.fit_text import WIDTH, fill
 from lostmotion.text_table import text_table

@@ -32,6 +32,8 @@ class SizeTrend:
         Deviation of the sizes about the line beside their own errors, units of OP.
     number : int
         Sizes used.
+    centre, at_centre : float
+        Mean place, and the size of the line there.
     """
 
     slope: float
@@ -39,6 +41,8 @@ class SizeTrend:
     unit: str
     scatter: float
     number: int
+    centre: float = float("nan")
+    at_centre: float = float("nan")
 
     @property
     def seen(self) -> bool:
@@ -87,8 +91,8 @@ def size_trend(
     line, inverse, misfit = _weighted(regressors, y, weights)
     spread = max(misfit / (y.size - 2), 1.0)
     reach = float(stdtrit(y.size - 2, 0.975)) * float(np.sqrt(spread * inverse[1, 1]))
-    slope = float(line[1])
-    return SizeTrend(slope, (slope - reach, slope + reach), unit, float(np.sqrt(between)), int(y.size))
+    slope, centre = float(line[1]), (float(x.mean()), float(line[0]))
+    return SizeTrend(slope, (slope - reach, slope + reach), unit, float(np.sqrt(between)), int(y.size), *centre)
 
 
 def _between(regressors: FloatArray, y: FloatArray, errors: FloatArray) -> float:

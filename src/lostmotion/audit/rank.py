@@ -1,0 +1,137 @@
+"""Which loops first: technical severity x economic weight x confidence, in numbers and in words.
+
+Technical severity is 0 to 1: `LOST` of it for the size of the lost motion (half at the 2 % of span that is usual for a
+control valve, severity_of), the rest for what the loop does with it: the share of the variance that is a regular swing.
+The weight is that of the loop list over the largest one of the plant. Confidence is the probability of the verdict;
+where none was reached it is the probability of an actuator fault, and counts by `UNTOLD`: a test comes first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from lostmotion.diagnose.evidence_words import probability
+from lostmotion.plant import PlantLoop
+from lostmotion.store.rows import AssessmentRow, Stage
+
+LOST = 0.7  # share of lost motion in the technical severity
+USUAL = 2.0  # % of span: a lost motion that counts half
+UNSIZED = 0.5  # of a fault whose size in % of span is not known
+UNTOLD = 0.5
+ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
+WEAK = {"poor": 0.10, "fair": 0.05}  # severity of a class of performance where nothing is found
+LEAST = 0.2  # probability of a fault from which a loop that cannot be told is worth a test
+HAND = 0.9  # share of time in manual from which the loop counts as being worked on
+BAD = 4.0  # % of span, as severity_of has it
+STUCK = 50.0  # % of span: a valve that hardly answers at all
+SPLIT = {
+    "actuator": "actuator", "tuning": "tuning", "disturbance": "process", "sensor": "sensor", "none": "none",
+}  # fmt: skip
+
+
+def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> list[AssessmentRow]:
+    """Rows with label, split, priority and its reason, the most urgent first; those that cannot be ranked last.
+
+    Parameters
+    ----------
+    rows : sequence of AssessmentRow
+    loops : mapping of str to PlantLoop
+        By tag; the weight of a loop that is not there is 1.
+
+    Examples
+    --------
+    >>> from lostmotion.store.rows import UNDATED
+    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, stage=Stage.ASSESSED, verdict="stiction", kind="actuator",
+    ...                     size_percent=3.1, severity="high", confidence=0.97)
+    >>> first = ranked([row], {})[0]
+    >>> first.label, first.split, round(first.priority)
+    ('maintenance required', 'actuator', 41)
+    """
+    largest = max((loop.weight for loop in loops.values()), default=1.0) or 1.0
+    weights = {tag: loop.weight / largest for tag, loop in loops.items()}
+    found = [_with_priority(row, weights.get(row.tag, 1.0 / largest)) for row in rows]
+    return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
+
+
+def _with_priority(row: AssessmentRow, weight: float) -> AssessmentRow:
+    priority, reason = _priority(row, weight)
+    return replace(row, label=label_of(row), split=split_of(row), priority=priority, priority_reason=reason)
+
+
+def split_of(row: AssessmentRow) -> str:
+    """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
+    return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(row.kind, "cannot tell")
+
+
+def label_of(row: AssessmentRow) -> str:
+    """Category of NAMUR NE 107 for the actuator (the sensor, where that is at fault); empty: cannot tell."""
+    if row.manual is not None and row.manual >= HAND:
+        return "function check"
+    if row.verdict == "cannot tell":
+        return ""
+    if row.kind == "sensor":
+        return "maintenance required"
+    if row.kind != "actuator":
+        return "normal"
+    size = row.size_percent
+    if size is not None and size >= STUCK:
+        return "failure"
+    if row.verdict == "saturation" or (size is not None and size > BAD):
+        return "out of specification"
+    return "normal" if row.severity == "low" and not swings(row) else "maintenance required"
+
+
+def swings(row: AssessmentRow) -> bool:
+    """Whether the loop swings regularly, as published: regularity above 1."""
+    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > 0.3
+
+
+def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
+    if row.stage is Stage.FAILED:
+        return None, f"not judged: {row.error}"
+    if not row.fit_for_use:
+        return None, f"not judged: {'; '.join(row.health) or row.reason}"
+    if row.stage is Stage.SCREENED:
+        return None, f"not assessed: {row.reason}"
+    severity, words = _severity(row)
+    sure = row.confidence if row.verdict != "cannot tell" else UNTOLD * (row.probability or 0.0)
+    priority = 100.0 * severity * weight * (sure or 0.0)
+    return priority, "; ".join([*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words)
+
+
+def _severity(row: AssessmentRow) -> tuple[float, list[str]]:
+    """Technical severity, and what it consists of."""
+    swing = (row.power or 0.0) if swings(row) else 0.0
+    about_swing = (
+        [f"swings every {row.period:.3g} s, {probability(swing)} of the variance"] if swing and row.period else []
+    )
+    if row.verdict == "cannot tell":
+        suspected = row.probability is not None and row.probability >= LEAST
+        told = f"cannot tell; a fault of the actuator is {probability(row.probability or 0.0)} likely"
+        return (LOST * UNSIZED + (1.0 - LOST) * swing if suspected else 0.0), [told, *about_swing]
+    if row.kind == "actuator":
+        size = row.size_percent
+        lost = UNSIZED if size is None else size / (size + USUAL)
+        return LOST * lost + (1.0 - LOST) * swing, [_fault(row), *about_swing]
+    if row.verdict == "other oscillation":
+        ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
+        way = ways.get(split_of(row), "upstream or tuning")
+        return ELSEWHERE * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
+    words = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
+    weak = WEAK.get(row.performance, 0.0)
+    return weak, [*words, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+
+
+def _fault(row: AssessmentRow) -> str:
+    """Kind, size with interval in % of span, and how sure."""
+    size = ""
+    if row.size is not None and row.size_percent is not None:
+        scale = row.size_percent / row.size if row.size else 0.0
+        ends = "" if row.low is None or row.high is None else f" ({scale * row.low:.2g} .. {scale * row.high:.2g})"
+        size = f" of {row.size_percent:.2g} % of span{ends}"
+    return f"{row.verdict}{size}, {_sure(row)}"
+
+
+def _sure(row: AssessmentRow) -> str:
+    return "sureness not known" if row.confidence is None else f"{probability(row.confidence)} sure"

@@ -1,0 +1,107 @@
+"""Ranking of loops: severity x weight x confidence, labels of NE 107, reasons in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lostmotion.audit.rank import label_of, ranked, split_of
+from lostmotion.plant import PlantLoop
+from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+
+
+def row(tag: str = "FIC-1", **values: object) -> AssessmentRow:
+    made = {"stage": Stage.ASSESSED, **values}
+    return AssessmentRow(tag, UNDATED, UNDATED, **made)  # type: ignore[arg-type]
+
+
+STICKS = row(
+    verdict="stiction", kind="actuator", size=3.0, low=2.8, high=3.2, size_percent=3.0, severity="high", confidence=0.96
+)
+CLEAR = row("FIC-2", verdict="none", kind="none", confidence=0.9, excluded_percent=0.6, severity="none")
+
+
+def test_larger_surer_and_weightier_come_first() -> None:
+    smaller = replace(STICKS, tag="smaller", size_percent=1.2)
+    unsure = replace(STICKS, tag="unsure", confidence=0.6)
+    dear = replace(STICKS, tag="dear")
+    swinging = replace(STICKS, tag="swings", regularity=4.0, power=0.8, period=60.0)
+    loops = {"dear": PlantLoop("dear", weight=3.0)}
+    order = [one.tag for one in ranked([STICKS, smaller, unsure, dear, swinging, CLEAR], loops)]
+    assert order == ["dear", "swings", "FIC-1", "unsure", "smaller", "FIC-2"]
+
+
+def test_reason_says_what_counts() -> None:
+    swinging = replace(STICKS, regularity=4.0, power=0.8, period=61.7)
+    first = ranked([swinging], {"FIC-1": PlantLoop("FIC-1", weight=1.0), "other": PlantLoop("other", weight=2.0)})[0]
+    assert first.priority_reason == (
+        "stiction of 3 % of span (2.8 .. 3.2), 96 % sure; swings every 61.7 s, 80 % of the variance; "
+        "weight 0.5 of the largest"
+    )
+    assert ranked([CLEAR], {})[0].priority_reason == "no lost motion over 0.6 % of span"
+
+
+def test_what_was_not_judged_has_no_priority_but_a_reason() -> None:
+    failed = row("A", stage=Stage.FAILED, error="no PV")
+    stale = row("B", fit_for_use=False, health=("stale for 90 % of the time",))
+    waiting = row("C", stage=Stage.SCREENED, reason="the budget was spent")
+    found = ranked([failed, stale, waiting, STICKS], {})
+    assert [one.tag for one in found] == ["FIC-1", "A", "B", "C"]
+    assert [one.priority for one in found[1:]] == [None] * 3
+    assert [one.priority_reason for one in found[1:]] == [
+        "not judged: no PV",
+        "not judged: stale for 90 % of the time",
+        "not assessed: the budget was spent",
+    ]
+
+
+def test_labels_and_split() -> None:
+    kinds = {
+        "maintenance required": STICKS,
+        "out of specification": replace(STICKS, size_percent=6.0, severity="severe"),
+        "failure": replace(STICKS, size_percent=70.0, severity="severe"),
+        "normal": CLEAR,
+        "function check": replace(STICKS, manual=0.95),
+        "": row(verdict="cannot tell", kind="unknown", probability=0.6),
+    }
+    assert {label_of(one): label for label, one in kinds.items()} == {label: label for label in kinds}
+    assert label_of(replace(STICKS, severity="low", size_percent=0.7)) == "normal"
+    assert split_of(row(verdict="other oscillation", kind="disturbance")) == "process"
+    assert split_of(row(verdict="cannot tell", kind="actuator")) == "cannot tell"
+
+
+def test_a_loop_that_cannot_be_told_but_is_suspected_comes_behind_one_that_is_told() -> None:
+    open_ = row("open", verdict="cannot tell", kind="unknown", probability=0.9)
+    calm = row("calm", verdict="cannot tell", kind="unknown", probability=0.05)
+    found = ranked([calm, open_, STICKS], {})
+    assert [one.tag for one in found] == ["FIC-1", "open", "calm"]
+    assert found[2].priority == 0.0
+
+
+@given(
+    st.lists(
+        st.builds(
+            row,
+            tag=st.text(min_size=1, max_size=3),
+            verdict=st.sampled_from(["none", "stiction", "saturation", "other oscillation", "cannot tell"]),
+            kind=st.sampled_from(["none", "actuator", "tuning", "disturbance", "sensor", "unknown"]),
+            size_percent=st.none() | st.floats(0.01, 100.0),
+            confidence=st.none() | st.floats(0.0, 1.0),
+            probability=st.none() | st.floats(0.0, 1.0),
+            regularity=st.none() | st.floats(0.0, 1000.0),
+            power=st.none() | st.floats(0.0, 1.0),
+            manual=st.none() | st.floats(0.0, 1.0),
+            stage=st.sampled_from(list(Stage)),
+        ),
+        max_size=6,
+    )
+)
+def test_priorities_lie_in_0_to_100_and_fall(rows: list[AssessmentRow]) -> None:
+    found = ranked(rows, {})
+    known = [one.priority for one in found if one.priority is not None]
+    assert all(0.0 <= one <= 100.0 for one in known)
+    assert known == sorted(known, reverse=True)
+    assert len(found) == len(rows)
+    assert all(one.priority_reason for one in found)
