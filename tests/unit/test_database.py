@@ -16,7 +16,7 @@ OP = np.round(50 + 9 * np.sin(np.arange(N) / 7), 2)
 PV = np.round(20 + 3 * np.cos(np.arange(N) / 7), 2)
 WIDE = "SELECT time, op, pv FROM fic101 ORDER BY time"
 LONG = "SELECT tag, time, value FROM \"All values\" WHERE tag LIKE 'FIC102%'"
-SECRET = "s3cret/w@rd"  # noqa: S105
+SECRET = "s3cret/w@rd"
 
 
 @pytest.fixture

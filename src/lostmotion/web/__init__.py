@@ -1,0 +1,1 @@
+"""The page: a skin over store, audit and diagnosis. Needs the extra ``lostmotion[web]``."""

@@ -1,0 +1,157 @@
+"""Who may talk to the page: token, cookie, Host, Origin, and what a browser may do with an answer.
+
+A page on 127.0.0.1 is open to every program of the machine, and by a name that resolves to 127.0.0.1 to every web page
+that a browser of the machine shows (DNS rebinding). So nothing is answered without the cookie that the token of the
+printed address has become, under another name than the page's own, or to a request that another page has made.
+"""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qsl, quote, urlencode
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+READS = ("GET", "HEAD", "OPTIONS")
+HEADERS = {
+    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "permissions-policy": "camera=(), microphone=(), geolocation=()",
+}
+
+
+class Guard:
+    """ASGI middleware that lets through whom the person who started the page has let in.
+
+    Parameters
+    ----------
+    app : ASGI application
+        What is guarded.
+    token : str
+        Of the printed address. It becomes a cookie, and is used up once the cookie has come back. As
+        ``Authorization: Bearer TOKEN`` it lets programs in, as often as they like.
+    hosts : iterable of str
+        Names with port under which the page may be called.
+    read_only : bool
+        Refuse every request that changes something.
+    """
+
+    def __init__(self, app: App, token: str, hosts: Iterable[str], read_only: bool = False) -> None:
+        self._app = app
+        self._token = token
+        self._hosts = {host.lower() for host in hosts}
+        self._read_only = read_only
+        self._session = secrets.token_urlsafe(32)
+        self._spent = False
+        self.cookie = "lostmotion_" + "".join(sign for sign in min(self._hosts, default="") if sign.isalnum())
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or have it answered."""
+        if scope["type"] != "http":
+            if scope["type"] == "lifespan":
+                await self._app(scope, receive, send)
+            return
+        headers = _headers(scope)
+        refusal = self._refusal(scope, headers)
+        if refusal is not None:
+            await _answer(send, *refusal)
+            return
+        if self._known(headers):
+            await self._app(scope, receive, _with_headers(send))
+            return
+        await self._let_in(scope, send)
+
+    def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+        """Why a request is refused whoever makes it; None: it is not."""
+        if headers.get("host", "").lower() not in self._hosts:
+            return 421, "This page is not known under that name. Use the address that was printed."
+        if scope["method"] in READS:
+            return None
+        if self._read_only:
+            return 403, "The page is read-only here."
+        origin = headers.get("origin")
+        same = origin is not None and origin.lower() in {f"{scope['scheme']}://{host}" for host in self._hosts}
+        if not same and not (origin is None and self._bears(headers)):
+            return 403, "Refused: the request comes from another page."
+        return None
+
+    def _known(self, headers: dict[str, str]) -> bool:
+        if self._bears(headers):
+            return True
+        try:
+            cookie = SimpleCookie(headers.get("cookie", "")).get(self.cookie)
+        except CookieError:
+            return False
+        if cookie is None or not _alike(cookie.value, self._session):
+            return False
+        self._spent = True
+        return True
+
+    def _bears(self, headers: dict[str, str]) -> bool:
+        kind, _, given = headers.get("authorization", "").partition(" ")
+        return kind.lower() == "bearer" and _alike(given.strip(), self._token)
+
+    async def _let_in(self, scope: Scope, send: Send) -> None:
+        """Make the cookie of the token, or refuse."""
+        fields = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+        given = dict(fields).get("token", "")
+        if scope["method"] != "GET" or not _alike(given, self._token):
+            await _answer(send, 403, "Refused: open the address that was printed when the page was started.")
+            return
+        if self._spent:
+            await _answer(send, 403, "This address was used already. Start the page again for a new one.")
+            return
+        rest = urlencode([(name, value) for name, value in fields if name != "token"])
+        path = "/" + scope["path"].lstrip("/\\")  # "//other.host" would lead elsewhere
+        where = quote(path) + (f"?{rest}" if rest else "")
+        cookie = f"{self.cookie}={self._session}; HttpOnly; SameSite=Strict; Path=/"
+        secure = "; Secure" if scope["scheme"] == "https" else ""
+        await _answer(send, 303, "", {"location": where, "set-cookie": cookie + secure})
+
+
+def _headers(scope: Scope) -> dict[str, str]:
+    """By lower-case name; of one that comes twice all, so that it fits nothing."""
+    found: dict[str, str] = {}
+    for name, value in scope["headers"]:
+        key = name.decode("latin-1").lower()
+        text = value.decode("latin-1")
+        found[key] = f"{found[key]}, {text}" if key in found else text
+    return found
+
+
+def _alike(one: str, other: str) -> bool:
+    return hmac.compare_digest(one.encode(), other.encode())
+
+
+def _with_headers(send: Send) -> Send:
+    """Send that adds the headers of safety to an answer, and keeps it out of caches where nothing else is said."""
+
+    async def sent(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            present = {name.lower() for name, _ in message["headers"]}
+            wanted = {**HEADERS, "cache-control": "no-store"}
+            added = [(k.encode(), v.encode()) for k, v in wanted.items() if k.encode() not in present]
+            message = {**message, "headers": [*message["headers"], *added]}
+        await send(message)
+
+    return sent
+
+
+async def _answer(send: Send, status: int, text: str, headers: dict[str, str] | None = None) -> None:
+    body = text.encode()
+    told = {"content-type": "text/plain; charset=utf-8", "content-length": str(len(body)), **(headers or {})}
+    pairs = [(name.encode(), value.encode("latin-1")) for name, value in {**HEADERS, **told}.items()]
+    await send({"type": "http.response.start", "status": status, "headers": pairs})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,150 @@
+"""Who may talk to the page: each attack of the list is a test."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from lostmotion.web.guard import HEADERS, Guard
+
+BASE = "http://127.0.0.1:8000"
+HOSTS = ("127.0.0.1:8000", "localhost:8000")
+TOKEN = "t0ken"
+
+
+async def app(scope: Any, receive: Any, send: Any) -> None:
+    await send({"type": "http.response.start", "status": 200, "headers": [(b"content-type", b"text/plain")]})
+    await send({"type": "http.response.body", "body": b"secret"})
+
+
+def client(base: str = BASE, **settings: Any) -> httpx.AsyncClient:
+    guard = Guard(app, TOKEN, HOSTS, **settings)
+    return httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url=base)
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    return "asyncio"
+
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_token_becomes_a_cookie_and_is_used_up() -> None:
+    async with client() as browser:
+        first = await browser.get(f"/plant?area=A&token={TOKEN}")
+        assert (first.status_code, first.headers["location"]) == (303, "/plant?area=A")
+        cookie = first.headers["set-cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=Strict" in cookie
+        assert (await browser.get("/plant?area=A")).text == "secret"
+        browser.cookies.clear()
+        again = await browser.get(f"/?token={TOKEN}")
+        assert (again.status_code, "used already" in again.text) == (403, True)
+
+
+async def test_a_look_ahead_does_not_use_the_token_up() -> None:
+    async with client() as browser:
+        await browser.get(f"/?token={TOKEN}")
+        browser.cookies.clear()
+        assert (await browser.get(f"/?token={TOKEN}")).status_code == 303
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/?token=t0ke", "/?Token=t0ken"])
+async def test_without_the_token_nothing_is_answered(path: str) -> None:
+    async with client() as browser:
+        answer = await browser.get(path)
+        assert answer.status_code == 403
+        assert "secret" not in answer.text
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example:8000", "127.0.0.1", "127.0.0.1:8001", "", "127.0.0.1:8000.evil.example"]
+)
+async def test_another_name_is_refused_even_with_the_token(host: str) -> None:
+    async with client() as browser:
+        answer = await browser.get(f"/?token={TOKEN}", headers={"host": host})
+        assert answer.status_code == 421
+        assert "set-cookie" not in answer.headers
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:8000", "http://127.0.0.1:9000"])
+async def test_a_write_from_another_page_is_refused_with_the_cookie(origin: str) -> None:
+    async with client() as browser:
+        await browser.get(f"/?token={TOKEN}")
+        assert (await browser.post("/x", headers={"origin": origin})).status_code == 403
+        assert (await browser.post("/x")).status_code == 403, "a browser says where a write comes from"
+        assert (await browser.post("/x", headers={"origin": BASE})).status_code == 200
+
+
+async def test_programs_bear_the_token() -> None:
+    async with client() as program:
+        bearer = {"authorization": f"Bearer {TOKEN}"}
+        assert (await program.get("/api/loops", headers=bearer)).text == "secret"
+        assert (await program.post("/api/loops", headers=bearer)).status_code == 200
+        assert (
+            await program.post("/api/loops", headers={**bearer, "origin": "http://evil.example"})
+        ).status_code == 403
+        assert (await program.get("/", headers={"authorization": "Bearer wrong"})).status_code == 403
+
+
+async def test_read_only_refuses_every_write() -> None:
+    async with client(read_only=True) as browser:
+        await browser.get(f"/?token={TOKEN}")
+        assert (await browser.get("/")).status_code == 200
+        for method in ("POST", "PUT", "PATCH", "DELETE"):
+            assert (await browser.request(method, "/", headers={"origin": BASE})).status_code == 403
+
+
+async def test_every_answer_carries_the_headers() -> None:
+    async with client() as browser:
+        answers = [
+            await browser.get(f"/?token={TOKEN}"),
+            await browser.get("/"),
+            await browser.get("/", headers={"host": "x"}),
+        ]
+        for answer in answers:
+            assert {name: answer.headers[name] for name in HEADERS} == HEADERS
+        assert answers[1].headers["cache-control"] == "no-store"
+        assert "unsafe" not in HEADERS["content-security-policy"]
+
+
+@pytest.mark.parametrize("path", ["//evil.example/", "/\\evil.example", "///evil.example"])
+async def test_the_way_in_leads_nowhere_else(path: str) -> None:
+    sent: list[Any] = []
+    scope = {
+        "type": "http", "method": "GET", "path": path, "query_string": f"token={TOKEN}".encode(), "scheme": "http",
+        "headers": [(b"host", b"127.0.0.1:8000")],
+    }  # fmt: skip
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    await Guard(app, TOKEN, HOSTS)(scope, None, send)  # type: ignore[arg-type]
+    where = dict(sent[0]["headers"])[b"location"].decode()
+    assert where.startswith("/")
+    assert where[1] not in "/\\"
+
+
+async def test_header_split_by_a_path_is_harmless() -> None:
+    sent: list[Any] = []
+    scope = {
+        "type": "http", "method": "GET", "path": "/a\r\nset-cookie: x=1/\u20ac", "scheme": "http",
+        "query_string": f"token={TOKEN}".encode(), "headers": [(b"host", b"127.0.0.1:8000")],
+    }  # fmt: skip
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    await Guard(app, TOKEN, HOSTS)(scope, None, send)  # type: ignore[arg-type]
+    location = dict(sent[0]["headers"])[b"location"]
+    assert b"\r" not in location
+    assert b"\n" not in location
+
+
+async def test_cookies_that_are_none_are_no_error() -> None:
+    async with client() as browser:
+        for cookie in ("=", "a", "\x01", "lostmotion_1270018000=", "x=" + "y" * 9000):
+            assert (await browser.get("/", headers={"cookie": cookie.encode("latin-1")})).status_code == 403
