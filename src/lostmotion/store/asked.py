@@ -1,0 +1,120 @@
+"""What can be asked of a store, each in a transaction of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from sqlalchemy.engine import Connection, Engine
+
+from lostmotion.store import queries
+from lostmotion.store.news import New, news
+from lostmotion.store.queries import Filter, Lines
+from lostmotion.store.rows import (
+    AssessmentRow,
+    GroupRow,
+    LoopRow,
+    ReviewRow,
+    RunRow,
+    SpectrumRow,
+    TraceRow,
+    UnreadRow,
+)
+from lostmotion.store.said import told
+
+
+class Asked:
+    """Questions of pages; `run` is the number of a run. Without an answer: None or nothing, no error."""
+
+    name: str
+    engine: Engine
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        with told(self.name), self.engine.connect() as connection, connection.begin():
+            yield connection
+
+    def runs(self, limit: int | None = None) -> list[RunRow]:
+        """Runs, the newest first."""
+        with self._reading() as connection:
+            return queries.runs(connection, limit)
+
+    def last_run(self, before: int | None = None) -> RunRow | None:
+        """The newest finished run (before another one); without one the newest that has begun."""
+        with self._reading() as connection:
+            return queries.last_run(connection, before)
+
+    def lines(self, run: int, chosen: Filter | None = None, **how: Any) -> Lines:
+        """Page of the table; `how`: sort, descending, limit, offset as :func:`lostmotion.store.queries.lines` has them.
+
+        Raises
+        ------
+        ParameterError
+            No such column to sort by.
+        """
+        with self._reading() as connection:
+            return queries.lines(connection, run, chosen or Filter(), **how)
+
+    def counts(self, run: int) -> dict[str, dict[str, int]]:
+        """Rows by verdict, severity, label, split and stage: how many of each word."""
+        with self._reading() as connection:
+            return queries.counts(connection, run)
+
+    def areas(self, run: int) -> list[tuple[str, str, str, int]]:
+        """Area, verdict, severity, and how many rows."""
+        with self._reading() as connection:
+            return queries.areas(connection, run)
+
+    def rows(self, run: int) -> list[AssessmentRow]:
+        """All rows of a run by tag and window."""
+        with self._reading() as connection:
+            return list(queries.rows(connection, run))
+
+    def loop(self, tag: str) -> LoopRow | None:
+        """A loop as the last loop list had it."""
+        with self._reading() as connection:
+            return queries.one_loop(connection, tag)
+
+    def loops(self) -> list[LoopRow]:
+        """All loops of the store by tag."""
+        with self._reading() as connection:
+            return queries.loops(connection)
+
+    def history(self, tag: str, limit: int | None = None) -> list[tuple[RunRow, AssessmentRow]]:
+        """What the runs said of one loop, the newest first."""
+        with self._reading() as connection:
+            return queries.history(connection, tag, limit)
+
+    def groups(self, run: int) -> tuple[GroupRow, ...]:
+        """Groups of a run with their members."""
+        with self._reading() as connection:
+            return queries.groups(connection, run)
+
+    def spectra(self, run: int, tags: Iterable[str] | None = None) -> list[SpectrumRow]:
+        """Spectra of a run by tag and window."""
+        with self._reading() as connection:
+            return list(queries.spectra(connection, run, tags))
+
+    def traces(self, run: int, tag: str) -> list[TraceRow]:
+        """Traces of a loop in a run, by window."""
+        with self._reading() as connection:
+            return queries.traces(connection, run, tag)
+
+    def unread(self, run: int) -> list[UnreadRow]:
+        """What of the source gave no loop."""
+        with self._reading() as connection:
+            return queries.unreadable(connection, run)
+
+    def reviews(self, tag: str) -> list[ReviewRow]:
+        """Reviews of a loop, the oldest first."""
+        with self._reading() as connection:
+            return queries.reviews(connection, tag)
+
+    def news(self, run: int, earlier: int | None = None) -> list[New]:
+        """What is new in a run since another one; without: since the last finished one before it."""
+        with self._reading() as connection:
+            if earlier is None:
+                found = queries.last_run(connection, run)
+                earlier = found.number if found else 0
+            return news(connection, run, earlier)

@@ -1,0 +1,56 @@
+"""What went wrong with a store, in one line with the remedy; no password is ever shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+
+from lostmotion.addresses import without_password
+from lostmotion.errors import FileAccessError
+
+REASONS = (  # part of what a driver says, what it means, what to do
+    ("database is locked", "one that is locked by another program", "close what has it open, or wait until it is done"),
+    ("readonly", "one that is read-only", "check its permissions and those of its folder, or give another --store"),
+    ("read-only", "one that is read-only", "check its permissions, or give another --store"),
+    ("permission denied", "no permission to write", "ask for the right to write there, or give another --store"),
+    ("disk is full", "a full disk", "make room and start again: what was done is kept"),
+    ("could not extend", "a full disk", "make room and start again: what was done is kept"),
+    ("No space left", "a full disk", "make room and start again: what was done is kept"),
+    ("not a database", "a file that is none", "give another name to --store"),
+    ("malformed", "one that is damaged", "take a copy of it from before, or begin a new one"),
+    ("unable to open", "none that can be opened", "check that its folder is there and may be written to"),
+    ("authentication failed", "user or password refused", "check the address"),
+    ("no password supplied", "no password", "check the address"),
+    ("connection", "no connection", "check that the server runs and can be reached, and start again"),
+)
+
+
+def store_error(name: str, got: str, remedy: str, expected: str = "a store") -> FileAccessError:
+    """Error of a store: "expected a store 'x', got y; do z"."""
+    return FileAccessError(f"expected {expected} {without_password(name)!r}, got {without_password(got)}; {remedy}")
+
+
+@contextmanager
+def told(name: str) -> Iterator[None]:
+    """Errors of the database inside become one line.
+
+    Raises
+    ------
+    FileAccessError
+    """
+    try:
+        yield
+    except SQLAlchemyError as error:
+        raise explained(name, error) from None  # the error of a driver may show the password
+
+
+def explained(name: str, error: SQLAlchemyError) -> FileAccessError:
+    """What a driver said, in words."""
+    original = error.orig if isinstance(error, DBAPIError) else None
+    said = str(original or error).strip().split("\n", maxsplit=1)[0]
+    for part, got, remedy in REASONS:
+        if part.lower() in str(original or error).lower():
+            return store_error(name, got, remedy, "a store that can be used at")
+    return store_error(name, f"{type(original or error).__name__}: {said}", "check the address", "an answer of")

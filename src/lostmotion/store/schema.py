@@ -1,0 +1,141 @@
+"""Tables of the store. What stands in a row of :mod:`lostmotion.store.rows` has a column of the same name."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    DateTime,
+    Dialect,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    Table,
+    Text,
+    TypeDecorator,
+)
+from sqlalchemy.types import TypeEngine
+
+from lostmotion.store.encoded import coded, utc
+from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, ReviewRow, RunRow, SpectrumRow, TraceRow, UnreadRow
+
+VERSION = "0002"  # of the schema: the last of migrations/versions
+
+
+class Utc(TypeDecorator[datetime]):
+    """A moment in UTC, whatever the database has; one without a zone is refused."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """SQLite keeps it as a text without a zone."""
+        if value is None:
+            return None
+        moment = utc(value)
+        return moment.replace(tzinfo=None) if dialect.name == "sqlite" else moment
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:  # noqa: ARG002
+        """With its zone, whatever the session's is."""
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+WORDS = Text().with_variant(Text(collation="C"), "postgresql")  # the order of SQLite: by code point
+TYPES: dict[str, TypeEngine[Any]] = {
+    "text": WORDS, "json": Text(), "float": Double(), "int": BigInteger(), "bool": Boolean(), "moment": Utc(),
+    "bytes": LargeBinary(),
+}  # fmt: skip
+
+metadata = MetaData()
+
+
+def _columns(row: type[Any], *apart: str) -> list[Column[Any]]:
+    return [Column(one.column, TYPES[one.kind], nullable=one.optional) for one in coded(row) if one.name not in apart]
+
+
+def _id() -> Column[Any]:
+    """Numbers are given by the coordinator: the same in every database."""
+    return Column("id", Integer, primary_key=True, autoincrement=False)
+
+
+def _key(name: str, table: str, *, key: bool = True, optional: bool = False) -> Column[Any]:
+    return Column(name, Integer, ForeignKey(f"{table}.id"), primary_key=key, nullable=optional, autoincrement=False)
+
+
+def _window() -> list[Column[Any]]:
+    """What an assessment is known by."""
+    return [_key("run_id", "run"), _key("loop_id", "loop"), Column("window_start", Utc(), primary_key=True)]
+
+
+schema_version = Table("schema_version", metadata, Column("version_num", Text, primary_key=True))
+loop = Table(
+    "loop",
+    metadata,
+    _id(),
+    *_columns(LoopRow),
+    Column("search", WORDS, nullable=False),  # tag, area and names without upper case, for the search of pages
+    Index("loop_tag", "tag", unique=True),
+)
+run = Table(
+    "run",
+    metadata,
+    _id(),
+    *_columns(RunRow, "number"),
+    Column("coordinator", WORDS, nullable=False),  # host, process, and a number that no other has
+)
+assessment = Table(
+    "assessment",
+    metadata,
+    *_window(),
+    *_columns(AssessmentRow, "tag", "window_start"),
+    _key("screened_in", "run", key=False, optional=True),  # the run that made it, and in which the spectrum lies
+    _key("assessed_in", "run", key=False, optional=True),  # .. and the trace
+    Index("assessment_loop", "loop_id", "run_id"),
+    Index("assessment_priority", "run_id", "priority"),
+    Index("assessment_words", "run_id", "verdict", "severity", "label", "split", "stage", "loop_id"),
+)
+spectrum = Table("spectrum", metadata, *_window(), *_columns(SpectrumRow, "tag", "window_start"))
+trace = Table("trace", metadata, *_window(), *_columns(TraceRow, "tag", "window_start"))
+unread = Table(
+    "unread",
+    metadata,
+    _key("run_id", "run"),
+    Column("number", Integer, primary_key=True, autoincrement=False),  # in the order of the source
+    *_columns(UnreadRow),
+)
+oscillation_group = Table(
+    "oscillation_group",
+    metadata,
+    _key("run_id", "run"),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    *_columns(GroupRow, "number", "members"),
+)
+member = Table(
+    "member",
+    metadata,
+    _key("run_id", "run"),
+    Column("number", Integer, primary_key=True, autoincrement=False),  # of the group
+    Column("place", Integer, primary_key=True, autoincrement=False),  # in the group, from 1
+    _key("loop_id", "loop", key=False),
+    Column("window_start", Utc(), nullable=False),
+    Column("likeness", Double(), nullable=False),
+    Column("score", Double(), nullable=False),
+    Index("member_loop", "loop_id", "run_id"),
+)
+review = Table(
+    "review",
+    metadata,
+    _id(),
+    _key("loop_id", "loop", key=False),
+    *_columns(ReviewRow, "tag"),
+    Index("review_loop", "loop_id", "id"),
+)
