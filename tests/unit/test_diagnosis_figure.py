@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.plot.diagnosis_figure import FEWEST_ROWS, MOST_ROWS, PERIODS, shown_rows
+from lostmotion.diagnose.shown_rows import FEWEST_ROWS, MOST_ROWS, PERIODS, shown_rows
 from tests.diagnoses import CASES, example, loop_record, variant
 
 pytest.importorskip("matplotlib")

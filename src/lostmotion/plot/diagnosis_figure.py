@@ -10,18 +10,16 @@ import numpy as np
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.evidence_words import LABEL, balance, cause
 from lostmotion.diagnose.op_span import op_span
+from lostmotion.diagnose.shown_rows import shown_rows
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, labelled, new_figure
 from lostmotion.plot.trend import draw_trend
-from lostmotion.records import LoopRecord, prepare
+from lostmotion.records import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PERIODS = 12
-MOST_ROWS = 1500  # shown where nothing swings
-FEWEST_ROWS = 100
 WRAP = 170  # characters of a line over the whole width
 NOTICEABLE = 0.05  # log-odds that are not written as 0
 HEADING = {
@@ -52,18 +50,6 @@ def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
     _phase(figure.add_subplot(grid[2, :2]), diagnosis, rows)
     _evidence(figure.add_subplot(grid[2, 2:]), diagnosis)
     return figure
-
-
-def shown_rows(diagnosis: Diagnosis) -> tuple[LoopRecord, int]:
-    """Last twelve periods (or 1500 rows) of the longest piece that was used, and its first row in the record."""
-    prepared = prepare(diagnosis.record)
-    pieces = prepared.require()
-    longest = max(range(len(pieces)), key=lambda number: len(pieces[number]))
-    piece = pieces[longest]
-    period = diagnosis.measured.period
-    count = PERIODS * period if np.isfinite(period) else MOST_ROWS
-    first = len(piece) - min(max(int(count), FEWEST_ROWS), len(piece))
-    return piece.cut(first, len(piece)), prepared.rows[longest][0] + first
 
 
 def heading_of(diagnosis: Diagnosis) -> str:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from lostmotion.arrays import FloatArray
 from lostmotion.plot.style import ALERT, MEASURED, MODEL, MOST_POINTS, calm, labelled
 from lostmotion.records import LoopRecord
+from lostmotion.records.outline import outline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,21 +88,8 @@ def _line(axes: Axes, rows: LoopRecord, time: npt.NDArray[Any], values: FloatArr
     """One signal, broken at gaps."""
     gaps = list(rows.gaps)
     time, values = np.insert(time, gaps, time[gaps]), np.insert(values, gaps, np.nan)
-    shown = _outline(values)
+    shown = outline(values, 2 * MOST_POINTS)
     axes.plot(time[shown], values[shown], **look)
-
-
-def _outline(values: FloatArray) -> npt.NDArray[np.intp]:
-    """Rows that show a long signal as all its rows would: the lowest and the highest of every short stretch."""
-    width = -(-values.size // MOST_POINTS)
-    if width < 3:
-        return np.arange(values.size)
-    whole = values.size // width * width
-    blocks = values[:whole].reshape(-1, width)
-    low = np.argmin(np.where(np.isnan(blocks), np.inf, blocks), axis=1)
-    high = np.argmax(np.where(np.isnan(blocks), -np.inf, blocks), axis=1)
-    inside = np.sort(np.column_stack([low, high]), axis=1) + width * np.arange(len(blocks))[:, None]
-    return np.concatenate([inside.ravel(), np.arange(whole, values.size)])
 
 
 def _far(sp: FloatArray, pv: FloatArray) -> bool:

@@ -1,0 +1,122 @@
+"""Health of the audit itself: what could be judged, what could not, and why."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from lostmotion.report.plant.view import PlantView
+from lostmotion.store.rows import AssessmentRow, Stage
+
+EXAMPLES = 3  # tags that are named with a reason
+_NUMBER = re.compile(r"\d[\d.,]*(?:e[+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why loops could not be judged, or what is wrong with their data.
+
+    Attributes
+    ----------
+    text : str
+        Numbers as "..", where they differ.
+    tags : tuple of str
+    """
+
+    text: str
+    tags: tuple[str, ...]
+
+    @property
+    def examples(self) -> str:
+        """First tags, and how many more."""
+        more = len(self.tags) - EXAMPLES
+        return ", ".join(self.tags[:EXAMPLES]) + (f" and {more} more" if more > 0 else "")
+
+
+@dataclass(frozen=True)
+class Health:
+    """Counts and reasons.
+
+    Attributes
+    ----------
+    loops, assessed, screened, failed, cannot_tell, unfit, without_row : int
+        Loops: all; diagnosed; screened only; failed; diagnosed without an answer; with data that allow no judgement;
+        not reached at all.
+    not_judged, data : tuple of Reason
+        Most frequent first.
+    files, files_failed : int
+        Of the source that gave no loop; of these, those with something wrong.
+    """
+
+    loops: int
+    assessed: int
+    screened: int
+    failed: int
+    cannot_tell: int
+    unfit: int
+    without_row: int
+    not_judged: tuple[Reason, ...]
+    data: tuple[Reason, ...]
+    files: int
+    files_failed: int
+
+    @property
+    def judged(self) -> int:
+        """Loops of which a verdict says something."""
+        return self.assessed - self.cannot_tell
+
+    def sentence(self) -> str:
+        """In one line."""
+        said = f"{self.judged} of {self.loops} loops could be judged"
+        parts = [
+            (self.cannot_tell, "assessed, but the data cannot tell"),
+            (self.screened, "not assessed"),
+            (self.failed, "failed"),
+            (self.without_row, "not reached"),
+        ]
+        rest = ", ".join(f"{count} {what}" for count, what in parts if count)
+        return f"{said}; {rest}." if rest else f"{said}."
+
+
+def health_of(view: PlantView) -> Health:
+    """Health of a run."""
+    rows = view.leading
+    stages = Counter(row.stage for row in rows)
+    seen = {row.tag for row in rows}
+    open_rows = [row for row in rows if row.stage is not Stage.ASSESSED or row.verdict == "cannot tell"]
+    return Health(
+        loops=len(view.by_tag),
+        assessed=stages[Stage.ASSESSED],
+        screened=stages[Stage.SCREENED],
+        failed=stages[Stage.FAILED],
+        cannot_tell=sum(row.stage is Stage.ASSESSED and row.verdict == "cannot tell" for row in rows),
+        unfit=sum(not row.fit_for_use for row in rows),
+        without_row=len(set(view.by_tag) - seen),
+        not_judged=_reasons((row.tag, why_not(row)) for row in open_rows),
+        data=_reasons((row.tag, text) for row in rows for text in row.health),
+        files=len(view.unread),
+        files_failed=sum(one.failed for one in view.unread),
+    )
+
+
+def why_not(row: AssessmentRow) -> str:
+    """Why a loop was not judged, in words."""
+    if row.stage is Stage.FAILED:
+        return f"failed: {row.error or 'no reason was kept'}"
+    if row.stage is Stage.SCREENED:
+        return f"not assessed: {row.reason or 'no reason was kept'}"
+    return f"cannot tell: {row.why or 'no cause is probable enough'}"
+
+
+def _reasons(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
+    """Reasons that differ in their numbers only are one."""
+    tags: dict[str, list[str]] = defaultdict(list)
+    texts: dict[str, set[str]] = defaultdict(set)
+    for tag, text in pairs:
+        form = _NUMBER.sub("..", text)
+        tags[form].append(tag)
+        texts[form].add(text)
+    found = [Reason(texts[form].pop() if len(texts[form]) == 1 else form, tuple(mine)) for form, mine in tags.items()]
+    return tuple(sorted(found, key=lambda one: -len(one.tags)))

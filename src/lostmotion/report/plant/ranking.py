@@ -1,0 +1,105 @@
+"""Lines of the ranking: one a loop, ready to be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from lostmotion.report.plant.svg.bars import size_bar
+from lostmotion.report.plant.view import FAULTS, PlantView
+from lostmotion.report.plant.words import (
+    LETTER,
+    excluded_words,
+    interval_words,
+    next_step,
+    of_what,
+    size_words,
+    status_words,
+    sure_words,
+)
+from lostmotion.store.rows import AssessmentRow
+
+LEAST_SCALE = 4.0  # % of span: what counts as bad is never the end of the scale
+
+
+@dataclass(frozen=True)
+class Line:
+    """What the ranking says of a loop. Texts are not escaped; `bar` is ready SVG.
+
+    Attributes
+    ----------
+    place : int
+        From 1.
+    tag, link, area, loop_type, label, letter, verdict, kind, size, interval, excluded, sure, reason, step, review : str
+    bar : Markup
+    priority : float or None
+    size_key, sure_key : float
+        For who sorts.
+    new : bool
+        Something about it is new.
+    """
+
+    place: int
+    tag: str
+    link: str
+    area: str
+    loop_type: str
+    label: str
+    letter: str
+    verdict: str
+    kind: str
+    size: str
+    interval: str
+    excluded: str
+    sure: str
+    reason: str
+    step: str
+    review: str
+    bar: Markup
+    priority: float | None
+    size_key: float
+    sure_key: float
+    new: bool
+
+
+def lines(view: PlantView, rows: Sequence[AssessmentRow], link: Callable[[str], str], new: frozenset[str]) -> list[Line]:
+    """Lines of rows, in their order."""
+    most = scale(rows)
+    return [_line(view, row, place, link, most, row.tag in new) for place, row in enumerate(rows, 1)]
+
+
+def scale(rows: Sequence[AssessmentRow]) -> float:
+    """End of the bars in % of span: the upper quarter of what was found, so that one large value hides nothing."""
+    sizes = sorted(row.size_percent for row in rows if row.size_percent is not None)
+    return max(1.25 * sizes[(3 * len(sizes)) // 4], LEAST_SCALE) if sizes else LEAST_SCALE
+
+
+def _line(
+    view: PlantView, row: AssessmentRow, place: int, link: Callable[[str], str], most: float, new: bool
+) -> Line:
+    loop, size = view.by_tag[row.tag], size_words(row)
+    return Line(
+        place=place,
+        tag=row.tag,
+        link=link(row.tag),
+        area=loop.area,
+        loop_type=loop.loop_type,
+        label=row.label,
+        letter=LETTER.get(row.label, "?"),
+        verdict=status_words(row),
+        kind="" if row.kind in ("none", "unknown", "actuator") else row.kind,
+        size=f"{size} % {of_what(row)}" if size else "",
+        interval=interval_words(row),
+        excluded=excluded_words(row),
+        sure=sure_words(row),
+        reason=row.priority_reason,
+        step=next_step(row),
+        review=view.reviews.get(row.tag, ""),
+        bar=size_bar(row, most),
+        priority=row.priority,
+        size_key=row.size_percent or 0.0,
+        sure_key=row.confidence or 0.0 if row.verdict in FAULTS else 0.0,
+        new=new,
+    )

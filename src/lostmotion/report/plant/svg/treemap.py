@@ -1,0 +1,185 @@
+"""Treemap of a plant: areas, in them loops by priority; a tile for those that need nothing."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from lostmotion.plant import PlantLoop
+from lostmotion.report.plant.svg.element import element, percent
+from lostmotion.report.plant.words import LETTER, headline
+from lostmotion.store.rows import AssessmentRow
+
+LEAST = 6.0  # of the priority: a tile that can still be hit
+OTHERS = 1.5  # of the priority, for each of the loops that are drawn as one tile
+MOST_LOOPS = 120  # with a tile of their own; smaller tiles cannot be read
+MOST_AREAS = 24
+HEAD = 22  # pixels for the name of an area
+LETTERS = 7.6  # pixels of a letter in bold
+Box = tuple[float, float, float, float]  # x, y, width, height
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A rectangle with its text.
+
+    Attributes
+    ----------
+    weight : float
+        What its area is in proportion to.
+    name, words : str
+        Text inside, and the whole of it for who points or listens.
+    label : str
+        NE 107; empty: cannot tell.
+    link : str
+        Address; empty: none.
+    """
+
+    weight: float
+    name: str
+    words: str
+    label: str = ""
+    link: str = ""
+
+
+def treemap(
+    rows: Sequence[AssessmentRow],
+    loops: dict[str, PlantLoop],
+    link: Callable[[str], str],
+    wide: int = 1200,
+    high: int = 420,
+) -> Markup:
+    """Tiles of all loops, by area.
+
+    Parameters
+    ----------
+    rows : sequence of AssessmentRow
+        One a loop, highest priority first.
+    loops : dict of PlantLoop
+        By tag.
+    link : callable
+        Address of a loop; "" where there is none.
+    wide, high : int
+        Pixels for which the layout is made; it is stretched to the width there is.
+    """
+    areas = tiles_by_area(rows, loops, link)
+    if not areas:
+        return Markup("")
+    weights = [sum(tile.weight for tile in tiles) for _, tiles in areas]
+    boxes = squarified(weights, (0.0, 0.0, float(wide), float(high)))
+    parts = [_area(name, tiles, box, wide, high) for (name, tiles), box in zip(areas, boxes, strict=True)]
+    said = f"{len(rows)} loops in {len(areas)} areas; the size of a tile is its priority. The ranking has the numbers."
+    return element(
+        "svg", element("title", "Treemap by area and priority"), element("desc", said), *parts,
+        class_="treemap", role="group", aria_label=f"Treemap by area and priority. {said}", width="100%", height=high,
+    )  # fmt: skip
+
+
+def tiles_by_area(
+    rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop], link: Callable[[str], str]
+) -> list[tuple[str, list[Tile]]]:
+    """Tiles of every area, largest first; areas beyond MOST_AREAS together."""
+    own = {row.tag for row in [row for row in rows if row.priority][:MOST_LOOPS]}
+    tiles: dict[str, list[Tile]] = defaultdict(list)
+    rest: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
+    known = _shown_areas(rows, loops)
+    for row in rows:
+        area = loops[row.tag].area or "no area given"
+        area = area if area in known else "other areas"
+        if row.tag in own:
+            words = f"{row.tag}: {headline(row)}; priority {row.priority:.0f}"
+            tiles[area].append(Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, link(row.tag)))
+        else:
+            rest[area][row.label] += 1
+    for area, counts in rest.items():
+        for label, count in counts.items():
+            said = f"{area}: {count} loops {label or 'without a label'}, priority low or none"
+            tiles[area].append(Tile(max(OTHERS * count**0.5, 0.5 * LEAST), str(count), said, label))
+    found = [(area, sorted(inside, key=lambda tile: -tile.weight)) for area, inside in tiles.items()]
+    return sorted(found, key=lambda pair: -sum(tile.weight for tile in pair[1]))
+
+
+def _shown_areas(rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop]) -> set[str]:
+    """Those with the highest priorities."""
+    total: dict[str, float] = defaultdict(float)
+    for row in rows:
+        total[loops[row.tag].area or "no area given"] += (row.priority or 0.0) + 0.01
+    return set(sorted(total, key=lambda area: -total[area])[:MOST_AREAS])
+
+
+def squarified(weights: Sequence[float], box: Box) -> list[Box]:
+    """Boxes in proportion to weights (largest first), as near to squares as they come.
+
+    Bruls, Huizing and van Wijk, "Squarified treemaps", 2000.
+
+    Examples
+    --------
+    >>> squarified([2.0, 1.0, 1.0], (0.0, 0.0, 4.0, 2.0))
+    [(0.0, 0.0, 2.0, 2.0), (2.0, 0.0, 2.0, 1.0), (2.0, 1.0, 2.0, 1.0)]
+    """
+    total = sum(weights)
+    x, y, width, height = box
+    areas = [weight / total * width * height for weight in weights]
+    found: list[Box] = []
+    while areas:
+        side = min(width, height)
+        count = 1
+        while count < len(areas) and _worst(areas[: count + 1], side) <= _worst(areas[:count], side):
+            count += 1
+        row, areas = areas[:count], areas[count:]
+        thick = sum(row) / side
+        at = 0.0
+        for area in row:
+            long = area / thick
+            found.append((x, y + at, thick, long) if width >= height else (x + at, y, long, thick))
+            at += long
+        if width >= height:
+            x, width = x + thick, max(width - thick, 1e-9)
+        else:
+            y, height = y + thick, max(height - thick, 1e-9)
+    return found
+
+
+def _worst(row: Sequence[float], side: float) -> float:
+    """Longest over shortest side of the boxes of a row, the worst of them."""
+    thick = sum(row) / side
+    return max(max(thick * thick / area, area / (thick * thick)) for area in row)
+
+
+def _area(name: str, tiles: Sequence[Tile], box: Box, wide: int, high: int) -> Markup:
+    x, y, width, height = box
+    boxes = squarified([tile.weight for tile in tiles], (x, y + HEAD, width, max(height - HEAD, 1.0)))
+    inside = [_tile(tile, place, wide, high) for tile, place in zip(tiles, boxes, strict=True)]
+    text = element("text", _cut(name, width), class_="area", x="6", y="15")
+    return _placed(box, wide, high, "areabox", element("title", name), text) + Markup("").join(inside)
+
+
+def _tile(tile: Tile, box: Box, wide: int, high: int) -> Markup:
+    letter = LETTER.get(tile.label, "?")
+    texts = [
+        element("text", _cut(tile.name, box[2]), class_="name", x="6", y="16"),
+        element("text", letter, class_="letter", x="6", y="32"),
+    ]
+    kind = (tile.label or "cannot tell").replace(" ", "-")
+    placed = _placed(box, wide, high, f"tile {kind}", element("title", tile.words), *texts)
+    return element("a", placed, href=tile.link, aria_label=tile.words) if tile.link else placed
+
+
+def _cut(name: str, width: float) -> str:
+    """As much of a name as there is room for."""
+    room = max(int((width - 10.0) / LETTERS), 1)
+    return name if len(name) <= room else f"{name[: room - 1]}…"
+
+
+def _placed(box: Box, wide: int, high: int, kind: str, *children: Markup) -> Markup:
+    """Its own drawing, so that text is cut at its edge."""
+    x, y, width, height = box
+    back = element("rect", x="1", y="1", width="100%", height="100%", rx="2")
+    return element(
+        "svg", children[0], back, *children[1:],
+        class_=kind, x=percent(x / wide), y=percent(y / high), width=percent(width / wide),
+        height=percent(height / high),
+    )  # fmt: skip

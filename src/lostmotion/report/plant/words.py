@@ -1,0 +1,184 @@
+"""Numbers and verdicts of rows as people read them; unknown is an empty text or a word, never a made-up number."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from datetime import datetime
+
+from lostmotion.plant import PlantLoop
+from lostmotion.report.diagnosis_text import FINEST, KIND, probability
+from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.plant.view import FAULTS, RunFacts
+from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+
+NO_ANSWER = "–"
+LETTER = {  # NE 107, with the letter that stands in its symbol
+    "failure": "F",
+    "function check": "C",
+    "out of specification": "S",
+    "maintenance required": "M",
+    "normal": "N",
+}
+HEADLINE = {
+    "none": "Nothing wrong with the actuator",
+    "other oscillation": "The loop swings, but not because of the actuator",
+    "cannot tell": "Cannot tell",
+}
+UNITS = ((172_800.0, 86_400.0, "days"), (7200.0, 3600.0, "h"), (180.0, 60.0, "min"), (0.0, 1.0, "s"))  # from .. s on
+
+
+def of_what(row: AssessmentRow) -> str:
+    """What its percentages are of."""
+    return "of span" if row.indices.get("op_span_known", 1.0) else "of the OP range seen"
+
+
+def ends_percent(row: AssessmentRow) -> tuple[float, float] | None:
+    """95 % interval of the size in % of span; None where there is none."""
+    if row.size is None or row.size_percent is None or row.low is None or row.high is None or not row.size:
+        return None
+    each = row.size_percent / row.size
+    return row.low * each, row.high * each
+
+
+def size_words(row: AssessmentRow) -> str:
+    """Size in % of span; empty where none is known."""
+    ends = ends_percent(row)
+    if row.size_percent is None:
+        return ""
+    return sized(row.size_percent, ends)[0] if ends else f"about {row.size_percent:.2g}"
+
+
+def interval_words(row: AssessmentRow) -> str:
+    """95 % interval in % of span; "apparent" for a size that has none."""
+    ends = ends_percent(row)
+    if row.size_percent is None:
+        return ""
+    return sized(row.size_percent, ends)[1] if ends else "apparent, no interval"
+
+
+def sized(value: float, ends: tuple[float, float]) -> tuple[str, str]:
+    """Value and interval with the digits that matter.
+
+    Examples
+    --------
+    >>> sized(4.0321, (3.81, 4.26))
+    ('4.03', '3.81 .. 4.26')
+    """
+    error = max((ends[1] - ends[0]) / 4.0, FINEST * abs(value), 1e-300)
+    return digits(value, error)[0], span(*ends, error)
+
+
+def excluded_words(row: AssessmentRow) -> str:
+    """Largest size that is not excluded, in % of span.
+
+    Examples
+    --------
+    >>> excluded_words(AssessmentRow("FIC-1", UNDATED, UNDATED, excluded_percent=0.412))
+    'up to 0.41 % not excluded'
+    """
+    if row.excluded_percent is None or row.verdict in FAULTS:
+        return ""
+    if math.isinf(row.excluded_percent):
+        return "any size not excluded"
+    return f"up to {row.excluded_percent:.2g} % not excluded"
+
+
+def sure_words(row: AssessmentRow) -> str:
+    """Confidence of the verdict; nothing where it cannot be told."""
+    if row.confidence is None or row.verdict == "cannot tell" or row.stage is not Stage.ASSESSED:
+        return ""
+    return probability(row.confidence)
+
+
+def headline(row: AssessmentRow) -> str:
+    """Verdict, where it comes from, size with interval, confidence, in one line."""
+    if row.stage is Stage.FAILED:
+        return f"No result: {row.error or row.reason or 'it failed'}"
+    if row.stage is Stage.SCREENED:
+        return f"Not assessed: {row.reason or row.why or 'screened only'}"
+    said = HEADLINE.get(row.verdict, row.verdict.capitalize())
+    if row.verdict == "cannot tell":
+        return f"{said}: {row.why}" if row.why else said
+    if row.verdict == "other oscillation" and row.kind not in ("none", "unknown"):
+        said += f": {row.kind}"
+    if row.size_percent is not None:
+        said += f", {size_words(row)} % {of_what(row)} ({_between(row)})"
+        said += "" if row.severity == "unknown" else f", {row.severity}"
+    return f"{said}, confidence {sure_words(row)}" if sure_words(row) else said
+
+
+def _between(row: AssessmentRow) -> str:
+    between = interval_words(row)
+    return between if ends_percent(row) is None else f"95 %: {between}"
+
+
+def where_from(row: AssessmentRow) -> str:
+    """Where it comes from, in a sentence."""
+    return KIND.get(row.kind, "")
+
+
+def status_words(row: AssessmentRow) -> str:
+    """Verdict of an assessed loop, else how far it came."""
+    if row.stage is Stage.ASSESSED:
+        return row.verdict
+    return "failed" if row.stage is Stage.FAILED else "not assessed"
+
+
+def seconds_words(seconds: float) -> str:
+    """Length of time.
+
+    Examples
+    --------
+    >>> seconds_words(86_400.0), seconds_words(93.2), seconds_words(5400.0)
+    ('24 h', '93.2 s', '90 min')
+    """
+    _, scale, unit = next(one for one in UNITS if abs(seconds) >= one[0])
+    return f"{plain(seconds / scale)} {unit}"
+
+
+def share_words(share: float | None) -> str:
+    """Share of time in whole percent."""
+    if share is None:
+        return NO_ANSWER
+    return "under 1 %" if 0.0 < share < 0.01 else f"{100.0 * share:.0f} %"
+
+
+def number_words(value: float | None) -> str:
+    """Three digits, or a dash where it is not known."""
+    return NO_ANSWER if value is None or not math.isfinite(value) else plain(value)
+
+
+def moment_words(moment: datetime | None) -> str:
+    """Date and time in UTC; of a record without dates nothing."""
+    if moment is None or moment.year <= UNDATED.year:
+        return ""
+    return f"{moment.day} {moment:%b %Y %H:%M} UTC"
+
+
+def window_words(row: AssessmentRow) -> str:
+    """From when to when; of a record without dates how long."""
+    if row.window_start.year <= UNDATED.year:
+        return f"{seconds_words((row.window_end - row.window_start).total_seconds())}, not dated"
+    return f"{moment_words(row.window_start)} to {moment_words(row.window_end)}"
+
+
+def next_step(row: AssessmentRow) -> str:
+    """First thing to do, short."""
+    if row.advice:
+        return row.advice[0]
+    if row.stage is Stage.FAILED:
+        return "Mend the source, then run the audit again."
+    return row.reason if row.stage is Stage.SCREENED else ""
+
+
+def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
+    """What to type next about this loop; quoted for a shell."""
+    file = shlex.quote(loop.where or f"{loop.tag}.csv")
+    if row.stage is not Stage.ASSESSED and run.store:
+        return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
+    if row.verdict == "cannot tell":
+        return f"lostmotion check {file}"
+    if row.verdict in FAULTS:
+        return f"lostmotion simulate {file}"
+    return f"lostmotion diagnose {file} --figure {shlex.quote(loop.tag + '.png')}"
