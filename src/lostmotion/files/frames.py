@@ -117,8 +117,14 @@ def _from_path(path: Path) -> dict[str, Table]:
     return {"": parse_text(raw, name)}
 
 
-def peeked(path: Path) -> Table:
+def peeked(path: Path, most: int = PEEKED) -> Table:
     """Table of the first rows of a text file, for its columns; of any other file the whole.
+
+    Parameters
+    ----------
+    path : Path
+    most : int
+        Bytes that are looked at.
 
     Raises
     ------
@@ -127,14 +133,14 @@ def peeked(path: Path) -> Table:
     """
     try:
         with path.open("rb") as stream:
-            start = stream.read(PEEKED)
+            start = stream.read(most)
     except OSError:
         return load(path)  # says what is wrong
     if start.startswith(GZIP):
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as stream:
-            start = stream.read(PEEKED)
+            start = stream.read(most)
     binary = start.startswith((MAT, MAT_HDF5, _PARQUET, _ARROW, GZIP, ZIP)) or b"\0" in start
-    if binary or len(start) < PEEKED:
+    if binary or len(start) < most:
         return load(path)
     return parse_text(start[: start.rfind(b"\n") + 1] or start, path.name)
 

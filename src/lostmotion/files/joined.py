@@ -82,6 +82,19 @@ def _names(files: Files, asked: Collection[str]) -> list[str]:
     return [_name(path_stem(path), names) for (path, _), names in zip(files, told, strict=True)]
 
 
+def name_of(path: Path, one: OneTag) -> str:
+    """What the tag of a file is called, by what it says inside and by its own name.
+
+    Examples
+    --------
+    >>> frame = nw.from_native(pl.DataFrame({"Time": ["1", "2"], "Value": ["5", "6"]}), eager_only=True)
+    >>> name_of(Path("FIC101_OP.csv"), OneTag(Table(frame, "FIC101_OP.csv"), "Value", "Time", None))
+    'FIC101_OP'
+    """
+    stem = path_stem(path)
+    return _name(stem, one.told(stem))
+
+
 def _name(stem: str, told: Sequence[str]) -> str:
     """The first name that tells tag and role; of a role alone, with the tag that the file is called by."""
     named = next((name for name in told if has_tag(name)), told[0] if told else stem)

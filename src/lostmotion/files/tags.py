@@ -154,12 +154,23 @@ def loop_type(tag: str) -> str:
     >>> loop_type("2411FIC20102__1207_0004"), loop_type("LIC-7B_2"), loop_type("Pump 3_2")
     ('flow', 'level', '')
     """
-    bare = _SUFFIX.sub(r"\1", tag)
+    bare = without_run(tag)
     for part in (tag, bare, *re.split(r"[./:\\]", bare)):
         parsed = isa(part)
         if parsed is not None and parsed[1][1:] in (*CONTROLS, *MEASURES, *MOVES):
             return LOOP_TYPES[parsed[1][0]]
     return ""
+
+
+def without_run(name: str) -> str:
+    """Name of a file that is one of many of a loop, without what tells them apart.
+
+    Examples
+    --------
+    >>> without_run("2411FIC20102__1207_0004"), without_run("LIC-7B_2"), without_run("stiction-F-2003")
+    ('2411FIC20102', 'LIC-7B', 'stiction-F-2003')
+    """
+    return _SUFFIX.sub(r"\1", name)
 
 
 def same_tag(one: str, other: str) -> bool:

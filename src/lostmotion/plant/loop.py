@@ -33,6 +33,8 @@ class PlantLoop:
         Changes whenever the data may have changed (size and time of a file); empty: not known without reading.
     notes : tuple of str
         What was inferred for want of a loop list, one sentence each.
+    dt : float, optional
+        Sampling time in seconds, where the data do not tell it or tell it wrong.
     """
 
     tag: str
@@ -51,3 +53,4 @@ class PlantLoop:
     size: int = 0
     stamp: str = ""
     notes: tuple[str, ...] = ()
+    dt: float | None = None
