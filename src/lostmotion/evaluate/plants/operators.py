@@ -45,7 +45,8 @@ def table(rows: Sequence[tuple[float, ...]]) -> FloatArray:
 def _set_points(rng: np.random.Generator, loop: MadeLoop, seconds: float) -> list[tuple[float, float, float]]:
     """Moves about where it is at home: it is brought back, as shifts do."""
     times = np.sort(rng.uniform(0.0, seconds, size=rng.poisson(rng.uniform(*MOVES_PER_DAY) * seconds / 86_400.0)))
-    found, there = [], loop.pv_rest
+    found: list[tuple[float, float, float]] = []
+    there = loop.pv_rest
     for when in times.tolist():
         goal = float(np.clip(loop.pv_rest + rng.normal(scale=MOVE[loop.loop_type]), 10.0, 90.0))
         steps = RAMP_STEPS if rng.random() < RAMP else 1
