@@ -19,7 +19,7 @@ from lostmotion.evaluate.plants.historian import DATA, ILL
 from lostmotion.evaluate.plants.made_loop import MadeLoop
 from lostmotion.evaluate.plants.network import Wire, network
 from lostmotion.evaluate.plants.recorded import loop_record
-from lostmotion.evaluate.plants.simulated import Simulated, simulated
+from lostmotion.evaluate.plants.simulated import Progress, Simulated, simulated
 from lostmotion.evaluate.plants.truth import CAUSES, SENSORS, LoopTruth
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord
@@ -80,6 +80,12 @@ class MadePlant:
     def signals(self) -> Simulated:
         """What really happened, in % of span; simulated when first asked for."""
         return simulated(self)
+
+    def simulate(self, progress: Progress) -> Simulated:
+        """The same; `progress` is told the share that is done."""
+        if "signals" not in self.__dict__:
+            self.__dict__["signals"] = simulated(self, progress)
+        return self.signals
 
     def events(self) -> FloatArray:
         """What the operators do."""

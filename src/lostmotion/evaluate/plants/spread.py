@@ -16,6 +16,7 @@ from lostmotion.evaluate.plants.truth import CAUSES, LoopTruth
 
 HARMONICS, BAND = 3, 0.12  # of the frequency, to both sides
 REACHED = 0.15  # of the variance of PV, faster than three periods: what counts as swinging with the source
+ENOUGH = 43_200.0  # seconds: 18 cycles of a swing of 40 minutes
 MOST_ROWS = 20_000  # looked at: longer records are thinned
 SWINGS = ("stiction", "backlash", "tight tuning")  # faults that can make an oscillation
 REGULAR, SHARE = 1.0, 0.3  # of an oscillation of the source itself
@@ -66,11 +67,12 @@ def spread(plant: MadePlant, source: int | None) -> Spread | None:
 
 
 def with_spread(plant: MadePlant) -> tuple[LoopTruth, ...]:
-    """Truth of all loops, with what each swings with most; a simulation for each fault that can swing."""
+    """Truth of all loops, with what each swings with most; half a day is simulated for each fault that can swing."""
+    whole, plant = plant, replace(plant, seconds=min(plant.seconds, ENOUGH))
     sources: list[int | None] = [number for number, fault in enumerate(plant.faults) if fault in SWINGS]
     sources += [None] if plant.swings else []
     found = [one for one in (spread(plant, source) for source in sources) if one is not None]
-    return tuple(_swings(truth, found) for truth in plant.truth())
+    return tuple(_swings(truth, found) for truth in whole.truth())
 
 
 def _swings(truth: LoopTruth, found: list[Spread]) -> LoopTruth:
