@@ -19,7 +19,7 @@ def test_every_command_is_in_the_readme():
 
 
 def test_every_documented_command_exists():
-    for command in re.findall(r"^lostmotion (\w+)", README, flags=re.MULTILINE):
+    for command in re.findall(r"^lostmotion ([\w-]+)", README, flags=re.MULTILINE):
         assert command in COMMANDS
 
 

@@ -54,7 +54,7 @@ def test_the_stub_and_the_package_list_the_same_names():
 @pytest.mark.parametrize("words", ["--help", "--version"])
 def test_help_and_version_load_no_command(words):
     code = f"from lostmotion.cli import main\ntry: main(['{words}'])\nexcept SystemExit as end: assert not end.code"
-    commands = [f"lostmotion.cli.{name}" for name in COMMANDS]
+    commands = [f"lostmotion.cli.{name.replace(chr(45), chr(95))}" for name in COMMANDS]
     assert loaded_after(code, *HEAVY, *commands) == []
 
 

@@ -2,7 +2,6 @@
 
 import inspect
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +10,7 @@ import typer
 
 import lostmotion as lm
 from lostmotion.cli import app
-from lostmotion.cli.commands import COMMANDS, Loaded
+from lostmotion.cli.commands import COMMANDS, Loaded, _function
 from lostmotion.cli.groups import spread
 from lostmotion.cli.output import OutputOptions, places
 from lostmotion.cli.paper import METHODS
@@ -48,13 +47,13 @@ def test_a_group_stands_for_its_options_and_shares_those_of_one_name():
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_table_of_commands_is_what_their_docstrings_say(name):
-    function = getattr(import_module(f"lostmotion.cli.{name}"), name)
+    function = _function(name)
     assert COMMANDS[name] == inspect.getdoc(function).splitlines()[0]
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_command_has_two_options_of_one_name_or_too_many_parameters(name):
-    function = getattr(import_module(f"lostmotion.cli.{name}"), name)
+    function = _function(name)
     assert len(inspect.signature(function).parameters) <= 12
     words = [word for parameter in Loaded()[name].params for word in parameter.opts if word.startswith("--")]
     assert len(set(words)) == len(words)

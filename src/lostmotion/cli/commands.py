@@ -24,6 +24,7 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "export": "Write the compensating block as code for a PLC, with test vectors and a page for commissioning.",
     "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
     "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
+    "demo-plant": "Make a plant to try an audit on: a file a loop, a list of the loops, and the truth beside them.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }
 PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}
@@ -40,11 +41,16 @@ def command(name: str) -> Any:
     if name not in COMMANDS:
         raise KeyError(name)
     alone = typer.Typer(**PLAIN)
-    alone.command(name)(spread(getattr(import_module(f"lostmotion.cli.{name}"), name)))
+    alone.command(name)(spread(_function(name)))
     made = typer.main.get_command(alone)
     RUNNING.set(name)
     OFFERED.set(frozenset(option for parameter in made.params for option in parameter.opts))
     return made
+
+
+def _function(name: str) -> Any:
+    word = name.replace("-", "_")
+    return getattr(import_module(f"lostmotion.cli.{word}"), word)
 
 
 class Loaded(Mapping[str, Any]):
