@@ -1,4 +1,5 @@
 from . import compensate, evaluate, export, files, models, online, plot, records, report, simulate
+from .audit import AuditRun, audit
 from .compensate import (
     AdaptiveCompensator,
     BacklashCompensator,
@@ -44,6 +45,7 @@ __all__ = [
     "PI",
     "Achievable",
     "AdaptiveCompensator",
+    "AuditRun",
     "Backlash",
     "BacklashCompensator",
     "ChangeEvent",
@@ -78,6 +80,7 @@ __all__ = [
     "TestDesign",
     "TimeError",
     "achievable",
+    "audit",
     "block_from_model",
     "check",
     "compensation_study",

@@ -79,6 +79,12 @@ def summary(result: Any, **options: Any) -> str:
 
 
 @_carried_out_by("lostmotion.report")
+def frame(result: Any, **options: Any) -> Any:
+    """A result as a data frame (registered by ``lostmotion.report``)."""
+    raise NotImplementedError(f"no table of {type(result).__name__}")
+
+
+@_carried_out_by("lostmotion.report")
 def html(result: Any, **options: Any) -> str:
     """A result as HTML for notebooks (registered by ``lostmotion.report``)."""
     raise NotImplementedError(f"no HTML of {type(result).__name__}")

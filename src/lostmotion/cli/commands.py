@@ -24,6 +24,8 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "export": "Write the compensating block as code for a PLC, with test vectors and a page for commissioning.",
     "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
     "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
+    "audit": "Look at all loops of a plant: "
+    "which valves need a hand, how sure that is, what swings with what, what is new.",
     "demo-plant": "Make a plant to try an audit on: a file a loop, a list of the loops, and the truth beside them.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }

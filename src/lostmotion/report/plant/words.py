@@ -7,7 +7,8 @@ import shlex
 from datetime import datetime
 
 from lostmotion.plant import PlantLoop
-from lostmotion.report.diagnosis_text import FINEST, KIND, probability
+from lostmotion.diagnose.evidence_words import probability
+from lostmotion.report.diagnosis_text import FINEST, KIND
 from lostmotion.report.digits import digits, plain, span
 from lostmotion.report.plant.view import FAULTS, RunFacts
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage

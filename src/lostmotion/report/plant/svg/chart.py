@@ -78,7 +78,9 @@ def _places(axis: Axis, values: FloatArray, units: int) -> FloatArray:
 
 
 def _grid(x: Axis, y: Axis) -> list[Markup]:
-    across = [element("line", class_="grid", x1="0", x2="100%", y1=percent(1 - at), y2=percent(1 - at)) for at, _ in y.ticks()]
+    across = [
+        element("line", class_="grid", x1="0", x2="100%", y1=percent(1 - at), y2=percent(1 - at)) for at, _ in y.ticks()
+    ]
     up = [element("line", class_="grid", y1="0", y2="100%", x1=percent(at), x2=percent(at)) for at, _ in x.ticks()]
     return across + up
 

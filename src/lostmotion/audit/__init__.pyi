@@ -1,0 +1,5 @@
+from .audit_run import AuditRun
+from .history import LoopHistory
+from .plant_audit import audit
+
+__all__ = ["AuditRun", "LoopHistory", "audit"]
