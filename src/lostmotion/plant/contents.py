@@ -146,6 +146,13 @@ def first_rows(path: Path) -> Table:
     return peeked(path)
 
 
+def loops_by_names(
+    names: tuple[str, ...], reading: Mapping[str, Any] | Sequence[tuple[str, Any]]
+) -> tuple[tuple[Found, ...], str]:
+    """Loops by the names of columns, or why there are none."""
+    return _of_names(names, _asked(dict(reading)))
+
+
 def _asked(reading: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
     """Settings that name columns."""
     return tuple((role, reading[role]) for role in (*ROLES, "time") if role in reading)

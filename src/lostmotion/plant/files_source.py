@@ -11,17 +11,17 @@ from typing import Any
 
 import polars as pl
 
-from lostmotion.errors import DataError, LostMotionError
+from lostmotion.errors import DataError, FileAccessError, LostMotionError
 from lostmotion.files.opened import Opened, opened
 from lostmotion.files.tags import loops_of
-from lostmotion.plant.address import Place, parsed
+from lostmotion.plant.address import Place, parsed, written
 from lostmotion.plant.contents import in_rows
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.plant.parquet import Kind, is_parquet, schema_at, table_of, values_in
 from lostmotion.plant.pooled import pooled
 from lostmotion.plant.reading import Reading, between, checked_range, record_of, tried, trust
 from lostmotion.plant.source import Unread
-from lostmotion.plant.survey import Survey, surveyed
+from lostmotion.plant.survey import Survey, below, stamp_of, surveyed
 from lostmotion.plant.walk import in_pieces
 from lostmotion.records.record import LoopRecord
 
@@ -60,8 +60,7 @@ class FilesSource:
         return self.sources[0] if len(self.sources) == 1 and self.sources[0].is_dir() else self.survey.root
 
     def __reduce__(self) -> tuple[Any, ...]:
-        made = (_made, (self.sources, self.reading, self.root))
-        return made
+        return _made, (self.sources, self.reading, self.root)
 
     def loops(self) -> tuple[PlantLoop, ...]:
         """All loops, by the names of their files."""
@@ -70,6 +69,31 @@ class FilesSource:
     def unread(self) -> tuple[Unread, ...]:
         """Files that give no loop."""
         return self.survey.unread
+
+    def placed(self, loop: PlantLoop) -> PlantLoop:
+        """A loop of a loop list with the size and the stamp of its files.
+
+        Raises
+        ------
+        FileAccessError
+            One of them is not there.
+        """
+        size, told = 0, []
+        for place in parsed(loop.where):
+            for file in place.files:
+                path = self.root / file
+                if not path.is_file():
+                    raise FileAccessError(f"expected a file for {loop.tag!r}, got no such file {str(path)!r}; check it")
+                seen = path.stat()
+                size += seen.st_size
+                told.append(f"{seen.st_size}-{seen.st_mtime_ns}")
+        known = next((one for one in self.loops() if one.where == loop.where), None)
+        return replace(loop, size=size if known is None else known.size, stamp=stamp_of(told))
+
+    def holding(self, columns: Collection[str]) -> str:
+        """Address of the only file that has all these columns or tags; empty: none, or several."""
+        fits = [unit for unit in self.survey.units if columns and set(columns) <= set(unit.names)]
+        return written([Place(tuple(below(path, self.root) for path in fits[0].files))]) if len(fits) == 1 else ""
 
     def read(
         self, loops: Sequence[PlantLoop], since: datetime | None = None, until: datetime | None = None

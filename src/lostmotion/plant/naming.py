@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from hashlib import file_digest
+from itertools import pairwise
 from pathlib import Path
 
 from lostmotion.files.joined import path_stem
@@ -60,7 +61,8 @@ def named(
 
     Notes
     -----
-    Records of one tag at different times are one loop; the same file twice counts once. Records that are not dated, or
+    Records of one tag at different times are one loop, and in one folder those of which each goes on behind the one
+    before it; the same file twice counts once. Records that are not dated, or
     are of the same time, are different loops: they are called by their files, and these with their folders where their
     names repeat. What is then still the same is left out, and said.
     """
@@ -124,11 +126,20 @@ def _one_loop(tag: str, parts: list[Part], extent: Callable[[Sequence[Path]], Ex
     if len(dated) < len(parts):
         return []
     dated.sort(key=lambda pair: pair[0])
-    if any(later.first <= before.last for (before, _), (later, _) in zip(dated, dated[1:], strict=False)):
+    if not all(_follows(before, later) for before, later in pairwise(dated)):
         return []
     first, last = dated[0][0].first, dated[-1][0].last
     note = f"{len(parts)} records, {first:%Y-%m-%d %H:%M} to {last:%Y-%m-%d %H:%M}, are of one tag: one loop."
     return [Named(tag, tuple(replace(part, extent=one) for one, part in dated), (note,))]
+
+
+def _follows(before: tuple[Extent, Part], later: tuple[Extent, Part]) -> bool:
+    """Whether a record goes on behind another; in one folder it may repeat the end of it, as exports do."""
+    (first, one), (second, other) = before, later
+    if second.first > first.last:
+        return True
+    same_folder = one.files[0].parent == other.files[0].parent
+    return same_folder and second.first > first.first and second.last > first.last
 
 
 def _said(tag: str, part: Part) -> tuple[str, ...]:

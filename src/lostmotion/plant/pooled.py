@@ -16,6 +16,9 @@ from lostmotion.records.when import elapsed_seconds
 
 SAME = 1e-6  # of a sampling time: two that differ less are one
 SHOWN = 3  # records in a note
+VALUES = 1e-6  # of a value: what is written with seven digits is the same
+AGREE = 0.9  # of the rows that two records have in common
+FEWEST = 2  # rows of a record
 
 
 def pooled(records: Sequence[LoopRecord]) -> LoopRecord:
@@ -29,12 +32,12 @@ def pooled(records: Sequence[LoopRecord]) -> LoopRecord:
     Raises
     ------
     DataError
-        One does not say when it began, or two are of the same time.
+        One does not say when it began, or two are of the same time and differ.
 
     Notes
     -----
-    Only records of the most frequent sampling time are used, and of those with the same values only the first: what is
-    left out is said in the notes.
+    Rows that two records have in common count once. Only records of the most frequent sampling time are used, and of
+    those with the same values only the first: what is left out is said in the notes.
 
     Examples
     --------
@@ -51,11 +54,10 @@ def pooled(records: Sequence[LoopRecord]) -> LoopRecord:
         raise DataError.expected("records of one loop with dates", f"none in {undated!r}", remedy)
     kept, notes = _of_one_rate(sorted(records, key=_began))
     kept, again = _different(kept)
+    kept = _without_overlap(kept)
     first = kept[0]
     own = tuple(dict.fromkeys(note for one in kept for note in one.notes))
-    starts = [one.start for one in kept if one.start is not None]
-    offsets = [elapsed_seconds(starts[0], start) for start in starts]
-    gaps, lost = _gaps(kept, offsets)
+    gaps, lost = _gaps(kept, [_elapsed(first, one) for one in kept])
     return replace(
         first,
         op=np.concatenate([one.op for one in kept]),
@@ -91,6 +93,50 @@ def _different(records: Sequence[LoopRecord]) -> tuple[list[LoopRecord], tuple[s
     return list(first.values()), said
 
 
+def _without_overlap(records: Sequence[LoopRecord]) -> list[LoopRecord]:
+    """Records of which none begins before the one before it has ended.
+
+    Raises
+    ------
+    DataError
+        Where two are of the same time their values differ.
+    """
+    kept = [records[0]]
+    for one in records[1:]:
+        before = kept[-1]
+        common = round((_elapsed(records[0], before) + _seconds(before) - _elapsed(records[0], one)) / one.dt)
+        if common <= 0:
+            kept.append(one)
+            continue
+        rows = min(common, len(one), len(before))
+        begin = len(before) - common
+        same = begin >= 0 and all(
+            _alike(getattr(before, name)[begin : begin + rows], getattr(one, name)[:rows]) for name in ("op", "pv")
+        )
+        if not same:
+            got = f"other values in {one.source!r} than in {before.source!r} from {one.start} on"
+            remedy = "leave one out, or name each as a loop of its own in a loop list (tag, file)"
+            raise DataError.expected("one record of a loop at a time", got, remedy)
+        if len(one) - common >= FEWEST:
+            kept.append(one[common:])
+    return kept
+
+
+def _alike(one: FloatArray, other: FloatArray) -> bool:
+    """Whether nearly all values are the same: averages over a scan differ at the ends of an export."""
+    return bool(np.isclose(one, other, rtol=VALUES, equal_nan=True).mean() >= AGREE)
+
+
+def _elapsed(first: LoopRecord, one: LoopRecord) -> float:
+    """Seconds from the start of one record to that of another."""
+    return 0.0 if first.start is None or one.start is None else elapsed_seconds(first.start, one.start)
+
+
+def _seconds(record: LoopRecord) -> float:
+    """From its first row to one step behind its last."""
+    return len(record) * record.dt + sum(record.gap_seconds)
+
+
 def _left_out(names: Sequence[str], why: str) -> str:
     more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     return f"Left out: {', '.join(names[:SHOWN])}{more}; {why}."
@@ -103,16 +149,13 @@ def _gaps(records: Sequence[LoopRecord], offsets: Sequence[float]) -> tuple[tupl
     rows, end = 0, 0.0
     for one, begin in zip(records, offsets, strict=True):
         missing = begin - end
-        if rows and missing < -0.5 * one.dt:
-            remedy = "leave one out, or name each as a loop of its own in a loop list (tag, file)"
-            raise DataError.expected("records of different times", f"{one.source!r} and one before it overlap", remedy)
         if rows and missing > 0.5 * one.dt:
             gaps.append(rows)
             lost.append(round(missing, 4))
         gaps += [rows + gap for gap in one.gaps]
         lost += one.gap_seconds or [np.nan] * len(one.gaps)
         rows += len(one)
-        end = begin + len(one) * one.dt + sum(one.gap_seconds)
+        end = begin + _seconds(one)
     return tuple(gaps), () if np.isnan(lost).any() else tuple(lost)
 
 

@@ -93,9 +93,9 @@ def between(record: LoopRecord, since: datetime | None, until: datetime | None) 
     if record.start is None:
         return _noted(record, "The record is not dated: all of it was taken, whatever was asked for.")
     local = record.start.tzinfo is None
-    bounds = [_as_local(one) if local else one for one in (since, until)]
+    bounds: list[Any] = [_as_local(one) if local else one for one in (since, until)]
     try:
-        part = record[bounds[0] : bounds[1]]  # type: ignore[misc]  slices of records take dates
+        part = record[bounds[0] : bounds[1]]
     except ParameterError:
         return _noted(record, "How much is missing at its gaps is not known: all of it was taken, whatever the dates.")
     except DataError as error:

@@ -174,11 +174,11 @@ def _joined(folder: Path, units: Sequence[Unit]) -> list[Unit]:
 
 
 def _where(unit: Unit, root: Path) -> str:
-    first = _below(unit.files[0], root)
+    first = below(unit.files[0], root)
     return first if len(unit.files) == 1 else f"{first} and {len(unit.files) - 1} more"
 
 
-def _below(path: Path, root: Path) -> str:
+def below(path: Path, root: Path) -> str:
     """Address of a file: from the root on where it lies below it."""
     return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_posix()
 
@@ -211,7 +211,7 @@ def _inferred(kind: str, area: str, area_from: str) -> tuple[str, ...]:
 
 
 def _place(part: Part, root: Path) -> Place:
-    return Place(tuple(_below(path, root) for path in part.files), part.found.name)
+    return Place(tuple(below(path, root) for path in part.files), part.found.name)
 
 
 def _size_and_stamp(parts: Sequence[Part]) -> tuple[int, str]:
@@ -225,4 +225,9 @@ def _size_and_stamp(parts: Sequence[Part]) -> tuple[int, str]:
                 continue
             size += seen.st_size // (1 if part.found.files else part.share)
             told.append(f"{seen.st_size}-{seen.st_mtime_ns}")
-    return size, told[0] if len(told) == 1 else hashlib.sha256(" ".join(told).encode()).hexdigest()[:16]
+    return size, stamp_of(told)
+
+
+def stamp_of(told: Sequence[str]) -> str:
+    """Size and time of each file as one word."""
+    return told[0] if len(told) == 1 else hashlib.sha256(" ".join(told).encode()).hexdigest()[:16]
