@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -95,7 +96,7 @@ def audit(
         tolerance, _seconds(window), _moment(since), _moment(until), screen_only=screen_only, cpu_minutes=cpu_minutes
     )
     plant = open_plant(source, loops, **reading)
-    with Store(store) as opened, open_engine(engine, workers, insecure=insecure) as chosen:
+    with Store(store) as opened, closing(open_engine(engine, workers, insecure=insecure)) as chosen:
         number = run_audit(plant, opened, settings, chosen, progress, name=_name(source))
     return AuditRun.of(store, number)
 

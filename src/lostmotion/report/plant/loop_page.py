@@ -9,6 +9,7 @@ from markupsafe import Markup
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.report.diagnosis_text import signed
 from lostmotion.report.digits import bracketed, plain
+from lostmotion.report.plant.changes import said
 from lostmotion.report.plant.sizes import history_picture, history_rows
 from lostmotion.report.plant.svg.actuator_chart import actuator_chart, model_of, parameter_rows, plane_chart
 from lostmotion.report.plant.svg.bars import odds_bar
@@ -26,7 +27,6 @@ from lostmotion.report.plant.words import (
     where_from,
     window_words,
 )
-from lostmotion.report.plant.changes import said
 from lostmotion.store.rows import AssessmentRow
 
 MOST_WINDOWS = 30  # rows of the table of windows

@@ -6,8 +6,8 @@ import math
 import shlex
 from datetime import datetime
 
-from lostmotion.plant import PlantLoop
 from lostmotion.diagnose.evidence_words import probability
+from lostmotion.plant import PlantLoop
 from lostmotion.report.diagnosis_text import FINEST, KIND
 from lostmotion.report.digits import digits, plain, span
 from lostmotion.report.plant.view import FAULTS, RunFacts
