@@ -11,7 +11,7 @@ import polars as pl
 from lostmotion.errors import ColumnError
 from lostmotion.files.columns import usual
 from lostmotion.files.names import LONG
-from lostmotion.files.number_cells import text_cells
+from lostmotion.files.number_cells import native, text_cells
 from lostmotion.files.quality import ALL, Trust, distrusted
 from lostmotion.files.table import Table
 from lostmotion.files.tags import folded, key
@@ -43,7 +43,7 @@ def with_columns_of_tags(table: Table, trust: Trust = ALL) -> Table:
         return table
     cells, bad = good_cells(table, value, quality, trust)
     stamps = table.column(time[0])
-    when = text_cells(stamps) if isinstance(stamps.dtype, nw.String) else pl.Series(stamps.to_list())
+    when = text_cells(stamps) if isinstance(stamps.dtype, nw.String) else native(stamps)
     long = pl.DataFrame({"time": when, "tag": text_cells(table.column(tag)), "value": cells})
     note = f"A row holds one value of one tag: the columns are those of {tag!r}."
     frame = nw.from_native(wide(long, time[0]), eager_only=True)
@@ -55,7 +55,7 @@ def good_cells(
 ) -> tuple[pl.Series, tuple[str, ...]]:
     """Cells of a column, NaN or "Bad" where their quality is bad, and notes that call them `of`."""
     values = table.column(value)
-    cells = text_cells(values) if not values.dtype.is_numeric() else pl.Series(values.to_list())
+    cells = native(values) if values.dtype.is_numeric() else text_cells(values)
     if not quality:
         return cells, ()
     bad, notes = distrusted(table, quality, of or value, trust)
@@ -71,14 +71,29 @@ def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:
     ColumnError
         Two values of one tag at one time.
     """
-    long = long.unique(maintain_order=True)
-    twice = long.select("time", "tag").is_duplicated()
-    if twice.any():
-        when, tag, _ = long.filter(twice).row(0)
-        raise ColumnError.expected(
-            "one value of a tag at a time", f"several of {tag!r} at {when!r}", "export with finer times"
-        )
+    if not _rising(long):
+        long = long.unique(maintain_order=True)
+        twice = long.select("time", "tag").is_duplicated()
+        if twice.any():
+            when, tag, _ = long.filter(twice).row(0)
+            raise ColumnError.expected(
+                "one value of a tag at a time", f"several of {tag!r} at {when!r}", "export with finer times"
+            )
+    else:
+        parts = long.partition_by("tag", maintain_order=True)
+        if all(part["time"].equals(parts[0]["time"], null_equal=False) for part in parts[1:]):  # one clock: as it is
+            columns = [part["value"].alias(str(part["tag"][0])) for part in parts]
+            return parts[0].select(pl.col("time").alias(time)).with_columns(*columns)
     return long.pivot(on="tag", index="time", values="value", maintain_order=True).rename({"time": time})
+
+
+def _rising(long: pl.DataFrame) -> bool:
+    """Whether tag stands behind tag, each at rising times: then no two rows are of one tag and time."""
+    runs = long["tag"].rle().struct.field("value")
+    if long["tag"].null_count() or runs.n_unique() < len(runs):
+        return False
+    later = (pl.col("time") > pl.col("time").shift()) | (pl.col("tag") != pl.col("tag").shift())
+    return bool(long.select(later.fill_null(False).slice(1).all()).item())
 
 
 def called(table: Table, role: str) -> str:

@@ -147,6 +147,12 @@ def is_text(series: nw.Series[Any]) -> bool:
     return isinstance(series.dtype, nw.String | nw.Categorical | nw.Enum | nw.Object | nw.Unknown)
 
 
+def native(series: nw.Series[Any]) -> pl.Series:
+    """The same values in Polars; those of a Polars frame are not copied."""
+    held: Any = nw.to_native(series)
+    return held if isinstance(held, pl.Series) else pl.Series(series.name, series.to_list())
+
+
 def text_cells(series: nw.Series[Any]) -> pl.Series:
     """Text of each cell without surrounding blanks; null where there is none."""
     native = series.to_native()

@@ -61,6 +61,9 @@ def uniform(steps: FloatArray) -> Rate | None:
     (2.0, (4,))
     """
     middle = float(np.median(steps))
+    low, high = float(steps.min()), float(steps.max())
+    if low > 0.0 and high - low <= JITTER * low:  # what follows would find the same
+        return Rate(tidy(middle, 1e-6 * middle), np.zeros(len(steps), dtype=bool), JITTER)
     multiple = np.maximum(np.round(steps / middle), 1.0)
     gaps = multiple > 1
     if gaps.mean() > GAP_SHARE or (np.abs(steps - multiple * middle) > JITTER * middle * multiple).any():

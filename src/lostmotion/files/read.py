@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
+import polars as pl
 
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.columns import Wanted
 from lostmotion.files.interpret import Meaning, check_dt, interpret
+from lostmotion.files.number_cells import native
 from lostmotion.files.opened import opened
 from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
@@ -133,7 +135,7 @@ def read_loop(
     return LoopRecord(
         **meaning.signals,
         dt=meaning.clock.dt,
-        mode=None if word is None else _meant(_words(meaning.table, word), plant),
+        mode=None if word is None else _modes(meaning.table, word, plant),
         op_span=op_span,
         pv_span=pv_span,
         tag=name,
@@ -157,22 +159,24 @@ def trust_of(plant: Mapping[str, Any]) -> Trust:
     return Trust(read=quality is not False, uncertain=uncertain == "keep")
 
 
-def _words(table: Table, name: str) -> StringArray:
-    """Cells of a column as text; empty where missing."""
-    cells = table.column(name).to_list()
-    return np.array(["" if cell is None else str(cell).strip() for cell in cells], dtype=np.str_)
+def _modes(table: Table, name: str, plant: Plant) -> StringArray:
+    """Cells of a column as text, empty where missing, with AUTO and MAN for the words that were said to mean them."""
+    cells = native(table.column(name))
+    known = cells.drop_nulls().unique(maintain_order=True)  # few words in many rows
+    words = [_meant(str(cell).strip(), plant) for cell in known.to_list()]
+    rows = cells.replace_strict(known, range(len(known)), default=len(known), return_dtype=pl.UInt32).to_numpy()
+    modes: StringArray = np.array([*words, ""], dtype=np.str_)[rows]
+    return modes
 
 
-def _meant(words: StringArray, plant: Plant) -> StringArray:
-    """Modes with AUTO and MAN in place of the words that were said to mean them."""
-    meant = words.astype(object)
+def _meant(cell: str, plant: Plant) -> str:
+    """AUTO or MAN where a word was said to mean it, else the word."""
+    meant = cell
     for word, given in (("AUTO", plant.get("automatic")), ("MAN", plant.get("manual"))):
         listed = [given] if isinstance(given, str) else list(given or ())
-        lower = [str(one).strip().lower() for one in listed]
-        for cell in np.unique(words).tolist():
-            if holds(cell, lower):
-                meant[words == cell] = word
-    return meant.astype(np.str_)
+        if holds(cell, [str(one).strip().lower() for one in listed]):
+            meant = word
+    return meant
 
 
 def _refuse_missing(meaning: Meaning) -> None:

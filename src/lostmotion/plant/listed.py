@@ -15,7 +15,21 @@ from lostmotion.plant.loop import PlantLoop
 from lostmotion.plant.source import PlantSource, Unread
 from lostmotion.records.record import LoopRecord
 
-OVER = ("op", "pv", "sp", "mode", "loop_type", "op_span", "pv_span", "op_unit", "pv_unit", "area", "notes", "dt")
+OVER = (
+    "op",
+    "pv",
+    "sp",
+    "mode",
+    "loop_type",
+    "op_span",
+    "pv_span",
+    "op_unit",
+    "pv_unit",
+    "area",
+    "notes",
+    "dt",
+    "time",
+)
 
 
 @runtime_checkable

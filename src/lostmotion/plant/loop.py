@@ -35,6 +35,8 @@ class PlantLoop:
         What was inferred for want of a loop list, one sentence each.
     dt : float, optional
         Sampling time in seconds, where the data do not tell it or tell it wrong.
+    time : str
+        Column of times; "none": it is not to be believed, and `dt` counts alone. Empty: as the reader finds it.
     """
 
     tag: str
@@ -54,3 +56,4 @@ class PlantLoop:
     stamp: str = ""
     notes: tuple[str, ...] = ()
     dt: float | None = None
+    time: str = ""

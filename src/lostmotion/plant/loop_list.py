@@ -18,11 +18,11 @@ from lostmotion.plant.loop import PlantLoop
 
 COLUMNS = (
     "tag", "op", "pv", "sp", "mode", "type", "op_low", "op_high", "pv_low", "pv_high", "op_unit", "pv_unit", "area",
-    "weight", "file", "dt", "remarks",
+    "weight", "file", "dt", "time", "remarks",
 )  # fmt: skip
 TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
 SHOWN = 10  # errors of one list
-_TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area")
+_TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time")
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ def loop_list_text(loops: Iterable[PlantLoop]) -> str:
     Examples
     --------
     >>> print(loop_list_text([PlantLoop("FIC101", "FV101", "FT101", op_span=(0, 100))]).splitlines()[1])
-    FIC101,FV101,FT101,,,,0,100,,,,,,1,,,
+    FIC101,FV101,FT101,,,,0,100,,,,,,1,,,,
     """
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
@@ -207,7 +207,7 @@ def _cells(loop: PlantLoop) -> list[str]:
     return [
         loop.tag, loop.op, loop.pv, loop.sp, loop.mode, loop.loop_type, *(_shown(end) for end in ends), loop.op_unit,
         loop.pv_unit, loop.area, _shown(loop.weight), loop.where, _shown("" if loop.dt is None else loop.dt),
-        " ".join(loop.notes),
+        loop.time, " ".join(loop.notes),
     ]  # fmt: skip
 
 

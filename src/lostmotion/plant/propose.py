@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import LostMotionError
 from lostmotion.files.hints import likely
 from lostmotion.files.joined import path_stem
@@ -21,8 +22,11 @@ from lostmotion.records.movement import PERCENT
 from lostmotion.records.record import LoopRecord
 
 FRACTION = (0.0, 1.0)
+Begun = dict[bytes, list[tuple[str, FloatArray]]]
 BATCH = 64  # loops that are read together
 COMPARED = 200  # first values by which two records are taken for the same
+KEYED = 12  # of them that lead to the records to compare with
+NEAR = 1e-3  # of the deviation of a signal: what exports of different digits differ by
 UNIT_TYPES = {
     "flow": ("m3/h", "m³/h", "l/h", "l/min", "t/h", "kg/h", "kg/s", "gpm", "lpm", "nm3/h", "sm3/h", "scfm", "scfh",
              "kscfh", "mmscfd", "bbl/d", "bpd", "m3/d", "t/d", "lb/h", "klb/h", "l/s", "m3/s"),
@@ -50,7 +54,7 @@ def propose(source: PlantSource, progress: Callable[[int, int], None] | None = N
     """
     loops = source.loops()
     done: dict[str, PlantLoop] = {}
-    begun: dict[bytes, str] = {}
+    begun: Begun = {}
     for start in range(0, len(loops), BATCH):
         for loop, record in source.read(loops[start : start + BATCH]):
             done[loop.tag] = _looked_at(loop, record, begun)
@@ -59,7 +63,7 @@ def propose(source: PlantSource, progress: Callable[[int, int], None] | None = N
     return (*(done[loop.tag] for loop in loops if loop.tag in done), *_guessed(source, {loop.tag for loop in loops}))
 
 
-def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: dict[bytes, str]) -> PlantLoop:
+def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: Begun) -> PlantLoop:
     if isinstance(record, LostMotionError):
         return replace(loop, notes=(*loop.notes, f"CANNOT BE READ: {' '.join(str(record).split())}."))
     notes = [*loop.notes, *_read_so(record)]
@@ -68,14 +72,30 @@ def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: dic
     kind = loop.loop_type or record.loop_type
     if not kind and (kind := type_of_unit(record.pv_unit)):
         notes.append(f"Type {kind!r} by the unit of PV.")
-    same = begun.setdefault(record.op[:COMPARED].tobytes() + record.pv[:COMPARED].tobytes(), loop.tag)
-    if same != loop.tag:
+    same = _same(loop.tag, record, begun)
+    if same:
         notes.append(f"Begins with the values of {same}: perhaps the same record.")
     if record.start is None:
         notes.append("Not dated.")
     return replace(
         loop, loop_type=kind, op_span=span, op_unit=record.op_unit, pv_unit=record.pv_unit, notes=tuple(notes)
     )
+
+
+def _same(tag: str, record: LoopRecord, begun: Begun) -> str:
+    """Tag of a record that was seen before and begins with the same values, written with whatever digits."""
+    first = np.stack([record.op[:COMPARED], record.pv[:COMPARED]])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        even = (first - first.mean(axis=1, keepdims=True)) / first.std(axis=1, keepdims=True)
+    if not np.isfinite(even).all():  # missing values, or by hand: nothing to be told by
+        return ""
+    others = begun.setdefault(np.round(even[:, :KEYED], 1).tobytes(), [])
+    scale = NEAR * first.std(axis=1, keepdims=True)
+    for other, values in others:
+        if values.shape == first.shape and (np.abs(values - first) <= scale + NEAR * np.abs(first)).all():
+            return other
+    others.append((tag, first))
+    return ""
 
 
 def _read_so(record: LoopRecord) -> list[str]:

@@ -8,14 +8,18 @@ from datetime import UTC, datetime
 from typing import Any
 
 from lostmotion.errors import DataError, LostMotionError, ParameterError
+from lostmotion.files.columns import usual
 from lostmotion.files.opened import Opened
 from lostmotion.files.quality import Trust
 from lostmotion.files.read import read_loop, trust_of
+from lostmotion.files.tags import one_loop, tag_and_role
 from lostmotion.plant.loop import PlantLoop
+from lostmotion.plant.parquet import Kind, schema_of
 from lostmotion.records.record import LoopRecord
 
 OF_ALL = ("op", "pv", "sp", "position", "time", "dt", "missing", "mode", "op_span", "pv_span")
 OF_PLANT = ("uncertain", "quality", "automatic", "manual")
+UNUSED = "none"  # column of times of a loop list
 Reading = tuple[tuple[str, Any], ...]
 
 
@@ -59,10 +63,24 @@ def record_of(content: Opened, loop: PlantLoop, name: str, reading: Reading) -> 
     settings: dict[str, Any] = dict(reading)
     own = {"op": loop.op, "pv": loop.pv, "sp": loop.sp, "mode": loop.mode, "dt": loop.dt}
     settings |= {role: value for role, value in own.items() if value}
+    settings |= {"time": False if loop.time.lower() == UNUSED else loop.time} if loop.time else {}
     settings |= {"op_span": loop.op_span} if loop.op_span else {}
     settings |= {"pv_span": loop.pv_span} if loop.pv_span else {}
+    if loop.op and loop.pv and not name:
+        settings |= {role: False for role in ("sp", "mode") if role not in settings and _of_others(role, loop, content)}
     record = read_loop(content, tag=loop.tag, loop=name or None, **settings)
     return told(record, loop)
+
+
+def _of_others(role: str, loop: PlantLoop, content: Opened) -> bool:
+    """Whether the columns that look like a role are of other loops: OP and PV were named, this one was not."""
+    names = content.table()[0].names
+    if schema_of(names).kind is Kind.LONG:
+        return True
+    fits = usual(role, names)
+    tags = [parsed[0] for parsed in map(tag_and_role, fits) if parsed is not None]
+    own = [parsed[0] for parsed in map(tag_and_role, (loop.op, loop.pv)) if parsed is not None]
+    return len(fits) > 1 or any(not one_loop(tag, mine) for tag in tags for mine in own)
 
 
 def told(record: LoopRecord, loop: PlantLoop) -> LoopRecord:
