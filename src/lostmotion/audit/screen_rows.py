@@ -107,7 +107,7 @@ class ScreenRows:
     def error(self) -> FloatArray:
         """Error of control (PV less SP; PV less its mean where SP is not known) in the live rows, NaN elsewhere."""
         record = self.record
-        target = record.sp if self.sp_fits else np.zeros(1)
+        target = record.sp if record.sp is not None and self.sp_fits else np.zeros(1)
         error = np.where(self.live, record.pv - target, np.nan)
         known = error[np.isfinite(error)]
         return error - float(known.mean()) if known.size else error
