@@ -181,7 +181,7 @@ def random_plant(
     ill, in_order, named = list(made), list(made), ["none"] * loops
     sensors: list[SensorFault | None] = [None] * loops
     for place, kind in zip(places, kinds, strict=True):
-        ill[place], sensors[place] = faulty(rng, made[place], kind)
+        ill[place], sensors[place] = faulty(rng, made[place], kind, dt)
         in_order[place] = worked(made[place], ill[place])
         named[place] = kind
     outside = tuple(one for _ in range(swings) for one in _swing(rng, made))
