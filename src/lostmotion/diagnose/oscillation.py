@@ -91,6 +91,17 @@ def find_oscillation(x: FloatArray) -> Oscillation:
     return max(found, key=lambda one: min(one.regularity, 1.0) * one.share)
 
 
+def oscillation_near(x: FloatArray, period: float) -> Oscillation:
+    """Measure the oscillation whose period is known about; faster than looking for the strongest.
+
+    Raises
+    ------
+    DataError
+        Fewer than 32 samples, or a constant.
+    """
+    return _settled(without_line(standard_signal("x", x, LEAST)), period)
+
+
 def _candidates(x: FloatArray) -> list[float]:
     """Periods of the largest peaks of the power per octave, largest first, of at least three cycles each."""
     power = _power(x)

@@ -1,0 +1,150 @@
+"""Rows of a window by what they are good for: known, in automatic, OP at a limit, standing still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.diagnose.audit_class import LEAST_INDEX
+from lostmotion.diagnose.op_span import OpSpan, op_span
+from lostmotion.plant.loop import PlantLoop
+from lostmotion.records import LoopRecord, limits
+from lostmotion.records.modes import Kind, rows_of
+from lostmotion.records.record import StringArray
+from lostmotion.records.sampling import Bools, runs
+from lostmotion.records.standstill import held_op, stopped, stuck
+
+
+def of_loop(loop: PlantLoop, record: LoopRecord) -> LoopRecord:
+    """The record with what the loop list says of it; without a type that nothing is known of."""
+    loop_type = loop.loop_type or record.loop_type
+    return replace(
+        record,
+        tag=loop.tag or record.tag,
+        op_span=_proper(loop.op_span) or record.op_span,
+        pv_span=_proper(loop.pv_span) or record.pv_span,
+        loop_type=loop_type if loop_type in LEAST_INDEX else "",
+    )
+
+
+def _proper(span: tuple[float, float] | None) -> tuple[float, float] | None:
+    return span if span is not None and bool(np.isfinite(span).all()) and span[0] < span[1] else None
+
+
+@dataclass(frozen=True, eq=False)
+class ScreenRows:
+    """A window and its kinds of rows, each found once.
+
+    Attributes
+    ----------
+    record : LoopRecord
+        With spans and type as the loop list has them.
+    """
+
+    record: LoopRecord
+
+    @cached_property
+    def known(self) -> Bools:
+        """OP and PV are there."""
+        return np.asarray(~self.record.missing)
+
+    @cached_property
+    def standing(self) -> Bools:
+        """Nothing was recorded there, or PV stuck."""
+        return np.asarray(stopped(self.record) | stuck(self.record))
+
+    @cached_property
+    def modes_known(self) -> bool:
+        """Whether a mode was recorded that means something."""
+        return _mode_rows("automatic", self.record.mode) is not None
+
+    @cached_property
+    def manual(self) -> Bools:
+        """Not in automatic; without a mode: OP is held for long while PV moves, or all the time."""
+        automatic = _mode_rows("automatic", self.record.mode)
+        if automatic is not None:
+            return ~automatic
+        known = self.record.op[self.known]
+        if known.size and float(np.ptp(known)) == 0.0:
+            return np.ones(len(self.record), dtype=np.bool_)
+        return np.asarray(held_op(self.record) & ~self.standing)
+
+    @cached_property
+    def span(self) -> OpSpan | None:
+        """Span of OP; None where OP is all missing."""
+        return op_span(self.record) if bool(np.isfinite(self.record.op).any()) else None
+
+    @cached_property
+    def limited(self) -> Bools:
+        """OP is at a limit: that of a given span, else the extreme of the window where OP stands there."""
+        op, span = self.record.op, self.span
+        if span is None or float(np.ptp(op[np.isfinite(op)])) == 0.0:
+            return np.zeros(len(op), dtype=np.bool_)
+        if span.known:
+            margin = limits.SPAN_MARGIN * (span.high - span.low)
+            return np.asarray((op <= span.low + margin) | (op >= span.high - margin))
+        margin = limits.FINE_STEP * (span.high - span.low)
+        return _in_long_runs(op <= span.low + margin) | _in_long_runs(op >= span.high - margin)
+
+    @cached_property
+    def live(self) -> Bools:
+        """Known, in automatic, and recorded."""
+        return np.asarray(self.known & ~self.manual & ~self.standing)
+
+    @cached_property
+    def acting(self) -> Bools:
+        """Live, and OP not at a limit: where the valve follows a controller."""
+        return np.asarray(self.live & ~self.limited)
+
+    def share(self, rows: Bools) -> float:
+        """Of all rows."""
+        return float(np.mean(rows))
+
+    @cached_property
+    def error(self) -> FloatArray:
+        """Error of control (PV less SP; PV less its mean where SP is not known) in the live rows, NaN elsewhere."""
+        record = self.record
+        target = record.sp if self.sp_fits else np.zeros(1)
+        error = np.where(self.live, record.pv - target, np.nan)
+        known = error[np.isfinite(error)]
+        return error - float(known.mean()) if known.size else error
+
+    @cached_property
+    def sp_fits(self) -> bool:
+        """Whether SP is there and in the unit of PV: they come near each other while OP is free."""
+        return self.record.sp is not None and not self.sp_apart
+
+    @cached_property
+    def sp_apart(self) -> bool:
+        """SP and PV are nowhere near each other though the controller acts."""
+        record = self.record
+        if record.sp is None or not self.acting.any():
+            return False
+        pv, sp = record.pv[self.acting], record.sp[self.acting]
+        apart = np.abs(pv - sp)
+        if not np.isfinite(apart).any():
+            return False
+        reach = float(np.ptp(pv)) + float(np.nanmax(sp) - np.nanmin(sp))
+        return bool(np.nanmin(apart) > reach + limits.SMALL_AMPLITUDE * float(np.abs(pv).max()))
+
+
+def _mode_rows(kind: Kind, mode: StringArray | None) -> Bools | None:
+    """As `rows_of`, for a mode that changes seldom: a sort of all its words takes longer than the rest."""
+    if mode is None:
+        return None
+    starts = np.r_[0, np.flatnonzero(mode[1:] != mode[:-1]) + 1]
+    found = rows_of(kind, mode[starts])
+    return None if found is None else np.repeat(found, np.diff(np.r_[starts, len(mode)]))
+
+
+def _in_long_runs(flags: Bools) -> Bools:
+    """Rows in runs that last longer than a turning point."""
+    starts, lengths = runs(flags)
+    long = lengths >= limits.SATURATED_RUN
+    rows = np.zeros(flags.size + 1, dtype=np.int64)
+    rows[starts[long]] += 1
+    rows[(starts + lengths)[long]] -= 1
+    return np.asarray(np.cumsum(rows)[:-1] > 0)
