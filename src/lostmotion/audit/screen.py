@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -86,7 +87,8 @@ def _screened(
     variability, (travel, reversals) = _variability(rows), _movement(rows)
     performance = _performance(rows, one, manual + limited)
     seen = Seen(
-        health.fit, int(rows.acting.sum()), manual, limited, _op_range(rows), _turns(rows), variability or 0.0,
+        health.fit, int(rows.acting.sum()), manual, limited, _op_range(rows), _turns(rows),
+        variability if rows.record.pv_span else None,
         one.swing.power if one.swing else 0.0, bool(one.swing and one.swing.steady), performance,
         100.0 * settings.tolerance,
     )  # fmt: skip
@@ -109,7 +111,7 @@ def _loop(rows: ScreenRows) -> _Loop:
     return _Loop(spectrum, swing_of(error, spectrum, dt), harris_of(error, op, factor), factor)
 
 
-def _of_swing(swing: Swing | None) -> dict[str, float | None]:
+def _of_swing(swing: Swing | None) -> dict[str, Any]:
     if swing is None:
         return {"period": None, "regularity": None, "power": None}
     return {"period": swing.period, "regularity": swing.regularity, "power": swing.power}

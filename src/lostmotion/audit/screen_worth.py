@@ -25,7 +25,7 @@ class Seen:
     ----------
     fit : bool
         Data allow a judgement.
-    acting : float
+    acting : int
         Rows in automatic with OP off its limits.
     manual, limited : float
         Shares of time.
@@ -33,9 +33,9 @@ class Seen:
         From the 2 % to the 98 % quantile of OP in these rows, in % of span.
     turns : float
         Turns of OP there by more than its noise.
-    variability : float
-        Deviation of the error of control, % of span of PV.
-    regular, power : float
+    variability : float, optional
+        Deviation of the error of control, % of span of PV; None: span or error not known.
+    power : float
         Of the oscillation; 0 where there is none.
     steady : bool
         It swings.
@@ -50,7 +50,7 @@ class Seen:
     limited: float
     op_range: float
     turns: float
-    variability: float
+    variability: float | None
     power: float
     steady: bool
     performance: str
@@ -76,9 +76,11 @@ def worth(seen: Seen, problem: str) -> tuple[float, str]:
     if barred:
         return 0.0, barred
     can = min(seen.acting / ENOUGH_ROWS, 1.0) * min(seen.turns / ENOUGH_TURNS, 1.0)
-    can *= min(seen.op_range / (ENOUGH_RANGE * seen.tolerance), 1.0)
+    if not seen.steady:  # a small lost motion makes a small swing, which is there to be explained
+        can *= min(seen.op_range / (ENOUGH_RANGE * seen.tolerance), 1.0)
     swing = seen.power if seen.steady else 0.0
-    matters = SWING * swing + ERROR * min(seen.variability / LOUD, 1.0) + CLASS * POOR.get(seen.performance, 0.5)
+    error = 0.5 if seen.variability is None else min(seen.variability / LOUD, 1.0)
+    matters = SWING * swing + ERROR * error + CLASS * POOR.get(seen.performance, 0.5)
     return float(np.clip(can * (LEAST + (1.0 - LEAST) * matters), 0.0, 1.0)), _words(seen)
 
 
@@ -89,7 +91,7 @@ def _barred(seen: Seen, problem: str) -> str:
     if seen.acting < limits.SHORT:
         where = "in manual" if seen.manual >= seen.limited else "at a limit of OP"
         return f"{where} nearly all the time: no closed loop to be judged"
-    if seen.op_range < seen.tolerance:
+    if seen.op_range < seen.tolerance and not seen.steady:
         return f"OP moves by {seen.op_range:.2g} % of span: a lost motion of {seen.tolerance:.2g} % cannot show"
     if seen.turns < limits.FEW_REVERSALS:
         return f"OP turns {seen.turns:.0f} times: lost motion shows only where it turns"
@@ -98,7 +100,7 @@ def _barred(seen: Seen, problem: str) -> str:
 
 def _words(seen: Seen) -> str:
     said = ["swings regularly"] if seen.steady else []
-    if seen.variability >= 0.5 * LOUD:
+    if seen.variability is not None and seen.variability >= 0.5 * LOUD:
         said.append(f"error of control {seen.variability:.2g} % of span")
     if seen.performance in ("fair", "poor"):
         said.append(f"performance {seen.performance}")

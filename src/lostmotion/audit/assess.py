@@ -1,0 +1,210 @@
+"""``assess``: the diagnosis of a window from its most telling stretches, as a row of the store."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lostmotion.audit.assess_words import about_looks
+from lostmotion.audit.screen import failed
+from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.settings import AuditSettings
+from lostmotion.audit.stretches import Look, looks
+from lostmotion.audit.trace import trace_of
+from lostmotion.diagnose.diagnose import diagnose
+from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.errors import DataError
+from lostmotion.kernels.threads import one_thread
+from lostmotion.plant.loop import PlantLoop
+from lostmotion.records import LoopRecord
+from lostmotion.store.rows import AssessmentRow, Stage, TraceRow
+
+WORTH_MORE = 0.5  # value from which on an undecided window is looked at once more
+SURE = 0.5  # probability of a fault from which on a diagnosis names it
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """One look, and what was said of it."""
+
+    look: Look
+    found: Diagnosis
+
+    @property
+    def alarm(self) -> bool:
+        """A fault of the actuator is named."""
+        return self.found.kind == "actuator"
+
+    @property
+    def probability(self) -> float:
+        """Of a fault of the actuator."""
+        return self.found.probabilities["actuator"]
+
+
+@one_thread
+def assess(
+    loop: PlantLoop, record: LoopRecord, row: AssessmentRow, settings: AuditSettings
+) -> tuple[AssessmentRow, TraceRow | None]:
+    """Diagnose a window that was screened.
+
+    A first look is at the best stretch of each half of the window, joined; a second one, at others, confirms a fault
+    or settles what is worth it. Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
+
+    Parameters
+    ----------
+    loop : PlantLoop
+    record : LoopRecord
+        Of the window.
+    row : AssessmentRow
+        As it was screened.
+    settings : AuditSettings
+    """
+    began = time.process_time()
+    trace: TraceRow | None = None
+    try:
+        rows = ScreenRows(of_loop(loop, record))
+        with np.errstate(all="ignore"):
+            seen, why = _seen(rows, row, settings.tolerance)
+            row = assessed(row, seen, why, settings.tolerance)
+            if seen:
+                trace = _trace(rows, row, seen)
+    except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
+        row, trace = failed(row, error), None
+    return replace(row, seconds=row.seconds + time.process_time() - began), trace
+
+
+def _seen(rows: ScreenRows, row: AssessmentRow, tolerance: float) -> tuple[list[Seen], str]:
+    """Looks that were diagnosed, and why the last one was not."""
+    seen: list[Seen] = []
+    refused = "no stretch of the window in which OP and PV move and the controller acts"
+    for look in looks(rows, row.period):
+        try:
+            seen.append(Seen(look, diagnose(look.record, tolerance=tolerance)))
+        except DataError as error:
+            refused = str(error)
+            if seen:
+                break
+            continue
+        if not _another(seen, row.value):
+            break
+    return seen, refused
+
+
+def _another(seen: list[Seen], value: float) -> bool:
+    """Whether one more look is worth its time: to confirm a fault, or where it matters and nothing is told."""
+    if len(seen) > 1:
+        return False
+    return seen[0].alarm or (seen[0].found.verdict == "cannot tell" and value >= WORTH_MORE)
+
+
+def told(seen: list[Seen]) -> Seen:
+    """The look that is believed: a fault only where all looks name one, else the one that names none."""
+    alarms = [one for one in seen if one.alarm]
+    if len(alarms) == len(seen):
+        return max(alarms, key=lambda one: one.probability)
+    others = [one for one in seen if not one.alarm]
+    clear = [one for one in others if one.found.verdict != "cannot tell"]
+    return min(clear or others, key=lambda one: one.probability)
+
+
+def assessed(row: AssessmentRow, seen: list[Seen], why: str, tolerance: float) -> AssessmentRow:
+    """The row with what the looks say."""
+    if not seen:
+        return replace(row, stage=Stage.ASSESSED, verdict="cannot tell", kind="unknown", why=why)
+    best = told(seen)
+    found = best.found
+    disagree = any(one.alarm for one in seen) and not best.alarm
+    percent = found.tolerance / (100.0 * tolerance)
+    return replace(
+        row,
+        stage=Stage.ASSESSED,
+        status=found.fit.status.name,
+        verdict="cannot tell" if disagree else found.verdict,
+        kind="unknown" if disagree else found.kind,
+        **_sizes(seen, best, percent),
+        **_excluded(seen, best, percent),
+        confidence=_finite(found.confidence),
+        probability=_finite(float(np.mean([one.probability for one in seen]))),
+        severity="unknown" if found.verdict == "cannot tell" or disagree else found.severity,
+        why=about_looks(seen) if disagree else found.why,
+        advice=found.advice,
+        evidence=tuple((item.name, _number(item.value), _number(item.weight)) for item in found.evidence),
+        indices={**row.indices, **_indices(seen, best)},
+        **_performance(row, found),
+    )
+
+
+def _sizes(seen: list[Seen], best: Seen, percent: float) -> dict[str, Any]:
+    """Size with its interval: of the looks that name the same fault, weighted by their precision."""
+    nothing: dict[str, Any] = dict.fromkeys(("size", "low", "high", "size_percent"))
+    found = best.found
+    if not best.alarm or not np.isfinite(found.size):
+        return nothing
+    same = [one.found for one in seen if one.found.verdict == found.verdict and np.isfinite(one.found.size)]
+    size, low, high = _pooled(same) if len(same) > 1 else (found.size, *found.interval)
+    return {"size": _finite(size), "low": _finite(low), "high": _finite(high), "size_percent": _finite(size / percent)}
+
+
+def _pooled(found: list[Diagnosis]) -> tuple[float, float, float]:
+    """Mean of sizes by precision; the interval is not narrower than what they differ by."""
+    sizes = np.array([one.size for one in found])
+    ends = np.array([one.interval for one in found])
+    if not np.isfinite(ends).all() or not (ends[:, 1] > ends[:, 0]).all():
+        one = found[int(np.argmax([item.confidence for item in found]))]
+        return one.size, *one.interval
+    weights = (ends[:, 1] - ends[:, 0]) ** -2.0
+    size = float(weights @ sizes / weights.sum())
+    half = max(0.5 / float(np.sqrt(weights.sum())), 0.5 * float(np.ptp(sizes)))
+    return size, size - half, size + half
+
+
+def _excluded(seen: list[Seen], best: Seen, percent: float) -> dict[str, Any]:
+    """Of each kind the smallest size that any look excludes."""
+    names = {"dead zone": "excluded_dead_zone", "backlash": "excluded_backlash", "stiction": "excluded_stiction"}
+    found: dict[str, Any] = dict.fromkeys([*names.values(), "excluded_percent"])
+    sizes = [one.found.excluded for one in seen if one.found.excluded]
+    if best.alarm or not sizes:
+        return found
+    least = {name: min(one.get(name, np.inf) for one in sizes) for name in names}
+    found |= {names[name]: _finite(size) for name, size in least.items()}
+    return found | {"excluded_percent": _finite(max(least.values()) / percent)}
+
+
+def _indices(seen: list[Seen], best: Seen) -> dict[str, float]:
+    """Numbers of the fit and of the look that is believed."""
+    found = best.found
+    more = {
+        **{f"index_{name}": value for name, value in found.measured.indices.items()},
+        "looks": float(len(seen)),
+        "diagnosed_rows": float(sum(len(one.look.record) for one in seen)),
+        "diagnosed_dt": best.look.record.dt,
+        "fit_percent": found.fit.fit_percent,
+        "tolerance": found.tolerance,
+        "integrating": float(found.measured.integrating),
+    }
+    return {name: float(value) for name, value in more.items() if np.isfinite(value)}
+
+
+def _performance(row: AssessmentRow, found: Diagnosis) -> dict[str, Any]:
+    """Harris index and class with the identified delay, where the screen found none."""
+    index = found.performance.harris[0]
+    if row.harris is not None or not np.isfinite(index) or row.performance == "open loop":
+        return {}
+    return {"harris": float(index), "performance": found.performance.audit_class}
+
+
+def _trace(rows: ScreenRows, row: AssessmentRow, seen: list[Seen]) -> TraceRow:
+    best = told(seen)
+    return trace_of(row.tag, row.window_start, rows.record, best.look.places[0], best.look.rows, best.found)
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _number(value: float) -> float:
+    """What a row can hold: 0 for what is not known."""
+    return float(value) if np.isfinite(value) else 0.0
