@@ -12,7 +12,8 @@ from lostmotion.evaluate.plants.spread import Spread, spread
 
 SOURCES = ("stiction", "outside", "stiction", "tight tuning", "backlash")  # of plant 0, 1, ..: valves are 60 %
 LOOPS, DAYS = (8, 20), 0.25
-LEAST_REACHED = 3  # loops that swing, the source included
+CLEARLY, OTHERS = 0.25, 2  # share of the variance of so many other loops, at least
+OWN = 0.4  # of the source itself
 MOST_DRAWS = 400
 UPSTREAM = 4
 
@@ -47,7 +48,11 @@ def swinging_plant(number: int, family: int) -> SwingingPlant:
         faults, places = ([], []) if source is None else ([kind], [source])
         plant = random_plant(seed, loops, DAYS, faults, places=places, swings=int(outside))
         found = spread(plant, source)
-        own = outside or (found is not None and plant.loops[source or 0].tag in found.reached)
-        if found is not None and own and len(found.reached) >= LEAST_REACHED:
+        if found is not None and _swings_and_spreads(found):
             return SwingingPlant(number, kind, plant, source, found)
     raise RuntimeError(f"no plant {number} of family {family} swings within {MOST_DRAWS} draws")
+
+
+def _swings_and_spreads(found: Spread) -> bool:
+    others = sum(share >= CLEARLY for tag, share in found.shares.items() if tag != found.source)
+    return others >= OTHERS and found.shares.get(found.source, OWN) >= OWN
