@@ -11,12 +11,13 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.plants.made_loop import MadeLoop
 from lostmotion.evaluate.plants.truth import FAULTS, SENSORS, VALVES
+from lostmotion.kernels import coupled_loops as kernel
 from lostmotion.models import Backlash, DeadZone, Stiction
 from lostmotion.models.kernel_view import KernelActuator
 
-SIZES = {"stiction": (1.0, 8.0), "backlash": (1.5, 8.0), "dead zone": (1.5, 8.0)}  # % of the span of OP
+SIZES = {"stiction": (1.5, 8.0), "backlash": (1.5, 8.0), "dead zone": (1.5, 8.0)}  # % of the span of OP
 JUMPS = (0.3, 1.1)  # slip jump over the band
-MODELS = ("kano", "he", "choudhury")
+MODELS = ("kano", "he")  # of Choudhury's, small reversals can hold the valve for ever
 MARGINS = (0.5, 4.0)  # degrees that a tight loop is from swinging for ever
 SOFTER = (0.05, 0.4)  # of the gain of a level that is tight by its integral action
 FREQUENCIES, ROUNDS = 1500, 40
@@ -91,14 +92,14 @@ def worn(rng: np.random.Generator, kind: str) -> KernelActuator:
     return Stiction(size, size * float(rng.uniform(*JUMPS)), str(rng.choice(MODELS)))
 
 
-def faulty(rng: np.random.Generator, loop: MadeLoop, kind: str) -> tuple[MadeLoop, SensorFault | None]:
+def faulty(rng: np.random.Generator, loop: MadeLoop, kind: str, dt: float) -> tuple[MadeLoop, SensorFault | None]:
     """The loop with a fault."""
     if kind in VALVES:
         return replace(loop, actuator=worn(rng, kind)), None
     if kind == "tight tuning":
         if loop.integrates:  # "slow it down", said of the gain, makes a level swing slower and longer
             loop = replace(loop, kp=loop.kp * float(rng.uniform(*SOFTER)))
-        return tight(loop, float(rng.uniform(*MARGINS)), loop.integrates or rng.random() < 0.5), None
+        return tight(loop, float(rng.uniform(*MARGINS)), loop.integrates or rng.random() < 0.5, dt), None
     size = float(rng.uniform(*dict(zip(SENSORS, (NOISY, FROZEN, DRIFTS), strict=True))[kind]))
     if kind == "noisy sensor":
         size = max(size, LEAST_NOISY / loop.noise)
@@ -111,12 +112,12 @@ def worked(healthy: MadeLoop, ill: MadeLoop) -> MadeLoop:
     return replace(healthy, drift=max(healthy.drift, WORKED * width))
 
 
-def tight(loop: MadeLoop, margin: float, by_integral: bool) -> MadeLoop:
+def tight(loop: MadeLoop, margin: float, by_integral: bool, dt: float) -> MadeLoop:
     """The same loop with a PI that leaves it a phase margin of so many degrees: too much gain, or integral action."""
     low, high = 1e-3, 1e3  # of gain, or one over integral time, against what they are in good order
     for _ in range(ROUNDS):
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if _phase_margin(_sharper(loop, middle, by_integral)) > margin else (low, middle)
+        low, high = (middle, high) if _phase_margin(_sharper(loop, middle, by_integral), dt) > margin else (low, middle)
     return _sharper(loop, low, by_integral)
 
 
@@ -124,15 +125,18 @@ def _sharper(loop: MadeLoop, factor: float, by_integral: bool) -> MadeLoop:
     return replace(loop, ti=loop.ti / factor) if by_integral else replace(loop, kp=loop.kp * factor)
 
 
-def _phase_margin(loop: MadeLoop) -> float:
-    """Degrees, where the open loop alone, without its neighbours, last has the gain 1; 180: nowhere."""
-    frequency = np.geomspace(1e-6, np.pi / loop.scan, FREQUENCIES)
-    s = 1j * frequency
-    answer = loop.kp * loop.gain * np.exp(-s * (loop.dead_time + 1.0 + 0.5 * loop.scan)) * (1.0 + 1.0 / (s * loop.ti))
-    for lag in (loop.lags[0], 0.0 if loop.integrates else loop.lags[1], loop.sensor, loop.filter, loop.stroke):
-        answer = answer / (1.0 + s * lag)
+def _phase_margin(loop: MadeLoop, dt: float) -> float:
+    """Degrees, where the sampled loop alone, without its neighbours, last has the gain 1; 180: nowhere."""
+    row, angle = loop.row(dt), np.geomspace(1e-6 * dt, np.pi, FREQUENCIES)
+    back = np.exp(-1j * angle)
+    integral = row[kernel.KI] / row[kernel.SCAN] / (1.0 - back)
+    late = row[kernel.DELAY] + 1.0 + 0.5 * (row[kernel.SCAN] - 1.0)
+    answer = (row[kernel.KP] + integral) * row[kernel.GAIN] * back**late
+    second = (kernel.SENSOR, kernel.FILTER, kernel.STROKE, kernel.LAG1) + (() if loop.integrates else (kernel.LAG2,))
+    for lag in second:
+        answer = answer * row[lag] / (1.0 - (1.0 - row[lag]) * back)
     if loop.integrates:
-        answer = answer / (s * loop.lags[1])
+        answer = answer * row[kernel.RATE] / (1.0 - back)
     loud = np.flatnonzero(np.abs(answer) >= 1.0)
     phase = np.unwrap(np.angle(answer))
     phase -= 2.0 * np.pi * np.ceil(phase[0] / (2.0 * np.pi) - 1e-3)  # an integrator or two: it begins below zero

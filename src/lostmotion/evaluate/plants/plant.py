@@ -142,6 +142,7 @@ def random_plant(
     days: float = 2.0,
     faults: int | Sequence[str] = 10,
     *,
+    places: Sequence[int] | None = None,
     swings: int = 0,
     dt: float = 1.0,
 ) -> MadePlant:
@@ -156,6 +157,8 @@ def random_plant(
     days : float
     faults : int or sequence of str
         How many of the usual mixture, or their names, of ``plants.FAULTS``. Each gets a loop of its own.
+    places : sequence of int, optional
+        Number of the loop of each fault. None: drawn.
     swings : int
         Oscillations that come from outside.
     dt : float
@@ -177,11 +180,11 @@ def random_plant(
     kinds = wanted(faults)
     made, wires = network(np.random.default_rng([seed, 1]), loops)
     rng = np.random.default_rng([seed, 4])
-    places = _places(rng, made, kinds)
+    places = _places(rng, made, kinds) if places is None else places
     ill, in_order, named = list(made), list(made), ["none"] * loops
     sensors: list[SensorFault | None] = [None] * loops
     for place, kind in zip(places, kinds, strict=True):
-        ill[place], sensors[place] = faulty(rng, made[place], kind)
+        ill[place], sensors[place] = faulty(rng, made[place], kind, dt)
         in_order[place] = worked(made[place], ill[place])
         named[place] = kind
     outside = tuple(one for _ in range(swings) for one in _swing(rng, made))

@@ -54,10 +54,10 @@ def spread(plant: MadePlant, source: int | None) -> Spread | None:
     Spread or None
         None: the source does not swing, or nothing is the less for its repair.
     """
-    apart = plant.without(source).signals
     period = _period(plant, source)
     if period is None:
         return None
+    apart = plant.without(source).signals
     shares = {
         loop.tag: _gone(_thin(plant.signals.pv[:, i]), _thin(apart.pv[:, i]), period * _per_second(plant))
         for i, loop in enumerate(plant.loops)

@@ -1,0 +1,152 @@
+"""Is the source of an oscillation found that spreads? 100 simulated plants, and the Tennessee Eastman plant.
+
+Run: ``.venv/bin/python benchmarks/audit/groups.py`` (about 40 minutes on one thread); prints a section of a page, and
+goes on where it was when it is started again. ``--plants N`` for fewer, ``--screen-only`` without diagnoses (a tenth of
+the time), ``--eastman`` for that plant too, which is installed into ``.venv-tep``.
+
+A plant has 8 to 20 loops and one source that swings and reaches at least two others: 60 % worn valves (two thirds
+stiction, one third backlash), 20 % tight loops, 20 % from outside. What it reaches is known from the same plant with
+the same luck without the source. Found: the right loop is named, or none where it comes from outside.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ[_name] = "1"  # before NumPy is imported
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import argparse  # noqa: E402
+import time  # noqa: E402
+from collections import Counter  # noqa: E402
+from collections.abc import Sequence  # noqa: E402
+from datetime import timedelta  # noqa: E402
+from typing import Any  # noqa: E402
+
+import numpy as np  # noqa: E402
+from swinging_plants import SOURCES, SwingingPlant, swinging_plant  # noqa: E402
+
+from lostmotion.audit.assess import assess  # noqa: E402
+from lostmotion.audit.groups import groups  # noqa: E402
+from lostmotion.audit.screen import screen  # noqa: E402
+from lostmotion.audit.settings import AuditSettings  # noqa: E402
+from lostmotion.evaluate.plants.plant import BEGAN, OUTSIDE  # noqa: E402
+from lostmotion.plant import PlantLoop  # noqa: E402
+from lostmotion.records import LoopRecord  # noqa: E402
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow  # noqa: E402
+from pages.catalogue import Page  # noqa: E402
+from pages.kept import kept  # noqa: E402
+
+PAGE = Page("audit-groups", "benchmarks/audit/groups.py", 40, ("benchmarks/audit/*.py",))
+PLANTS, FAMILY = 100, 0
+NEAR = 0.15  # of the period: the group that is meant
+ENDS = ("found", "cannot tell", "wrong", "no group")
+Rows = tuple[list[AssessmentRow], list[SpectrumRow]]
+
+
+def rows_of(loops: Sequence[PlantLoop], records: Sequence[LoopRecord], diagnosed: bool) -> Rows:
+    """Rows of an audit of whole records: all are screened; what swings steadily is assessed."""
+    rows, spectra, settings = [], [], AuditSettings()
+    for loop, record in zip(loops, records, strict=True):
+        end = BEGAN + timedelta(seconds=len(record) * record.dt)
+        row, spectrum = screen(loop, record, BEGAN, end, settings)
+        if diagnosed and row.fit_for_use and (row.regularity or 0.0) > 1.0:
+            row, _ = assess(loop, record, row, settings)
+        rows.append(row)
+        spectra += [] if spectrum is None else [spectrum]
+    return rows, spectra
+
+
+def the_group(found: Sequence[GroupRow], period: float, reached: set[str]) -> GroupRow | None:
+    """The group that is meant: of that period, with most of the loops that the source reaches."""
+    near = [one for one in found if abs(np.log(one.period / period)) < NEAR]
+    count = {id(one): len({member[0] for member in one.members} & reached) for one in near}
+    best = max(near, key=lambda one: count[id(one)], default=None)
+    return best if best is not None and count[id(best)] > 1 else None
+
+
+def outcome(group: GroupRow | None, source: str) -> str:
+    """Of ENDS."""
+    if group is None:
+        return "found" if source == OUTSIDE else "no group"
+    if group.source:
+        return "found" if group.source == source else "wrong"
+    return "found" if source == OUTSIDE else "cannot tell"
+
+
+def measured(number: int, diagnosed: bool) -> dict[str, Any]:
+    """One plant."""
+    begin = time.process_time()
+    made: SwingingPlant = swinging_plant(number, FAMILY)
+    rows, spectra = rows_of(made.plant.plant_loops(), list(made.plant.records()), diagnosed)
+    found, reached = groups(spectra, rows), set(made.spread.reached)
+    group = the_group(found, made.spread.period, reached)
+    members = set() if group is None else {member[0] for member in group.members}
+    return {
+        "kind": made.kind, "source": made.spread.source, "period": made.spread.period, "reached": sorted(reached),
+        "end": outcome(group, made.spread.source), "named": group.source if group else "",
+        "why": group.why if group else "", "members": sorted(members), "both": len(members & reached),
+        "others_named": sum(bool(one.source) for one in found if one is not group and one.source != made.spread.source),
+        "verdicts": {one.tag: [one.verdict, one.kind, one.probability] for one in rows if one.stage == "assessed"},
+        "seconds": time.process_time() - begin,
+    }  # fmt: skip
+
+
+def eastman(diagnosed: bool) -> list[str]:
+    """Tennessee Eastman with its sticking valve: groups, and what the loop of the valve gets."""
+    from plant.runs import loops  # noqa: PLC0415  an environment of its own
+
+    runs = loops(14, 8.0, 1)
+    tags = [PlantLoop(tag=one.record.tag, op_span=(0.0, 100.0)) for one in runs]
+    records = [LoopRecord(one.record.op, one.record.pv, one.record.sp, dt=one.record.dt, start=BEGAN) for one in runs]
+    rows, spectra = rows_of(tags, records, diagnosed)
+    lines = ["", "| group | period, s | source | members, most suspect first |", "|---|---|---|---|"]
+    for one in groups(spectra, rows):
+        names = ", ".join(dict.fromkeys(member[0] for member in one.members))
+        lines.append(f"| {one.number} | {one.period:.0f} | {one.source or 'cannot tell'} | {names} |")
+    lines += ["", "| loop | sticks | verdict | probability |", "|---|---|---|---|"]
+    for run, row in zip(runs, rows, strict=True):
+        sure = "-" if row.probability is None else f"{row.probability:.2f}"
+        lines.append(f"| {row.tag} | {'yes' if run.sticks else 'no'} | {row.verdict} | {sure} |")
+    return lines
+
+
+def section(results: Sequence[dict[str, Any]]) -> list[str]:
+    """Tables."""
+    lines = [f"| source | plants | {' | '.join(ENDS)} |", "|---|---|" + "---|" * len(ENDS)]
+    for kind in (*dict.fromkeys(SOURCES), "all"):
+        mine = [one["end"] for one in results if kind in (one["kind"], "all")]
+        counts = Counter(mine)
+        lines.append(f"| {kind} | {len(mine)} | {' | '.join(str(counts[end]) for end in ENDS)} |")
+    whole = sum(len(one["reached"]) for one in results)
+    lines += [
+        "",
+        f"Loops that the sources reach: {whole}; of them in the group {sum(one['both'] for one in results)}; others in "
+        f"it {sum(len(one['members']) - one['both'] for one in results)}. Other groups in which a loop is named: "
+        f"{sum(one['others_named'] for one in results)}.",
+    ]
+    return lines
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--plants", type=int, default=PLANTS)
+    parser.add_argument("--screen-only", action="store_true")
+    parser.add_argument("--eastman", action="store_true")
+    given = parser.parse_args()
+    how, results = "screened" if given.screen_only else "diagnosed", []
+    for number in range(given.plants):
+        one = kept(PAGE.name, f"{how} {number}", lambda n=number: measured(n, not given.screen_only), PAGE)
+        results.append(one)
+        print(number, one["kind"], one["source"], one["end"], one["why"], f"{one['seconds']:.0f} s", flush=True)
+    print("\n".join(section(results)))
+    if given.eastman:
+        print("\n".join(eastman(not given.screen_only)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""Loops that swing together, and the likely source of each group: from the rows of the store alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime
+
+from lostmotion.audit.likely_source import Suspect, name, suspect
+from lostmotion.audit.swinging import Swinging, carried, swinging, together, unsteady
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow
+
+
+def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tuple[GroupRow, ...]:
+    """Find loops that swing together, and where it comes from.
+
+    Parameters
+    ----------
+    spectra : sequence of SpectrumRow
+    rows : sequence of AssessmentRow
+        Of the same run; several windows of a loop are one member each.
+
+    Returns
+    -------
+    tuple of GroupRow
+        Most power first; none where no two loops swing together.
+
+    Notes
+    -----
+    A group: periods within 5 %, spectra alike about the oscillation (they are powers, so a lag between loops does not
+    matter), at least half of the time in common. Loops that do something else most of the time, but whose spectrum has
+    a clear peak at the period, are carried along. The source (after Thornhill, Cox and Paulonis 2003 and Thornhill
+    2005): each loop has log odds from its diagnosis, from harmonics, which every process on the way takes away, from
+    the coupling of its phases, and from how much of its variance the oscillation is; one alternative is that it comes
+    from outside. Two loops that are close are not decided between. What each is worth: docs/audit-groups.md.
+    """
+    known = swinging(spectra, rows)
+    others = unsteady(spectra, rows, known)
+    made = []
+    for period, members in together(known):
+        along = carried(members[0][0], period, others)
+        if len({one.tag for one, _ in [*members, *along]}) > 1:
+            made.append(_group(period, members, along))
+    made.sort(key=lambda one: (-sum(member[2] for member in one.members), one.period))
+    return tuple(replace(one, number=number + 1) for number, one in enumerate(made))
+
+
+def _group(
+    period: float, members: Sequence[tuple[Swinging, float]], along: Sequence[tuple[Swinging, float]]
+) -> GroupRow:
+    suspects = [suspect(one, like, period, own=True) for one, like in members]
+    suspects += [suspect(one, like, period, own=False) for one, like in along]
+    named = name(suspects)
+    return GroupRow(0, period, named.tag, named.confidence, named.why, tuple(_members(suspects)))
+
+
+def _members(suspects: Sequence[Suspect]) -> list[tuple[str, datetime, float, float]]:
+    """Every window of each loop, the most suspect loop first."""
+    order = sorted(suspects, key=lambda one: (-one.score, one.loop.tag))
+    return [(one.loop.tag, row.window_start, one.likeness, one.score) for one in order for row in one.loop.rows]

@@ -1,0 +1,131 @@
+"""Which of the loops that swing together is the source: what speaks for each, and whether that is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.audit.swinging import Swinging
+from lostmotion.store.rows import AssessmentRow, Stage
+
+LEAST_SURE = 0.6  # share of the odds that a source must have to be named
+LEAST_LEAD = 2.0  # odds over the next
+CERTAIN = 0.97  # what a verdict can at most be worth
+OUTSIDE = 0.5  # log odds that it is none of them
+NOT_SEEN = -1.0  # of one in which a diagnosis sees nothing that could make it swing
+NO_OWN = -1.5  # of a loop that swings only because it is carried along: it has no period of its own
+DISTURBED = -1.5  # of one whose diagnosis says that it is disturbed
+USUAL_HARMONICS, LEAST_HARMONICS = 0.03, 0.005  # over the power of the oscillation, of one that has passed a process
+BY_HARMONICS, MOST_BY_HARMONICS = 0.8, 1.6
+BY_NONLINEARITY, MOST_NONLINEARITY = 0.4, 3.0  # per unit above 1, the limit of the statistic
+BY_POWER = 2.0  # per unit of the share of the variance
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """One loop of a group.
+
+    Attributes
+    ----------
+    loop : Swinging
+    likeness : float
+    score : float
+        Log odds of being the source, up to a constant.
+    why : tuple of str
+        What speaks for it most.
+    """
+
+    loop: Swinging
+    likeness: float
+    score: float
+    why: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Named:
+    """Who it was.
+
+    Attributes
+    ----------
+    tag : str
+        Empty: cannot tell.
+    confidence : float or None
+    why : str
+    """
+
+    tag: str
+    confidence: float | None
+    why: str
+
+
+def suspect(loop: Swinging, likeness: float, period: float, own: bool) -> Suspect:
+    """Weigh what the rows say of one loop; `own`: it swings with a period of its own."""
+    verdict, said = _verdict(loop.rows)
+    harmonics = loop.harmonics(period)
+    by_form = BY_HARMONICS * float(np.log((harmonics + LEAST_HARMONICS) / USUAL_HARMONICS))
+    nonlinear = _nonlinearity(loop)
+    coupled = 0.0 if nonlinear is None else float(np.clip(nonlinear - 1.0, -1.0, MOST_NONLINEARITY))
+    score = verdict + float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS)) + BY_NONLINEARITY * coupled
+    score += BY_POWER * loop.power if own else NO_OWN
+    why = [said] if said else []
+    if by_form > 0.0 and own:
+        why.append(f"harmonics are {100.0 * harmonics:.0f} % of its oscillation")
+    if nonlinear is not None and nonlinear > 1.0:
+        why.append("its phases are coupled")
+    return Suspect(loop, likeness, score, tuple(why))
+
+
+def name(suspects: Sequence[Suspect]) -> Named:
+    """The likely source, where one stands out; a valve is blamed only where a diagnosis of it says so."""
+    order = sorted(suspects, key=lambda one: (-one.score, one.loop.tag))
+    odds = _odds(np.array([one.score for one in order]))
+    first = order[0]
+    second = order[1] if len(order) > 1 else None
+    if odds[0] >= LEAST_SURE and (second is None or odds[0] >= LEAST_LEAD * odds[1]):
+        words = "; ".join(first.why) if first.why else "it swings most clearly"
+        return Named(first.loop.tag, float(odds[0]), f"{first.loop.tag}: {words}")
+    outside = 1.0 - float(odds.sum())
+    if outside >= LEAST_SURE:
+        return Named("", None, "cannot tell: no loop of them looks like the source; it may come from outside")
+    if second is None or odds[0] >= LEAST_LEAD * odds[1]:
+        return Named("", None, f"cannot tell: {first.loop.tag} is the most suspect, but not enough speaks for it")
+    return Named("", None, f"cannot tell: {first.loop.tag} and {second.loop.tag} are too close")
+
+
+def _odds(scores: FloatArray) -> FloatArray:
+    """Shares of the odds, the outside among them."""
+    most = max(float(scores.max()), OUTSIDE)
+    raised = np.exp(scores - most)
+    return np.asarray(raised / (raised.sum() + np.exp(OUTSIDE - most)))
+
+
+def _verdict(rows: Sequence[AssessmentRow]) -> tuple[float, str]:
+    """Log odds that the diagnoses of a loop give, the strongest of its windows; and their words."""
+    found = [_of_row(row) for row in rows if row.stage is Stage.ASSESSED]
+    return max(found, key=lambda one: abs(one[0])) if found else (0.0, "")
+
+
+def _of_row(row: AssessmentRow) -> tuple[float, str]:
+    if row.kind == "actuator":
+        sure = row.confidence if row.probability is None else row.probability
+        return _log_odds(sure), f"{row.verdict} of its valve (probability {100.0 * (sure or 0.5):.0f} %)"
+    if row.kind == "tuning":
+        return _log_odds(
+            row.confidence
+        ), f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
+    if row.kind == "disturbance":
+        return DISTURBED, ""
+    return (NOT_SEEN if row.probability is None else min(_log_odds(row.probability), 0.0)), ""
+
+
+def _log_odds(probability: float | None) -> float:
+    sure = float(np.clip(0.5 if probability is None else probability, 1.0 - CERTAIN, CERTAIN))
+    return float(np.log(sure / (1.0 - sure)))
+
+
+def _nonlinearity(loop: Swinging) -> float | None:
+    known = [value for one in loop.spectra for value in (one.nonlinearity, one.op_nonlinearity) if value is not None]
+    return max(known) if known else None

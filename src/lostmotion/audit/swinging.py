@@ -1,0 +1,192 @@
+"""Loops that swing, each with its period and its spectrum, and which of them swing together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.store.rows import AssessmentRow, SpectrumRow
+
+LEAST_REGULAR = 1.0  # as published: below, zero crossings of the autocorrelation come as they like
+LEAST_POWER = 0.1  # of the variance: a smaller swing is nobody's reason to look
+SAME_PERIOD = 0.05  # relative
+LEAST_LIKE = 0.6  # cosine of the spectra about the oscillation; see docs/audit-groups.md
+LEAST_OVERLAP = 0.5  # of the shorter of two times
+BELOW, ABOVE, BANDS = 0.5, 6.0, 24  # of the frequency: what is compared, in bands as wide as a bin of 96
+PEAK, BESIDE = 1.08, 1.6  # a peak is so far up and down in frequency; what it stands out of, up to so far
+GUARD = 1.18  # between both: the Hann window and the wandering of a period smear a peak
+PEAK_WIDTH, WINDOW = 0.15, 1.5  # of a peak, in frequencies; lines that the Hann window makes of one
+STANDS_OUT, DEVIATIONS = 1.5, 3.0  # ratio and deviations at which a loop is carried along
+LAST = 5  # harmonic: 99.9 % of the power of a triangle
+SMOOTH = (0.25, 0.5, 0.25)  # periods that differ by less than a band fall into neighbours
+
+
+@dataclass(frozen=True, eq=False)
+class Swinging:
+    """One loop that swings with one period, in one window or many.
+
+    Attributes
+    ----------
+    tag : str
+    rows : tuple of AssessmentRow
+        One a window.
+    spectra : tuple of SpectrumRow
+        Of the same windows.
+    """
+
+    tag: str
+    rows: tuple[AssessmentRow, ...]
+    spectra: tuple[SpectrumRow, ...]
+
+    @property
+    def period(self) -> float:
+        """Seconds, median of the windows."""
+        return float(np.median([row.period or 0.0 for row in self.rows]))
+
+    @property
+    def power(self) -> float:
+        """Share of the variance, mean of the windows."""
+        return float(np.mean([row.power or 0.0 for row in self.rows]))
+
+    @property
+    def cycles(self) -> float:
+        """Periods in all windows."""
+        return sum((end - start).total_seconds() for start, end in self.times) / self.period
+
+    @property
+    def times(self) -> tuple[tuple[datetime, datetime], ...]:
+        """Begin and end of each window."""
+        return tuple((row.window_start, row.window_end) for row in self.rows)
+
+    def peak(self, period: float) -> tuple[float, float]:
+        """How far the power about a frequency stands out of that beside it, as a ratio; and in its deviations."""
+        found = np.mean([_stands_out(one, 1.0 / period) for one in self.spectra], axis=0)
+        ratio = float(found[0] / max(found[1], 1e-300))
+        lines = PEAK_WIDTH * self.cycles * self.period / period
+        return ratio, (ratio - 1.0) / float(np.sqrt(WINDOW / max(lines, 1e-9)))
+
+    def harmonics(self, period: float) -> float:
+        """Power at twice to five times a frequency that stands out of what is beside it, over that at the frequency."""
+        powers = [np.mean([_stands_out(one, n / period) for one in self.spectra], axis=0) for n in range(1, LAST + 1)]
+        above = [max(middle - beside, 0.0) for middle, beside in powers]
+        return float(sum(above[1:]) / above[0]) if above[0] > 0.0 else 0.0
+
+    def form(self, period: float) -> FloatArray:
+        """Power in bands about a frequency, of length 1; shape (24,)."""
+        bands = np.mean([_bands(one, period) for one in self.spectra], axis=0)
+        smooth = np.convolve(bands, SMOOTH, "same")
+        return np.asarray(smooth / max(float(np.linalg.norm(smooth)), 1e-300))
+
+
+def unsteady(
+    spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], known: Sequence[Swinging]
+) -> list[Swinging]:
+    """Loops that swing with no period of their own, but may be carried along by another's."""
+    mine = {one.tag for one in known}
+    spectrum = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
+    return [
+        Swinging(row.tag, (row,), (spectrum[row.tag, row.window_start],))
+        for row in sorted(rows, key=lambda row: (row.tag, row.window_start))
+        if row.tag not in mine and row.fit_for_use and (row.tag, row.window_start) in spectrum
+    ]
+
+
+def swinging(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> list[Swinging]:
+    """Loops that swing; windows of one loop with the same period are one."""
+    known = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
+    found: dict[str, list[Swinging]] = {}
+    for row in sorted(rows, key=lambda row: (row.tag, row.window_start)):
+        spectrum = known.get((row.tag, row.window_start))
+        if spectrum is not None and _swings(row):
+            _add(found.setdefault(row.tag, []), Swinging(row.tag, (row,), (spectrum,)))
+    return [one for mine in found.values() for one in mine]
+
+
+def together(loops: Sequence[Swinging]) -> Iterator[tuple[float, list[tuple[Swinging, float]]]]:
+    """Period of each group, and its loops with their likeness, the one that swings most first; some stand alone.
+
+    A leader takes all that are like it; then the mean of these takes its place once, so that who was first does not
+    decide who belongs.
+    """
+    left = sorted(loops, key=lambda one: (-one.power * len(one.rows), one.tag))
+    while left:
+        leader = left[0]
+        period, members = leader.period, _like(leader.form(leader.period), leader.period, leader, left)
+        if len(members) > 1:
+            period = float(np.median([one.period for one, _ in members]))
+            middle = np.mean([one.form(period) for one, _ in members], axis=0)
+            again = _like(middle / np.linalg.norm(middle), period, leader, left)
+            members = again if any(one is leader for one, _ in again) else members
+            members.sort(key=lambda pair: pair[0] is not leader)
+        taken = {id(one) for one, _ in members} | {id(leader)}
+        left = [one for one in left if id(one) not in taken]
+        yield period, members
+
+
+def _swings(row: AssessmentRow) -> bool:
+    regular = row.regularity is not None and row.regularity > LEAST_REGULAR
+    strong = row.power is not None and row.power >= LEAST_POWER
+    return bool(row.period and regular and strong and row.fit_for_use)
+
+
+def _add(mine: list[Swinging], new: Swinging) -> None:
+    for place, one in enumerate(mine):
+        if abs(np.log(new.period / one.period)) <= SAME_PERIOD:
+            mine[place] = replace(one, rows=one.rows + new.rows, spectra=one.spectra + new.spectra)
+            return
+    mine.append(new)
+
+
+def _like(form: FloatArray, period: float, leader: Swinging, loops: Sequence[Swinging]) -> list[tuple[Swinging, float]]:
+    """Those of the same period, like form, and time in common with the leader."""
+    near = [one for one in loops if abs(np.log(one.period / period)) <= SAME_PERIOD]
+    likeness = [(one, float(np.clip(form @ one.form(period), 0.0, 1.0))) for one in near]
+    return [(one, like) for one, like in likeness if like >= LEAST_LIKE and overlap(leader, one) >= LEAST_OVERLAP]
+
+
+def overlap(first: Swinging, second: Swinging) -> float:
+    """Time in common, as a share of the shorter of both."""
+    seconds = sum(
+        max((min(a[1], b[1]) - max(a[0], b[0])).total_seconds(), 0.0) for a in first.times for b in second.times
+    )
+    lengths = [sum((end - start).total_seconds() for start, end in one.times) for one in (first, second)]
+    return seconds / max(min(lengths), 1e-9)
+
+
+def _bands(row: SpectrumRow, period: float) -> FloatArray:
+    """Share of the power in bands from half to six times the frequency; shape (24,)."""
+    return np.diff(_cumulative(row, np.geomspace(BELOW / period, ABOVE / period, BANDS + 1)))
+
+
+def carried(leader: Swinging, period: float, others: Sequence[Swinging]) -> list[tuple[Swinging, float]]:
+    """Loops without a period of their own whose spectrum has a peak at that of a group, with their likeness."""
+    form, found = leader.form(period), []
+    for one in others:
+        if overlap(leader, one) >= LEAST_OVERLAP:
+            ratio, deviations = one.peak(period)
+            if ratio >= STANDS_OUT and deviations >= DEVIATIONS:
+                found.append((one, float(np.clip(form @ one.form(period), 0.0, 1.0))))
+    return found
+
+
+def _stands_out(row: SpectrumRow, frequency: float) -> FloatArray:
+    """Power about a frequency, and what there would be if it were as beside it."""
+    inside = np.array([1.0 / PEAK, PEAK])
+    below, above = np.array([1.0 / BESIDE, 1.0 / GUARD]), np.array([GUARD, BESIDE])
+    middle, low, high = (_between(row, frequency * ends) for ends in (inside, below, above))
+    density = (low + high) / (2.0 * np.log(BESIDE / GUARD))
+    return np.array([middle, 2.0 * np.log(PEAK) * density])
+
+
+def _between(row: SpectrumRow, ends: FloatArray) -> float:
+    return float(np.diff(_cumulative(row, ends))[0])
+
+
+def _cumulative(row: SpectrumRow, frequencies: FloatArray) -> FloatArray:
+    power = np.frombuffer(row.power, dtype="<f4").astype(np.float64)
+    edges = np.linspace(np.log(row.low), np.log(row.high), power.size + 1)
+    return np.asarray(np.interp(np.log(frequencies), edges, np.r_[0.0, np.cumsum(power)]))

@@ -1,0 +1,125 @@
+"""Loops that swing together, on rows made by hand: who belongs, and who is named."""
+
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from lostmotion.audit.groups import groups
+from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
+
+START = datetime(2026, 3, 2, tzinfo=UTC)
+DAY = timedelta(days=1)
+LOW, HIGH = 1e-4, 0.5
+
+
+def spectrum(tag, period, share=0.8, harmonics=(0.0, 0.0), start=START, **more):
+    """A flat floor, a line of width 5 %, and lines at twice and three times its frequency."""
+    edges = np.geomspace(LOW, HIGH, 97)
+    power = np.full(96, (1.0 - share) / 96)
+    for order, part in ((1, 1.0), (2, harmonics[0]), (3, harmonics[1])):
+        place = int(np.searchsorted(edges, order / period)) - 1
+        power[place] += share * part / (1.0 + sum(harmonics))
+    return SpectrumRow(tag, start, LOW, HIGH, power.astype("<f4").tobytes(), **more)
+
+
+def row(tag, period, power=0.8, start=START, **more):
+    return AssessmentRow(tag, start, start + DAY, period=period, regularity=5.0, power=power, **more)
+
+
+def valve(one, probability=0.95):
+    return replace(
+        one, stage=Stage.ASSESSED, verdict="stiction", kind="actuator", confidence=0.9, probability=probability
+    )
+
+
+def tags(group):
+    return [member[0] for member in group.members]
+
+
+def test_nothing_swings():
+    assert groups([], []) == ()
+    assert groups([spectrum("A", 300.0)], [row("A", 300.0)]) == ()
+    irregular = [replace(row(tag, 300.0), regularity=0.8) for tag in "AB"]
+    assert groups([spectrum("A", 300.0), spectrum("B", 300.0)], irregular) == ()
+
+
+def test_the_sticking_valve_is_named_whatever_the_order():
+    rows = [valve(row("A", 300.0)), row("B", 303.0), row("C", 297.0), row("D", 500.0)]
+    spectra = [
+        spectrum("A", 300.0, harmonics=(0.0, 0.1)),
+        *(spectrum(tag, 300.0) for tag in "BC"),
+        spectrum("D", 500.0),
+    ]
+    (group,) = groups(spectra, rows)
+    assert (group.number, group.source, tags(group)) == (1, "A", ["A", "B", "C"])
+    assert group.period == 300.0
+    assert group.confidence > 0.6
+    assert "stiction of its valve" in group.why
+    assert groups(spectra[::-1], rows[::-1]) == (group,)
+
+
+def test_periods_further_apart_than_five_percent_are_two_swings():
+    spectra = [spectrum("A", 300.0), spectrum("B", 330.0)]
+    assert groups(spectra, [row("A", 300.0), row("B", 330.0)]) == ()
+
+
+def test_spectra_that_differ_are_no_group():
+    other = spectrum("B", 300.0, share=0.3, harmonics=(6.0, 6.0))
+    assert groups([spectrum("A", 300.0), other], [row("A", 300.0), row("B", 300.0, power=0.3)]) == ()
+
+
+def test_time_must_be_in_common():
+    later = START + 2 * DAY
+    spectra = [spectrum("A", 300.0), spectrum("B", 300.0, start=later)]
+    assert groups(spectra, [row("A", 300.0), row("B", 300.0, start=later)]) == ()
+
+
+def test_two_that_are_close_are_not_decided_between():
+    rows = [valve(row("A", 300.0)), valve(row("B", 300.0))]
+    (group,) = groups([spectrum(tag, 300.0) for tag in "AB"], rows)
+    assert (group.source, group.confidence) == ("", None)
+    assert "too close" in group.why
+
+
+def test_disturbed_loops_alone_blame_nobody():
+    rows = [
+        replace(row(tag, 300.0), stage=Stage.ASSESSED, kind="disturbance", verdict="other oscillation") for tag in "ABC"
+    ]
+    (group,) = groups([spectrum(tag, 300.0) for tag in "ABC"], rows)
+    assert group.source == ""
+
+
+def test_a_tight_loop_is_the_source_and_no_valve_is_blamed():
+    tight = replace(
+        row("A", 300.0, power=0.95), stage=Stage.ASSESSED, kind="tuning", verdict="other oscillation", confidence=0.9
+    )
+    others = [replace(row(tag, 300.0), stage=Stage.ASSESSED, kind="disturbance") for tag in "BC"]
+    (group,) = groups([spectrum(tag, 300.0) for tag in "ABC"], [tight, *others])
+    assert group.source == "A"
+    assert "tuning" in group.why
+    assert "valve" not in group.why
+
+
+def test_a_loop_is_carried_along_without_a_period_of_its_own():
+    rows = [valve(row("A", 300.0)), replace(row("B", 20.0, power=0.2), regularity=0.5)]
+    (group,) = groups([spectrum("A", 300.0), spectrum("B", 300.0, share=0.2)], rows)
+    assert (group.source, tags(group)) == ("A", ["A", "B"])
+    assert groups([spectrum("A", 300.0), spectrum("B", 300.0, share=0.0)], rows) == ()
+
+
+def test_windows_of_a_loop_are_one_suspect():
+    starts = [START + k * DAY for k in range(3)]
+    spectra = [spectrum(tag, 300.0, start=start) for tag in "AB" for start in starts]
+    rows = [row(tag, 300.0, start=start) for tag in "AB" for start in starts]
+    rows[1] = valve(rows[1])
+    (group,) = groups(spectra, rows)
+    assert group.source == "A"
+    assert sorted(member[:2] for member in group.members) == [(tag, start) for tag in "AB" for start in starts]
+
+
+@pytest.mark.parametrize("power", [b"", b"\0" * 384])
+def test_empty_spectra_do_no_harm(power):
+    empty = replace(spectrum("A", 300.0), power=power)
+    assert groups([empty, spectrum("B", 300.0)], [row("A", 300.0), row("B", 300.0)]) == ()
