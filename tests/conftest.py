@@ -5,6 +5,8 @@ import os
 import pytest
 from hypothesis import settings
 
+from tests import stores
+
 collect_ignore = ["plc/build.py", "plc/parse.py", "plc/trees.py"]  # run by the Python of .venv-plc
 
 settings.register_profile("ci", derandomize=True, deadline=None)
@@ -24,3 +26,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.name in SLOW_DOCTESTS:
             item.add_marker(pytest.mark.statistics)
+
+
+@pytest.fixture(scope="session")
+def postgresql():
+    """One server a session, ended by its own stop."""
+    server = stores.started()
+    yield server
+    server.stop()

@@ -235,13 +235,13 @@ def rows(connection: Connection, number: int) -> Iterator[AssessmentRow]:
 
 def history(connection: Connection, tag: str, limit: int | None = None) -> list[tuple[RunRow, AssessmentRow]]:
     """What the runs said of one loop, the newest run first, the windows of a run in their order."""
-    runs_of = [column.label(f"run_{column.name}") for column in run.columns]
+    runs_of = [column.label(f"of_run_{column.name}") for column in run.columns]
     asked = sa.select(loop.c.tag, assessment, *runs_of).select_from(assessment.join(loop).join(
         run, run.c.id == assessment.c.run_id
     ))  # fmt: skip
     asked = asked.where(loop.c.tag == tag).order_by(assessment.c.run_id.desc(), assessment.c.window_start).limit(limit)
     return [
-        (run_row({column.name: values[f"run_{column.name}"] for column in run.columns}), assessment_row(values))
+        (run_row({column.name: values[f"of_run_{column.name}"] for column in run.columns}), assessment_row(values))
         for values in connection.execute(asked).mappings()
     ]
 

@@ -23,6 +23,7 @@ REASONS = (  # part of what a driver says, what it means, what to do
     ("unable to open", "none that can be opened", "check that its folder is there and may be written to"),
     ("authentication failed", "user or password refused", "check the address"),
     ("no password supplied", "no password", "check the address"),
+    ("does not exist", "a server without this database", "make it with createdb, or check the address"),
     ("connection", "no connection", "check that the server runs and can be reached, and start again"),
 )
 
@@ -42,7 +43,7 @@ def told(name: str) -> Iterator[None]:
     """
     try:
         yield
-    except SQLAlchemyError as error:
+    except DBAPIError as error:
         raise explained(name, error) from None  # the error of a driver may show the password
 
 

@@ -1,4 +1,4 @@
-"""Dask: a cluster of processes on this machine, or one that is there already. Batches, few in flight, let go at once."""
+"""Dask: processes on this machine, or a cluster that is there already. Few batches in flight, results let go."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from contextlib import suppress
 from typing import Any
 
 import dask
-from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin
+from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin
 
-from lostmotion.audit.engine.protocol import DIED, Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
+from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
 from lostmotion.audit.engine.threads import ONE_THREAD
 
 AHEAD = 3  # batches of a worker in flight
 RETRIES = 1  # of a batch that raised: a file may have been busy
-FAILURES = 2  # further workers that a batch may kill before it is told from the others
+FAILURES = 0  # further workers that a batch may kill before it is told: then it is halved here
 CONNECT = 15.0  # s in which a scheduler must answer, and after which one that went away is gone
 LOOK = 1.0  # s between two looks at the connection while nothing comes
 NO_WORKERS = 120.0  # s without any worker after which none is waited for
 _TASKS: dict[str, Task] = {}  # of this worker
 
 
-class Common(WorkerPlugin):  # type: ignore[misc]
+class Common(WorkerPlugin):
     """What all batches have in common goes to each worker once, also to those that come later.
 
     Parameters
@@ -60,12 +60,17 @@ def batch_done(name: str, items: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def local_cluster(workers: int) -> DaskEngine:
     """Processes of this machine under a scheduler in this one."""
-    with dask.config.set({"distributed.scheduler.allowed-failures": FAILURES}):
-        cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1",
+    one_at_a_time = {"distributed.scheduler.allowed-failures": FAILURES, "distributed.scheduler.worker-saturation": 1.0}
+    with dask.config.set(one_at_a_time):  # what waits at a worker would be blamed for its death, too
+        cluster = LocalCluster(  # type: ignore[no-untyped-call]
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", host="127.0.0.1",
             env=ONE_THREAD, silence_logs=logging.CRITICAL,
         )  # fmt: skip
-    return DaskEngine(Client(cluster, timeout=CONNECT, set_as_default=False), "dask", cluster)
+    return DaskEngine(_client(cluster), "dask", cluster)
+
+
+def _client(where: Any, **settings: Any) -> Any:
+    return Client(where, timeout=CONNECT, set_as_default=False, **settings)  # type: ignore[no-untyped-call]
 
 
 def cluster_at(address: str, security: Any = None) -> DaskEngine:
@@ -78,7 +83,7 @@ def cluster_at(address: str, security: Any = None) -> DaskEngine:
     """
     settings = {} if security is None else {"security": security}
     try:
-        client = Client(address, timeout=CONNECT, set_as_default=False, **settings)
+        client = _client(address, **settings)
     except (OSError, TimeoutError, TypeError, ValueError, RuntimeError) as error:
         tls = "; its certificates stand in Dask's configuration (distributed.comm.tls)" * address.startswith("tls")
         raise EngineError(
@@ -100,30 +105,31 @@ class DaskEngine:
 
     def __init__(self, client: Any, name: str, cluster: Any) -> None:
         self.client, self.name, self._cluster = client, name, cluster
-        self.workers = len(client.nthreads()) or 1
-        self._quiet = time.monotonic()
+        self.workers = len(self._call(client.nthreads)) or 1
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
         """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
         name = f"lostmotion-{uuid.uuid4().hex}"
         self._call(lambda: self.client.register_plugin(Common(name, task), name=name))
-        source, again, more = iter(batches), deque[Tried](), True
+        source, again, apart, more = iter(batches), deque[Tried](), deque[Tried](), True
         flying: dict[Any, Tried] = {}
         came: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
-            while more or again or flying:
-                room = AHEAD * max(len(self.client.nthreads()), 1) - len(flying)
+            while more or again or apart or flying:
+                room = AHEAD * max(len(self._call(self.client.nthreads)), 1) - len(flying)
                 block = [again.popleft() for _ in range(min(room, len(again)))]
                 while more and len(block) < room:
                     items = next(source, None)
                     more = items is not None
                     block += [] if items is None else [Tried(items)]
+                if not (block or flying or more) and apart:  # alone in the cluster: nobody else can be the culprit
+                    block = [apart.popleft()]
                 flying |= self._sent(name, block, came)
-                if flying:
-                    for future in self._landed(came):
-                        parts, outcome = self._outcome(flying.pop(future), future)
-                        again.extend(parts)
-                        yield from outcome
+                for future in self._landed(came) if flying else ():
+                    parts, outcome = self._outcome(flying.pop(future), future)
+                    again.extend(one for one in parts if not one.deaths)
+                    apart.extend(one for one in parts if one.deaths)
+                    yield from outcome
         finally:
             self._let_go(name, flying)
 
@@ -177,7 +183,7 @@ class DaskEngine:
         try:
             results = future.result(timeout=CONNECT)
         except KilledWorker:
-            again, lost = batch.after_death() if len(batch.items) > 1 else ([], [Lost(batch.items[0], DIED)])
+            again, lost = batch.after_death()
             return again, list(lost)
         except SetupError as error:
             raise EngineError(str(error)) from None
@@ -211,6 +217,3 @@ class DaskEngine:
             f"expected a Dask scheduler at {self.name}, got {said}; start it and the same command again: "
             "what was done is kept"
         )
-
-
-__all__ = ["Common", "DaskEngine", "Future", "batch_done", "cluster_at", "local_cluster"]

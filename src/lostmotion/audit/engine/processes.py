@@ -40,7 +40,7 @@ class Worker:
         self.batches: deque[Tried] = deque()
 
     def give(self, task: Task, batch: Tried) -> None:
-        """Send a batch; the task before it where it is another than before. A dead worker is noticed when it is read."""
+        """Send a batch, before it the task where that is a new one. That a worker is dead is noticed by reading."""
         self.batches.append(batch)
         with suppress(OSError):
             if self.task is not task:
@@ -77,9 +77,16 @@ class Processes:
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
         """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
-        source = iter(batches)
+        try:
+            yield from self._run(task, iter(batches))
+        finally:  # a run that is broken off leaves workers with batches that nobody waits for
+            self._again.clear()
+            for worker in [one for one in self._workers if one.batches]:
+                worker.end()
+                self._workers.remove(worker)
+
+    def _run(self, task: Task, source: Iterator[tuple[Any, ...]]) -> Iterator[Done | Lost]:
         more = True
-        self._again.clear()
         while True:
             while (more or self._again) and (worker := self._free()) is not None:
                 batch = self._again.popleft() if self._again else next((Tried(one) for one in source), None)

@@ -1,0 +1,167 @@
+"""Stores that cannot be used: one clear line each, with the remedy and without a password."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+import tempfile
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+from alembic.script import ScriptDirectory
+
+from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.store.connect import connected_as_it_is, store_url
+from lostmotion.store.rows import LoopRow, RunRow
+from lostmotion.store.schema import VERSION, metadata
+from lostmotion.store.store import Store
+from lostmotion.store.upgrade import migrate, upgrade
+
+
+def made(path, version=VERSION):
+    """Store of a version, made by the migrations up to it."""
+    engine = connected_as_it_is(path)
+    with engine.connect().execution_options(writing=True) as connection, connection.begin():
+        migrate(connection, version)
+    engine.dispose()
+    return path
+
+
+def assert_refused(match, address, **settings):
+    with pytest.raises((FileAccessError, ParameterError), match=match) as caught:
+        Store(address, **settings)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def schema(path):
+    with closing(sqlite3.connect(path)) as plain:
+        rows = plain.execute("SELECT name, sql FROM sqlite_master WHERE name NOT LIKE '%schema_version%' ORDER BY name")
+        return rows.fetchall()
+
+
+def test_migrations_make_the_tables_that_the_code_has(tmp_path):
+    Store(tmp_path / "new.db").close()
+    assert schema(made(tmp_path / "migrated.db")) == schema(tmp_path / "new.db")
+
+
+def test_migrations_of_postgresql(postgresql):
+    engine = connected_as_it_is(postgresql.database())
+    with engine.begin() as connection:
+        migrate(connection)
+        found = sa.MetaData()
+        found.reflect(connection)
+    engine.dispose()
+    for table in metadata.sorted_tables:
+        same = [(column.name, column.nullable) for column in found.tables[table.name].columns]
+        assert same == [(column.name, column.nullable) for column in table.columns], table.name
+        assert {one.name for one in found.tables[table.name].indexes} == {one.name for one in table.indexes}
+
+
+def test_the_version_is_the_last_migration():
+    assert ScriptDirectory("src/lostmotion/store/migrations").get_current_head() == VERSION
+
+
+def test_an_older_store_names_the_command_that_upgrades_it(tmp_path):
+    path = made(tmp_path / "old.db", "0001")
+    for settings in ({}, {"write": False}):
+        said = assert_refused("expected version 0002 of the store .*, got the older version 0001; ", path, **settings)
+        assert said.endswith(f"then: lostmotion audit --upgrade {path}")
+    assert upgrade(path) == ("0001", VERSION)
+    assert upgrade(path) == (VERSION, VERSION)
+    Store(path).close()
+
+
+def test_a_newer_store_is_refused(tmp_path):
+    path = made(tmp_path / "new.db")
+    with closing(sqlite3.connect(path)) as plain, plain:
+        plain.execute("UPDATE schema_version SET version_num = '0999'")
+    assert_refused("got the newer version 0999; update lostmotion", path)
+    with pytest.raises(FileAccessError, match="got the newer version 0999; update lostmotion"):
+        upgrade(path)
+
+
+def test_files_that_are_no_store(tmp_path):
+    (tmp_path / "a.csv").write_text("time,OP,PV\n" * 200)
+    assert_refused("got a file that is none; give another name to --store", tmp_path / "a.csv")
+    with closing(sqlite3.connect(tmp_path / "history.db")) as plain, plain:
+        plain.execute("CREATE TABLE samples (t, v)")
+    assert_refused(r"got a database with other tables \(samples\); ", tmp_path / "history.db")
+    assert_refused("got a database with other tables", tmp_path / "history.db", write=False)
+    assert [name for name, _ in schema(tmp_path / "history.db")] == ["samples"], "left as it was"
+    assert_refused("got a folder; give the name of a file", tmp_path)
+    assert_refused("got no folder to put it into; make the folder first", tmp_path / "none" / "a.db")
+    assert_refused("got no such file; check the name", tmp_path / "b.db", write=False)
+    assert_refused(r"expected a file, sqlite:///FILE or postgresql://.., got mysql://; ", "mysql://host/plant")
+    assert_refused(r"got sqlite://; ", "sqlite://")
+
+
+def test_a_store_that_is_locked(tmp_path):
+    path = tmp_path / "a.db"
+    with Store(path, patience=0.05) as store, closing(sqlite3.connect(path)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(FileAccessError, match="got one that is locked by another program; close what has it open"):
+            store.begin(RunRow("plant"))
+        other.rollback()
+        assert store.begin(RunRow("plant")) == (1, False)
+
+
+def test_a_store_that_is_read_only(tmp_path):
+    path = tmp_path / "a.db"
+    Store(path).close()
+    with Store(f"sqlite:///file:{path}?mode=ro&uri=true", write=False) as store:
+        with pytest.raises(FileAccessError, match="got one that is read-only; check its permissions"):
+            store.begin(RunRow("plant"))
+        assert store.runs() == []
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="needs the right to become somebody else")
+def test_a_store_that_nobody_may_write():
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.db"
+        Path(folder).chmod(0o755)
+        code = (
+            "import os, sys; from lostmotion.store.store import Store; path = sys.argv[1]\n"
+            "Store(path).close(); os.setuid(65534)\n"
+            "with Store(path, write=False) as store: print(store.runs())\n"
+            "try: Store(path)\nexcept OSError as error: print(error)"
+        )
+        done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
+    read, refused = done.stdout.splitlines()
+    assert read == "[]"
+    assert refused.startswith(f"expected a store that can be used at {str(path)!r}, got one that is read-only; check")
+
+
+def test_a_disk_that_is_full(tmp_path):
+    with Store(tmp_path / "a.db") as store:
+        run, _ = store.begin(RunRow("plant"))
+
+        @sa.event.listens_for(store.engine, "checkout")
+        def _(connection, *_):
+            connection.execute("PRAGMA max_page_count = 40")
+
+        with pytest.raises(FileAccessError, match="got a full disk; make room and start again: what was done is kept"):
+            store.put_loops(run, [LoopRow(f"FIC-{number}" * 50) for number in range(500)])
+        assert store.loops() == []
+
+
+def test_a_server_that_is_not_there(tmp_path):
+    address = "postgresql://ada:secret@127.0.0.1:1/plant"
+    said = assert_refused("got no connection; check that the server runs", address, patience=0.3)
+    assert "secret" not in said
+    assert "secret" not in str(store_url(address))
+
+
+def test_a_server_is_waited_for(monkeypatch):
+    tried = []
+    monkeypatch.setattr("time.sleep", tried.append)
+    assert_refused("got no connection", "postgresql://127.0.0.1:1/plant", patience=3.0)
+    assert tried[:3] == [0.25, 0.5, 1.0]
+
+
+def test_a_database_that_is_not_there(postgresql):
+    there = postgresql.database()
+    head, _, tail = there.partition("?")
+    assert_refused("got a server without this database; make it", f"{head}x?{tail}", patience=60.0)
