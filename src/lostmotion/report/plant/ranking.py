@@ -64,7 +64,9 @@ class Line:
     new: bool
 
 
-def lines(view: PlantView, rows: Sequence[AssessmentRow], link: Callable[[str], str], new: frozenset[str]) -> list[Line]:
+def lines(
+    view: PlantView, rows: Sequence[AssessmentRow], link: Callable[[str], str], new: frozenset[str]
+) -> list[Line]:
     """Lines of rows, in their order."""
     most = scale(rows)
     return [_line(view, row, place, link, most, row.tag in new) for place, row in enumerate(rows, 1)]
@@ -76,9 +78,7 @@ def scale(rows: Sequence[AssessmentRow]) -> float:
     return max(1.25 * sizes[(3 * len(sizes)) // 4], LEAST_SCALE) if sizes else LEAST_SCALE
 
 
-def _line(
-    view: PlantView, row: AssessmentRow, place: int, link: Callable[[str], str], most: float, new: bool
-) -> Line:
+def _line(view: PlantView, row: AssessmentRow, place: int, link: Callable[[str], str], most: float, new: bool) -> Line:
     loop, size = view.by_tag[row.tag], size_words(row)
     return Line(
         place=place,

@@ -94,7 +94,9 @@ def table(rows: Iterable[AssessmentRow], loops: Mapping[str, PlantLoop] | None =
     ('FIC-1', 1.0, 0.8, 1.2)
     """
     known = loops or {}
-    return pl.DataFrame([_cells(row, known.get(row.tag, PlantLoop(row.tag))) for row in rows], schema=COLUMNS, orient="row")
+    return pl.DataFrame(
+        [_cells(row, known.get(row.tag, PlantLoop(row.tag))) for row in rows], schema=COLUMNS, orient="row"
+    )
 
 
 def _cells(row: AssessmentRow, loop: PlantLoop) -> list[Any]:
