@@ -150,10 +150,10 @@ def number_words(value: float | None) -> str:
 
 
 def moment_words(moment: datetime | None) -> str:
-    """Date and time in UTC; of a record without dates nothing."""
+    """Date and time, in UTC where the zone is known; of a record without dates nothing."""
     if moment is None or moment.year <= UNDATED.year:
         return ""
-    return f"{moment.day} {moment:%b %Y %H:%M} UTC"
+    return f"{moment.day} {moment:%b %Y %H:%M}{' UTC' if moment.tzinfo else ''}"
 
 
 def window_words(row: AssessmentRow) -> str:

@@ -165,7 +165,7 @@ def _tile(tile: Tile, box: Box, wide: int, high: int) -> Markup:
     ]
     kind = (tile.label or "cannot tell").replace(" ", "-")
     placed = _placed(box, wide, high, f"tile {kind}", element("title", tile.words), *texts)
-    return element("a", placed, href=tile.link, aria_label=tile.words) if tile.link else placed
+    return element("a", placed, href=tile.link) if tile.link else placed
 
 
 def _cut(name: str, width: float) -> str:
