@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from lostmotion.audit.plant_view import LoopView
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.report.diagnosis_text import signed
 from lostmotion.report.digits import bracketed, plain
@@ -20,7 +21,6 @@ from lostmotion.report.plant.svg.actuator_chart import (
 )
 from lostmotion.report.plant.svg.bars import odds_bar
 from lostmotion.report.plant.svg.trend_chart import trend_charts, trend_table
-from lostmotion.report.plant.view import LoopView
 from lostmotion.report.plant.words import (
     LETTER,
     NO_ANSWER,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 
 from lostmotion.audit.from_diagnosis import row_of, trace_of
+from lostmotion.audit.plant_view import LoopView
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant.pages import loop_report
-from lostmotion.report.plant.view import LoopView
 from lostmotion.report.pooled_text import rests_on
 from lostmotion.store.rows import UNDATED
 

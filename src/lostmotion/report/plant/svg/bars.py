@@ -6,8 +6,8 @@ import math
 
 from markupsafe import Markup
 
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.report.plant.svg.element import element, percent
-from lostmotion.report.plant.words import ends_percent
 from lostmotion.store.rows import AssessmentRow
 
 ODDS = 4.0  # of log-odds: longer bars say no more
