@@ -200,3 +200,21 @@ def test_silent_without_a_terminal(csv):
     assert done.returncode == 1
     assert done.stderr == ""
     assert done.stdout.splitlines()[-1] == "2 loops: 2 without a result."
+
+
+def test_the_report_is_a_page_and_no_file_is_replaced(capsys, csv, tmp_path, told):
+    told(example(), example())
+    page = tmp_path / "fc7.html"
+    assert run(capsys, "diagnose", csv, "--report", page)[0] == 1
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    assert f"lostmotion simulate {csv}" in text
+    code, _, error = run(capsys, "diagnose", csv, "--report", page)
+    assert code == 1
+    assert "--force" in error
+    folder = tmp_path / "pages"
+    folder.mkdir()
+    other = written(tmp_path / "FC8.csv", loop_record())
+    told(example(), example())
+    run(capsys, "diagnose", csv, other, "--report", folder)
+    assert sorted(path.name for path in folder.iterdir()) == ["FC7.html", "FC8.html"]

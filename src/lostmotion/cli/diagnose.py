@@ -45,6 +45,10 @@ Tolerance = Annotated[
 SameLoop = Annotated[
     bool, typer.Option("--same-loop", help="The files are records of one loop: one verdict from all together.")
 ]
+Report = Annotated[
+    Path | None,
+    number("--report", "Write a page about the loop here (html, one file, printable); of several files: a folder."),
+]
 Out = Annotated[Path | None, number("--out", "Write the result as JSON; of several files: a list.")]
 
 
@@ -55,6 +59,7 @@ def diagnose(
     tolerance: Tolerance = 0.01,
     same_loop: SameLoop = False,
     figure: Figures = None,
+    report: Report = None,
     out: Out = None,
     *,
     columns: RecordOptions,
@@ -63,6 +68,8 @@ def diagnose(
     """Say what is wrong with a loop: actuator, tuning, disturbance or sensor, how sure that is, and what to do.
 
     Example: lostmotion diagnose FIC-101.csv --loop-type flow --figure fic101.png
+
+    Example: lostmotion diagnose FIC-101.csv --report fic101.html
 
     Several files, or the loops of one, give one line each as they are done, then a table with the worst first. With
     --same-loop they are records of one valve: what they say is added up, in the order given. Long records are read by
@@ -74,16 +81,18 @@ def diagnose(
 
     files = sources(files, columns, every_loop=not same_loop)
     if same_loop:
-        raise _together(files, integrating, loop_type, tolerance, figure, out, columns, output)
+        raise _together(files, integrating, loop_type, tolerance, figure, report, out, columns, output)
     refuse_tag(files, columns)
     figures = places(files, figure, "figures", ".png")
-    output.refuse(out, figures=tuple(figures.values()))
+    reports = places(files, report, "reports", ".html")
+    output.refuse(out, *reports.values(), figures=tuple(figures.values()))
 
     def work(file: Path) -> Diagnosis:
         kind = None if loop_type is None else loop_type.value
         record = columns.read(file)
         found = lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
         output.write_figure(figures.get(file), found)
+        _write_report(reports.get(file), found, str(file), output)
         return found
 
     found = each(files, work, diagnosis_line, output.json, output.keeper(out))
@@ -96,17 +105,27 @@ def _together(
     loop_type: LoopType | None,
     tolerance: float,
     figure: Path | None,
+    report: Path | None,
     out: Path | None,
     columns: RecordOptions,
     output: OutputOptions,
 ) -> typer.Exit:
     """One verdict from the files of one loop, and the exit code that it has."""
-    output.refuse(out, figures=(figure,))
+    output.refuse(out, report, figures=(figure,))
     records = [replace(columns.read(file), tag=file.stem) for file in files]
     kind = None if loop_type is None else loop_type.value
     found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
     output.write_figure(figure, found)
+    _write_report(report, found, str(files[0]), output)
     data = {"files": [str(file) for file in files], **found.to_dict()}
     output.write_json(out, data)
     output.show(found.summary(), data)
     return typer.Exit(0 if found.verdict in INNOCENT else 1)
+
+
+def _write_report(path: Path | None, found: Diagnosis, source: str, output: OutputOptions) -> None:
+    """Write the page of a loop, where it is wanted."""
+    if path is not None:
+        from lostmotion.report.plant import diagnosis_report
+
+        output.write_text(path, diagnosis_report(found, source))

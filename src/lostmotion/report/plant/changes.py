@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lostmotion.report.plant.view import CLEARED, FAULTS, PlantView
-from lostmotion.report.plant.words import ends_percent, interval_words, of_what, size_words, status_words
+from lostmotion.audit.plant_view import CLEARED, FAULTS, PlantView
+from lostmotion.audit.row_facts import ends_percent, status_words
+from lostmotion.report.plant.words import interval_words, of_what, size_words
 from lostmotion.store.rows import AssessmentRow, Stage
 
 ORDER = ("new finding", "grew", "another fault", "no longer found", "shrank", "new loop", "not seen any more")

@@ -6,15 +6,21 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from lostmotion.audit.plant_view import LoopView
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.report.diagnosis_text import signed
 from lostmotion.report.digits import bracketed, plain
 from lostmotion.report.plant.changes import said
 from lostmotion.report.plant.sizes import history_picture, history_rows
-from lostmotion.report.plant.svg.actuator_chart import actuator_chart, model_of, parameter_rows, plane_chart
+from lostmotion.report.plant.svg.actuator_chart import (
+    actuator_chart,
+    model_of,
+    parameter_rows,
+    plane_chart,
+    swings,
+)
 from lostmotion.report.plant.svg.bars import odds_bar
 from lostmotion.report.plant.svg.trend_chart import trend_charts, trend_table
-from lostmotion.report.plant.view import LoopView
 from lostmotion.report.plant.words import (
     LETTER,
     NO_ANSWER,
@@ -51,6 +57,7 @@ class LoopPage:
     actuator: Markup
     parameters: list[tuple[str, str, str]]
     sized: bool
+    swings: bool
     op_unit: str
     evidence: list[tuple[str, str, str, Markup, str]]
     excluded: list[tuple[str, str, str]]
@@ -91,6 +98,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         actuator=actuator_chart(trace, op_unit) if trace else Markup(""),
         parameters=parameter_rows(trace) if trace else [],
         sized=row.size is not None,
+        swings=swings(row),
         op_unit=bracketed(op_unit),
         evidence=_evidence(row),
         excluded=_excluded(row),
@@ -161,7 +169,7 @@ def _oscillation(view: LoopView) -> list[tuple[str, str]]:
     if row.period is None:
         found = [("Period", "no oscillation was measured")]
     else:
-        regular = row.regularity is not None and row.regularity > 1.0
+        regular = swings(row)
         found = [
             ("Swings regularly", "yes" if regular else "no"),
             ("Period" if regular else "Strongest near", seconds_words(row.period)),

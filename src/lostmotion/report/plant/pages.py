@@ -11,15 +11,16 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
+from lostmotion.audit.health import health_of
+from lostmotion.audit.plant_view import LoopView, PlantView
+from lostmotion.audit.row_facts import status_words
 from lostmotion.report.plant.changes import changes
-from lostmotion.report.plant.health import health_of
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines
 from lostmotion.report.plant.sizes import size_trends
 from lostmotion.report.plant.svg.bars import count_bar
 from lostmotion.report.plant.svg.treemap import treemap
-from lostmotion.report.plant.view import LoopView, PlantView
-from lostmotion.report.plant.words import moment_words, seconds_words, status_words
+from lostmotion.report.plant.words import moment_words, seconds_words
 from lostmotion.store.rows import AssessmentRow, Stage
 
 MOST_PAGES = 50  # of loops in one file: some 40 kB each

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from lostmotion.audit.plant_view import FAULTS, PlantView
+from lostmotion.audit.row_facts import status_words
 from lostmotion.report.plant.svg.bars import size_bar
-from lostmotion.report.plant.view import FAULTS, PlantView
 from lostmotion.report.plant.words import (
     LETTER,
     excluded_words,
@@ -16,7 +17,6 @@ from lostmotion.report.plant.words import (
     next_step,
     of_what,
     size_words,
-    status_words,
     sure_words,
 )
 from lostmotion.store.rows import AssessmentRow

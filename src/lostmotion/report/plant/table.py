@@ -7,8 +7,8 @@ from typing import Any
 
 import polars as pl
 
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.plant import PlantLoop
-from lostmotion.report.plant.words import ends_percent
 from lostmotion.store.rows import AssessmentRow
 
 _TEXT, _NUMBER, _TIME = pl.String, pl.Float64, pl.Datetime("us", "UTC")

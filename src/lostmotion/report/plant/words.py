@@ -6,11 +6,12 @@ import math
 import shlex
 from datetime import datetime
 
+from lostmotion.audit.plant_view import FAULTS, RunFacts
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.report.diagnosis_text import FINEST, KIND
 from lostmotion.report.digits import digits, plain, span
-from lostmotion.report.plant.view import FAULTS, RunFacts
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 
 NO_ANSWER = "–"
@@ -32,14 +33,6 @@ UNITS = ((172_800.0, 86_400.0, "days"), (7200.0, 3600.0, "h"), (180.0, 60.0, "mi
 def of_what(row: AssessmentRow) -> str:
     """What its percentages are of."""
     return "of span" if row.indices.get("op_span_known", 1.0) else "of the OP range seen"
-
-
-def ends_percent(row: AssessmentRow) -> tuple[float, float] | None:
-    """95 % interval of the size in % of span; None where there is none."""
-    if row.size is None or row.size_percent is None or row.low is None or row.high is None or not row.size:
-        return None
-    each = row.size_percent / row.size
-    return row.low * each, row.high * each
 
 
 def size_words(row: AssessmentRow) -> str:
@@ -119,13 +112,6 @@ def where_from(row: AssessmentRow) -> str:
     return KIND.get(row.kind, "")
 
 
-def status_words(row: AssessmentRow) -> str:
-    """Verdict of an assessed loop, else how far it came."""
-    if row.stage is Stage.ASSESSED:
-        return row.verdict
-    return "failed" if row.stage is Stage.FAILED else "not assessed"
-
-
 def seconds_words(seconds: float) -> str:
     """Length of time.
 
@@ -151,10 +137,10 @@ def number_words(value: float | None) -> str:
 
 
 def moment_words(moment: datetime | None) -> str:
-    """Date and time in UTC; of a record without dates nothing."""
+    """Date and time, in UTC where the zone is known; of a record without dates nothing."""
     if moment is None or moment.year <= UNDATED.year:
         return ""
-    return f"{moment.day} {moment:%b %Y %H:%M} UTC"
+    return f"{moment.day} {moment:%b %Y %H:%M}{' UTC' if moment.tzinfo else ''}"
 
 
 def window_words(row: AssessmentRow) -> str:

@@ -34,6 +34,11 @@ def model_of(trace: TraceRow) -> dict[str, Any]:
     return dict(found)
 
 
+def swings(row: AssessmentRow) -> bool:
+    """Whether it has a regular period."""
+    return row.period is not None and row.regularity is not None and row.regularity > 1.0
+
+
 def plane_chart(trace: TraceRow, row: AssessmentRow, pv_unit: str = "", op_unit: str = "") -> Markup:
     """PV over OP; behind it a band as wide as the lost motion, at its place where that is known."""
     found = signals(trace)
@@ -42,7 +47,7 @@ def plane_chart(trace: TraceRow, row: AssessmentRow, pv_unit: str = "", op_unit:
         return Markup("")
     x, y = Axis.around(op, f"OP{bracketed(op_unit)}", most=4), Axis.around(pv, f"PV{bracketed(pv_unit)}")
     lines = [line("faint", x, y, op, pv)]
-    if row.period is not None and trace.seconds > 0.0:
+    if swings(row) and row.period is not None and trace.seconds > 0.0:
         last = slice(-max(int(PERIODS * row.period / trace.seconds * op.size), 2), None)
         lines.append(line("pv", x, y, op[last], pv[last]))
     said = f"PV over OP; OP goes from {plain(float(np.nanmin(op)))} to {plain(float(np.nanmax(op)))}."

@@ -6,8 +6,8 @@ import math
 
 from markupsafe import Markup
 
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.report.plant.svg.element import element, percent
-from lostmotion.report.plant.words import ends_percent
 from lostmotion.store.rows import AssessmentRow
 
 ODDS = 4.0  # of log-odds: longer bars say no more
@@ -19,7 +19,7 @@ def size_bar(row: AssessmentRow, most: float) -> Markup:
     if row.size_percent is not None:
         low, high = ends_percent(row) or (row.size_percent, row.size_percent)
         marks.append(_span("whisker", low / most, high / most))
-        marks.append(element("circle", class_="dot", cx=percent(_inside(row.size_percent / most)), cy="50%", r=4))
+        marks.append(_dot(row.size_percent / most))
     elif row.excluded_percent is not None and not math.isnan(row.excluded_percent):
         marks.append(_span("open", 0.0, row.excluded_percent / most))
     return _small(*marks)
@@ -40,6 +40,13 @@ def odds_bar(weight: float) -> Markup:
 
 def _small(*marks: Markup) -> Markup:
     return element("svg", *marks, class_="bar", aria_hidden="true", width="100%", height="16")
+
+
+def _dot(share: float) -> Markup:
+    """Circle at the size; an arrow where that is beyond the line."""
+    if share > 1.0:
+        return element("text", "▶", class_="beyond", x="100%", y="50%", dy="0.35em", text_anchor="end")
+    return element("circle", class_="dot", cx=percent(_inside(share)), cy="50%", r=4)
 
 
 def _span(kind: str, low: float, high: float) -> Markup:

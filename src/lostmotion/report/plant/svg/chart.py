@@ -12,7 +12,7 @@ from lostmotion.report.plant.svg.axis import Axis
 from lostmotion.report.plant.svg.element import element, percent
 
 WIDE, HIGH = 2000, 1000  # units of the stretched part: finer than any screen or paper shows
-LEFT, TOP, BELOW = 56, 24, 34  # pixels around the plot; the stylesheet knows LEFT
+TOP, BELOW = 24, 34  # pixels of padding that the stylesheet gives a chart, for ticks and names
 
 
 def chart(title: str, words: str, x: Axis, y: Axis, *marks: Markup, height: int = 200, kind: str = "") -> Markup:
@@ -29,12 +29,8 @@ def chart(title: str, words: str, x: Axis, y: Axis, *marks: Markup, height: int 
     kind : str
         Further class.
     """
-    plot = element(
-        "svg", *_grid(x, y), *marks, *_ticks(x, y),
-        class_="plot", x=LEFT, y=TOP, height=height, width="88%",
-    )  # fmt: skip
     return element(
-        "svg", element("title", title), element("desc", words), plot,
+        "svg", element("title", title), element("desc", words), *_grid(x, y), *marks, *_ticks(x, y),
         class_=f"chart {kind}".strip(), role="img", aria_label=f"{title}. {words}", width="100%",
         height=height + TOP + BELOW,
     )  # fmt: skip

@@ -8,10 +8,10 @@ from datetime import datetime
 import numpy as np
 from markupsafe import Markup
 
+from lostmotion.audit.plant_view import SizePoint
 from lostmotion.report.plant.svg.axis import Axis
 from lostmotion.report.plant.svg.chart import chart
 from lostmotion.report.plant.svg.element import element, percent
-from lostmotion.report.plant.view import SizePoint
 from lostmotion.store.rows import UNDATED
 
 DAY = 86_400.0

@@ -160,12 +160,12 @@ def _area(name: str, tiles: Sequence[Tile], box: Box, wide: int, high: int) -> M
 def _tile(tile: Tile, box: Box, wide: int, high: int) -> Markup:
     letter = LETTER.get(tile.label, "?")
     texts = [
-        element("text", _cut(tile.name, box[2]), class_="name", x="6", y="16"),
-        element("text", letter, class_="letter", x="6", y="32"),
+        element("text", _cut(tile.name, box[2]), class_="name", x="6", y="16", aria_hidden="true"),
+        element("text", letter, class_="letter", x="6", y="32", aria_hidden="true"),
     ]
     kind = (tile.label or "cannot tell").replace(" ", "-")
     placed = _placed(box, wide, high, f"tile {kind}", element("title", tile.words), *texts)
-    return element("a", placed, href=tile.link, aria_label=tile.words) if tile.link else placed
+    return element("a", placed, href=tile.link) if tile.link else placed
 
 
 def _cut(name: str, width: float) -> str:

@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from lostmotion.report.plant.view import PlantView
+from lostmotion.audit.plant_view import PlantView
 from lostmotion.store.rows import AssessmentRow, Stage
 
 EXAMPLES = 3  # tags that are named with a reason

@@ -158,7 +158,7 @@ class PlantView:
     def _trace(self, row: AssessmentRow) -> TraceRow | None:
         mine = [one for one in self.traces if one.tag == row.tag]
         same = [one for one in mine if one.window_start == row.window_start]
-        return (same or mine or [None])[0]
+        return next(iter(same or mine), None)
 
 
 @dataclass(frozen=True)

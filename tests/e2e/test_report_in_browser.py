@@ -1,0 +1,80 @@
+"""Reports in a real browser: no sideways scrolling, nothing fetched, nothing hostile runs, script only helps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lostmotion.report.plant import plant_report
+from tests.plant_rows import HOSTILE, plant
+
+CHROMIUM = Path("/usr/bin/chromium")
+WIDTHS = (390, 1280, 1920)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if not CHROMIUM.exists():
+        pytest.skip(f"{CHROMIUM} is not there")
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "plant.html"
+    path.write_text(plant_report(plant(HOSTILE)), encoding="utf-8")
+    return path.as_uri()
+
+
+def test_nothing_scrolls_sideways_and_nothing_is_fetched_or_run(browser, address):
+    page = browser.new_page()
+    said, asked = [], []
+    for event in ("console", "pageerror", "dialog"):
+        page.on(event, lambda what: said.append(str(what)))
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(address)
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert (said, asked) == ([], [address])
+    page.close()
+
+
+def test_sorting_and_filtering_by_keyboard(browser, address):
+    page = browser.new_page()
+    page.goto(address)
+    rows = page.locator("#ranking tbody tr")
+    assert rows.count() == 2
+    page.locator("#ranking thead button").nth(6).focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#ranking thead th").nth(6).get_attribute("aria-sort") == "ascending"
+    assert rows.first.locator("td").first.inner_text() == "2"  # least priority first
+    page.locator("#ranking input").fill("stiction")
+    assert page.locator("#ranking [role=status]").inner_text() == "1 of 2 shown"
+    assert page.locator("#ranking tbody tr:visible").count() == 1
+    page.close()
+
+
+def test_without_script_all_of_it_is_there(browser, address):
+    page = browser.new_context(java_script_enabled=False).new_page()
+    page.goto(address)
+    assert page.locator("#ranking tbody tr:visible").count() == 2
+    assert page.locator("#ranking button").count() == 0
+    page.locator("a[href='#loop-1']").first.click()
+    assert page.url.endswith("#loop-1")
+    page.close()
+
+
+def test_it_prints_on_a4(browser, address):
+    page = browser.new_page()
+    page.goto(address)
+    printed = page.pdf(prefer_css_page_size=True)
+    assert printed.startswith(b"%PDF")
+    assert b"/MediaBox [0 0 594" in printed or b"/MediaBox [0 0 595" in printed
+    page.close()
