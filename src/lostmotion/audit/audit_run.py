@@ -10,13 +10,13 @@ from typing import Any
 
 from lostmotion import _verbs
 from lostmotion.audit.history import LoopHistory, history
+from lostmotion.audit.plant_view import FAULTS, PlantView
+from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
-from lostmotion.store.asked import New
+from lostmotion.store.news import New
 from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, RunRow, Stage, TraceRow
 from lostmotion.store.store import Store
-
-FAULTS = ("dead zone", "backlash", "stiction", "saturation")  # verdicts that name a fault of the actuator
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +116,11 @@ class AuditRun:
             found = [row for run, row in store.history(tag) if run.number <= self.run.number]
         return history(list(reversed(found)))
 
+    @cached_property
+    def view(self) -> PlantView:
+        """What reports show: these rows, with pictures and history of the most urgent loops."""
+        return view_of(self)
+
     def traces(self, tags: Sequence[str]) -> tuple[TraceRow, ...]:
         """Pictures of some loops."""
         with Store(self.store, write=False) as store:
@@ -123,15 +128,15 @@ class AuditRun:
 
     def table(self) -> Any:
         """Polars frame of the rows, in their order: percentages of span, times in UTC."""
-        return _verbs.frame(self)
+        return _verbs.frame(self.view)
 
     def summary(self) -> str:
         """Report as text: what could not be judged, what was found, what to do first."""
-        return _verbs.summary(self)
+        return _verbs.summary(self.view)
 
     def plot(self, **options: Any) -> Any:
         """Figure: verdicts, ranking with sizes, health. Needs the extra ``lostmotion[plot]``."""
-        return _verbs.plot(self, **options)
+        return _verbs.plot(self.view, **options)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: the run, its rows as in :meth:`table`, groups, news, what could not be read."""
@@ -152,7 +157,7 @@ class AuditRun:
 
     def _repr_html_(self) -> str:
         """Headline and table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.html(self.view)
 
     def __str__(self) -> str:
         return self.summary()

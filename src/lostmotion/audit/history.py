@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.pooled.trend_of_size import NORMAL, SizeTrend, size_trend
 from lostmotion.errors import ParameterError
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
@@ -160,10 +161,8 @@ def history(rows: Sequence[AssessmentRow]) -> LoopHistory:
 
 def _percent(row: AssessmentRow) -> tuple[float, float, float] | None:
     """Size and its ends in % of span."""
-    if row.kind != "actuator" or not row.size or row.low is None or row.high is None or row.size_percent is None:
-        return None
-    scale = row.size_percent / row.size
-    return row.size_percent, scale * row.low, scale * row.high
+    ends = ends_percent(row) if row.kind == "actuator" else None
+    return None if ends is None or row.size_percent is None else (row.size_percent, *ends)
 
 
 def _middle(row: AssessmentRow) -> datetime:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow, Stage
@@ -111,7 +112,7 @@ def _severity(row: AssessmentRow) -> tuple[float, list[str]]:
         told = f"cannot tell; a fault of the actuator is {probability(row.probability or 0.0)} likely"
         return (LOST * UNSIZED + (1.0 - LOST) * swing if suspected else 0.0), [told, *about_swing]
     if row.kind == "actuator":
-        size = row.size_percent
+        size = row.size_percent if _of_span(row) else None
         lost = UNSIZED if size is None else size / (size + USUAL)
         return LOST * lost + (1.0 - LOST) * swing, [_fault(row), *about_swing]
     if row.verdict == "other oscillation":
@@ -126,11 +127,16 @@ def _severity(row: AssessmentRow) -> tuple[float, list[str]]:
 def _fault(row: AssessmentRow) -> str:
     """Kind, size with interval in % of span, and how sure."""
     size = ""
-    if row.size is not None and row.size_percent is not None:
-        scale = row.size_percent / row.size if row.size else 0.0
-        ends = "" if row.low is None or row.high is None else f" ({scale * row.low:.2g} .. {scale * row.high:.2g})"
-        size = f" of {row.size_percent:.2g} % of span{ends}"
+    if row.size_percent is not None:
+        between = ends_percent(row)
+        ends = "" if between is None else f" ({between[0]:.2g} .. {between[1]:.2g})"
+        size = f" of {row.size_percent:.2g} % of {'span' if _of_span(row) else 'the OP range seen'}{ends}"
     return f"{row.verdict}{size}, {_sure(row)}"
+
+
+def _of_span(row: AssessmentRow) -> bool:
+    """Whether percentages are of the span, not of the range that was seen."""
+    return bool(row.indices.get("op_span_known", 1.0))
 
 
 def _sure(row: AssessmentRow) -> str:

@@ -17,8 +17,8 @@ from lostmotion.errors import ParameterError
 
 if TYPE_CHECKING:
     from lostmotion.audit.audit_run import AuditRun
+    from lostmotion.audit.plant_view import PlantView
     from lostmotion.audit.run import Progress
-    from lostmotion.report.plant import PlantView
 
 STORE = "plant.db"
 
@@ -174,13 +174,12 @@ def _write(found: AuditRun, written: ReportOptions, output: OutputOptions) -> No
         write_table(found.table(), written.table, output.force)
     if written.report is None and written.report_loops is None:
         return
-    from lostmotion.report.plant import plant_report, view_of
+    from lostmotion.report.plant import plant_report
 
-    view = view_of(found)
     if written.report is not None:
-        output.write_text(written.report, plant_report(view))
+        output.write_text(written.report, plant_report(found.view))
     if written.report_loops is not None:
-        _write_pages(view, written.report_loops, output)
+        _write_pages(found.view, written.report_loops, output)
 
 
 def _write_pages(view: PlantView, folder: Path, output: OutputOptions) -> None:

@@ -1,11 +1,13 @@
 """Text and JSON of results."""
 
 from lostmotion import _verbs
+from lostmotion.audit.plant_view import PlantView
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.evaluate import CompensationStudy, MonteCarloResult, Solution
 from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
+from lostmotion.report.audit_text import audit_summary
 from lostmotion.report.design_text import achievable_summary, design_summary
 from lostmotion.report.diagnosis_table import diagnosis_line, diagnosis_table
 from lostmotion.report.diagnosis_text import diagnosis_summary
@@ -14,6 +16,8 @@ from lostmotion.report.fit_remarks import fit_remarks
 from lostmotion.report.fit_text import fit_summary
 from lostmotion.report.monte_carlo_text import monte_carlo_summary
 from lostmotion.report.notebook import (
+    audit_frame,
+    audit_html,
     block_html,
     diagnosis_html,
     facts_html,
@@ -28,6 +32,9 @@ from lostmotion.report.recursive_text import recursive_summary
 from lostmotion.report.solution_text import solution_summary
 from lostmotion.report.study_text import study_summary
 
+_verbs.frame.register(PlantView, audit_frame)
+_verbs.html.register(PlantView, audit_html)
+_verbs.summary.register(PlantView, audit_summary)
 _verbs.summary.register(CompensationStudy, study_summary)
 _verbs.summary.register(Solution, solution_summary)
 _verbs.summary.register(Achievable, achievable_summary)
@@ -50,6 +57,7 @@ _verbs.html.register(Solution, solution_html)
 
 __all__ = [
     "achievable_summary",
+    "audit_summary",
     "design_summary",
     "diagnosis_line",
     "diagnosis_summary",

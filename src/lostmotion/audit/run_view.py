@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lostmotion.addresses import is_url, without_password
-from lostmotion.audit.audit_run import AuditRun
 from lostmotion.audit.history import LoopHistory
-from lostmotion.report.plant.view import PlantView, RunFacts, SizePoint, leading_rows
-from lostmotion.report.plant.words import ends_percent
+from lostmotion.audit.plant_view import PlantView, RunFacts, SizePoint, leading_rows
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.store.rows import AssessmentRow, RunRow, RunState
 from lostmotion.store.store import Store
+
+if TYPE_CHECKING:
+    from lostmotion.audit.audit_run import AuditRun
 
 PAGES = 50  # loops that get a page of their own: nobody reads more a week
 LIMIT = 4.0  # % of span, bad for a control valve
