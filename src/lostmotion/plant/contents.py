@@ -158,6 +158,7 @@ def _asked(reading: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
     return tuple((role, reading[role]) for role in (*ROLES, "time") if role in reading)
 
 
+@lru_cache(maxsize=4096)
 def _of_names(names: tuple[str, ...], asked: tuple[tuple[str, Any], ...]) -> tuple[tuple[Found, ...], str]:
     """Loops by the names of columns, or why there are none."""
     try:

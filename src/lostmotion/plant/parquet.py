@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from pathlib import Path
 
 import narwhals.stable.v2 as nw
@@ -47,15 +48,21 @@ def schema_of(names: Sequence[str]) -> Schema:
     >>> schema_of(["Time", "Tag", "Value"]).kind, schema_of(["tag", "time", "OP", "PV"]).by
     (<Kind.LONG: 'long'>, 'tag')
     """
+    return _schema(tuple(names))
+
+
+@lru_cache(maxsize=4096)
+def _schema(names: tuple[str, ...]) -> Schema:
+    """The same for all files of one export."""
     table = Table(nw.from_native(pl.DataFrame(schema=dict.fromkeys(names, pl.Float32)), eager_only=True), "")
     tag, value = called(table, "tag"), called(table, "value")
     by = tag or next((name for name in names if key(name) in LOOP_KEYS), "")
     rest = [name for name in names if name != by]
     if by and all(usual(role, rest, tags=False) for role in ("op", "pv")):
-        return Schema(tuple(names), Kind.ROWS, by)
+        return Schema(names, Kind.ROWS, by)
     if tag and value and usual("time", [name for name in rest if name != value]):
-        return Schema(tuple(names), Kind.LONG, tag)
-    return Schema(tuple(names))
+        return Schema(names, Kind.LONG, tag)
+    return Schema(names)
 
 
 def schema_at(path: Path) -> Schema:
