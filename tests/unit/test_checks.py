@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lostmotion.records import Finding, LoopRecord, check
+from lostmotion.records.loop_facts import reversals
 
 N = 1000
 T = np.arange(N)
@@ -169,3 +170,30 @@ def test_finding_prints_what_why_and_remedy():
 
 def test_notes_survive_a_cut():
     assert loop(notes=("x.",)).cut(0, 10).notes == ("x.",)
+
+
+def naive_reversals(values, size):
+    """Sample by sample."""
+    count, direction = 0, 0
+    low = high = extreme = None
+    for value in values[~np.isnan(values)].tolist():
+        if direction == 0:
+            low, high = (value, value) if low is None else (min(low, value), max(high, value))
+            if high - low > size:
+                direction, extreme = (1 if value == high else -1), value
+        elif (value - extreme) * direction > 0:
+            extreme = value
+        elif (extreme - value) * direction > size:
+            count, direction, extreme = count + 1, -direction, value
+    return count
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_reversals_by_stretches_are_those_sample_by_sample(seed):
+    random = np.random.default_rng(seed)
+    n = int(random.integers(0, 2000))
+    values = np.cumsum(random.normal(size=n)) * 10.0 ** random.integers(-2, 1) + 0.1 * random.normal(size=n)
+    values = np.round(values, int(random.integers(0, 4)))
+    values[random.random(n) < 0.05] = np.nan
+    for size in (0.0, 0.3, 3.0):
+        assert reversals(values, size) == naive_reversals(values, size)
