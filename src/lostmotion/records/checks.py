@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lostmotion.records.findings import about_loop, about_sampling, about_signal, about_span
+from lostmotion.records.findings import about_loop, about_means, about_sampling, about_signal, about_span
 from lostmotion.records.loop_facts import describe_loop
 from lostmotion.records.pieces import with_own_span
 from lostmotion.records.record import LoopRecord
@@ -52,6 +52,7 @@ def check(record: LoopRecord) -> RecordReport:
         *about_signal(op, "OP", record.dt),
         *about_signal(pv, "PV", record.dt),
         *named,
+        *about_means(record.sp),
         *(about_loop(loop, op, record.dt) if op is not None and loop is not None else ()),
     ]
     findings.sort(key=lambda finding: _ORDER[finding.level])

@@ -8,6 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
+from lostmotion.records.averaged import steps_of
 from lostmotion.records.clipping import Span, beyond, of_other_units
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.report import Finding
@@ -132,6 +133,19 @@ def about_span(name: str, values: FloatArray, span: Span | None) -> Iterator[Fin
         f"Leave the span out, or give it in the units of {name}, which runs from {np.nanmin(values):.4g} to "
         f"{np.nanmax(values):.4g}.",
     )
+
+
+def about_means(sp: FloatArray | None) -> Iterator[Finding]:
+    """Rows that are no samples, by the steps of SP."""
+    steps = steps_of(sp)
+    if steps.averaged:
+        yield Finding(
+            "warning",
+            f"SP goes through an odd value between in {steps.through} of its {steps.count} steps.",
+            "The rows are means over several scans, or interpolated: over four scans and more the width comes out too "
+            "small, by 0.5 to 0.9 standard errors.",
+            "Export samples, one of a scan.",
+        )
 
 
 def about_loop(loop: LoopFacts, op: SignalFacts, dt: float) -> Iterator[Finding]:

@@ -27,6 +27,9 @@ REVERSAL_SIZE = 0.1  # of the 5-95 % amplitude: smaller turns are noise
 MOVING_SHARE = 0.3  # of rows in which SP changes: a cascade's inner loop, not an operator
 OUTLIER_Z = 12.0  # robust z of a jump that comes back at once: steps and noise do not do that
 MANY_OUTLIERS = 0.001  # of samples: one in a thousand already moves a least-squares fit
+AT_REST = 5  # rows of one value: a set point between two moves by hand, no ramp
+FEWEST_THROUGH = 2  # steps of it through an odd value between: one may be a slip of the hand
+THROUGH_SHARE = 0.25  # of the steps: of means over k scans 1 - 1/k go through a value, up to half of them a round one
 
 # What prepare leaves out
 BRIDGE_ROWS = 2  # missing OP between equal neighbours: held in truth; longer ones may hide a move
