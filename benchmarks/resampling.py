@@ -58,9 +58,11 @@ def simulated(seed: int, steps: FloatArray, scans: int = 1, typed: bool = False)
     rng = np.random.default_rng([seed, 18])
     n, held = len(steps), 60 * scans
     noise = NOISE * rng.normal(size=n)
-    wanted = np.repeat(rng.uniform(-4.0, 4.0, size=n // held + 1), held)[:n]
+    levels = rng.uniform(-4.0, 4.0, size=n // held + 1)
+    moves = held * np.arange(1, len(levels))
     if typed:
-        wanted = np.round(np.roll(wanted, rng.integers(scans)), 1)
+        levels, moves = np.round(levels, 1), moves + rng.integers(scans, size=len(moves))
+    wanted = levels[np.searchsorted(moves, np.arange(n), side="right")]
     op, pv, late = np.zeros(n), np.zeros(n), int(DEAD_TIME * scans)
     rest = DEAD_TIME - late / scans
     x = integral = 0.0

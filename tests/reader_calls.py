@@ -180,6 +180,7 @@ def checked():
         {name: np.where(abs(np.arange(600) - 220) < 20, values[200], values) for name, values in live.items()},
         live | {"op": 50 + 0.2 * wave + 0.01 * noise[0], "op_span": (0.0, 100.0)},
         live | {"op_span": (0.0, 1.0)},
+        live | {"sp": np.repeat([50.0, 50.3, 52.0, 51.4, 51.0, 51.0], [50, 1, 149, 1, 99, 300])},
         live | {"op": 50 + np.arange(600) / 10},
         live | {"op": np.clip(live["op"], 45.0, 55.0)},
     ]  # fmt: skip

@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 import narwhals.stable.v2 as nw
+import numpy as np
 import polars as pl
 
 from lostmotion.errors import DataError
@@ -273,11 +274,15 @@ class _Rows:
     def frame(self) -> nw.DataFrame[Any] | TextFrame:
         """All columns, or of a long text those that will be asked for; every row is checked here."""
         height = 0
+        long = len(self._blocks) > 1
         for block in self._blocks:
-            part = self._parse(block)
-            height += part.height
+            if long and self._none_is_longer(block):
+                height += block.rows
+            else:
+                part = self._parse(block)
+                height += part.height
             self._tell("looking at the rows of", block)
-        if len(self._blocks) > 1:
+        if long:
             return TextFrame(self.names, height, self._read)
         return nw.from_native(part.rename(dict(zip(part.columns, self.names, strict=True))), eager_only=True)
 
@@ -294,6 +299,16 @@ class _Rows:
     def _tell(self, what: str, block: Block) -> None:
         if len(self._content.raw) > LONG:
             tell(f"{what} {self._source}", block.stop, len(self._content.raw))
+
+    def _none_is_longer(self, block: Block) -> bool:
+        """Whether it is sure, without a look at the cells, that no row of a block has more of them than the header."""
+        text = self._content.rows(block)
+        if self.delimiter == BLANKS or b'"' in text:
+            return False
+        codes = np.frombuffer(text, dtype=np.uint8)
+        ends = np.append(np.flatnonzero(codes == ord("\n")), len(codes))
+        before = np.searchsorted(np.flatnonzero(codes == ord(self.delimiter)), ends)
+        return int(np.diff(before, prepend=0).max()) < len(self.names)
 
     def _parse(self, block: Block) -> pl.DataFrame:
         """Cells of one block, all of them, once it is sure that no row has more than the header."""
