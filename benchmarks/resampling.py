@@ -35,14 +35,15 @@ BAR = 0.5  # standard errors
 
 @dataclass(frozen=True)
 class Loop:
-    """What the controller saw and did: moments in scans, OP and PV; shape (n,)."""
+    """What the controller saw and did: moments in scans, OP, PV and SP; shape (n,)."""
 
     time: FloatArray
     op: FloatArray
     pv: FloatArray
+    sp: FloatArray
 
 
-def simulated(seed: int, steps: FloatArray, scans: int = 1) -> Loop:
+def simulated(seed: int, steps: FloatArray, scans: int = 1, typed: bool = False) -> Loop:
     """Dead zone, lag and dead time under PI control, set point in steps.
 
     Parameters
@@ -51,11 +52,17 @@ def simulated(seed: int, steps: FloatArray, scans: int = 1) -> Loop:
         Lengths of the controller's scans, in samples of the record.
     scans : int
         Of the controller in one sample of the record.
+    typed : bool
+        The set point is typed, in tenths, at any scan; else it moves with a sample.
     """
     rng = np.random.default_rng([seed, 18])
     n, held = len(steps), 60 * scans
     noise = NOISE * rng.normal(size=n)
-    wanted = np.repeat(rng.uniform(-4.0, 4.0, size=n // held + 1), held)[:n]
+    levels = rng.uniform(-4.0, 4.0, size=n // held + 1)
+    moves = held * np.arange(1, len(levels))
+    if typed:
+        levels, moves = np.round(levels, 1), moves + rng.integers(scans, size=len(moves))
+    wanted = levels[np.searchsorted(moves, np.arange(n), side="right")]
     op, pv, late = np.zeros(n), np.zeros(n), int(DEAD_TIME * scans)
     rest = DEAD_TIME - late / scans
     x = integral = 0.0
@@ -67,7 +74,7 @@ def simulated(seed: int, steps: FloatArray, scans: int = 1) -> Loop:
         for moved, length in ((op[max(k - late - 1, 0)], rest), (op[max(k - late, 0)], steps[k] - rest)):
             through = moved - np.sign(moved) * min(abs(moved), BREAK)
             x = through + (x - through) * np.exp(-length / LAG)
-    return Loop(np.cumsum(np.r_[0.0, steps[:-1]]), op, pv)
+    return Loop(np.cumsum(np.r_[0.0, steps[:-1]]), op, pv, wanted)
 
 
 def noise_of(values: FloatArray) -> float:
@@ -113,12 +120,12 @@ def read(frame: pl.DataFrame) -> lm.LoopRecord:
         return lm.read_loop(frame, **dict(error.ways[0]))
 
 
-def averaged(seed: int, rows: int, scans: float) -> Stored:
-    """Means of OP and PV over some scans, with the stamp of the first; whole: one scan of each."""
+def averaged(seed: int, rows: int, scans: float, with_sp: bool = False) -> Stored:
+    """Means of OP and PV, and of SP, over some scans, with the stamp of the first; whole: one scan of each."""
     many = int(scans)
-    loop = simulated(seed, np.full(rows * many, 1.0 / many), many)
-    op, pv = (values.reshape(rows, many).mean(axis=1) for values in (loop.op, loop.pv))
-    frame = pl.DataFrame({"t_s": loop.time[::many] * SCAN, "OP": op, "PV": pv})
+    loop = simulated(seed, np.full(rows * many, 1.0 / many), many, typed=with_sp)
+    op, pv, sp = (values.reshape(rows, many).mean(axis=1) for values in (loop.op, loop.pv, loop.sp))
+    frame = pl.DataFrame({"t_s": loop.time[::many] * SCAN, "OP": op, "PV": pv} | ({"SP": sp} if with_sp else {}))
     return whole(loop, many), lm.read_loop(frame)
 
 
@@ -141,6 +148,7 @@ KINDS: dict[str, tuple[Callable[[int, int, float], Stored], tuple[float, float, 
     "dead band": (lambda *case: compressed(by_exception, *case), (0.2, 0.7, 2.0), "deviations of the noise"),
     "jitter of the scan": (jittered, (0.1, 0.2, 0.3), "scans"),
     "averages": (averaged, (2.0, 4.0, 8.0), "scans"),
+    "averages, with SP": (lambda *case: averaged(*case, with_sp=True), (2.0, 4.0, 8.0), "scans"),
     "tags in turn": (in_turn, (2.0, 4.0, 8.0), "scans"),
 }
 
@@ -168,7 +176,7 @@ class Tally:
         one, other = (width(record) for record in (clean, stored))
         if one is None or other is None:
             return
-        off = (other[0] - (2.0 * BREAK if kind == "averages" else one[0])) / other[1]
+        off = (other[0] - (2.0 * BREAK if kind.startswith("averages") else one[0])) / other[1]
         self.off.append(off)
         if not more:
             self.silent.append(off)

@@ -12,13 +12,14 @@ import numpy as np
 import polars as pl
 import pytest
 
-from lostmotion.files import matlab, packed, read_loop, read_loops, text_lines, workbook
+from lostmotion.files import archive, matlab, packed, read_loop, read_loops, text_lines, workbook
 from lostmotion.files.follow import Follower
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.growing import GrowingFile
 from lostmotion.files.layout import Asked
 from lostmotion.records import LoopRecord, check, prepare
 from tests.reader_texts import OP, PV, N, rows
+from tests.reader_texts import archive as made_archive
 
 RECORD = LoopRecord(OP, PV, dt=1.0, gaps=(30,), start="2026-03-01 06:00")
 
@@ -28,6 +29,18 @@ def limited(folder, patch):
     path = folder / "a.csv.gz"
     path.write_bytes(gzip.compress(rows().encode()))
     read_loop(path)
+
+
+def packed_among_others(folder):
+    (folder / "b.zip").write_bytes(made_archive({"a.csv": rows(), "b.csv": rows()}))
+    (folder / "a.csv").write_text(rows())
+    read_loop([folder / "b.zip", folder / "a.csv"])
+
+
+def too_many(folder, patch):
+    patch.setattr(archive, "MOST", 10)
+    (folder / "a.zip").write_bytes(made_archive({"a.csv": rows(), "b.csv": rows()}))
+    read_loop(folder / "a.zip")
 
 
 def resumed(folder, asked=None, stream=False, **change):
@@ -101,6 +114,7 @@ OTHERS = {  # what no file alone provokes
     "names that are numbers": lambda _: read_loop(pytest.importorskip("pandas").DataFrame([[1, 2], [3, 4]])),
     "a column of dates": lambda _: read_loop(pl.DataFrame({"OP": [1.0, 2.0], "PV": [date(2024, 1, 1)] * 2})),
     "whole records together": lambda folder: read_loop(two_whole(folder)),
+    "packed files among others": packed_among_others,
     "loops of one name": lambda folder: read_loops(two_whole(folder)),
     "a setting of one loop for all": lambda folder: read_loops(two_whole(folder), loop="a"),
     "another word for uncertain": lambda _: read_loop(pl.DataFrame({"OP": OP, "PV": PV}), uncertain="drop"),
@@ -137,7 +151,8 @@ OTHERS = {  # what no file alone provokes
     "a refused record": lambda _: prepare(LoopRecord(np.full(N, 5.0), PV, dt=1.0)).require(),
 }
 PATCHED = {
-    "too much in an archive": limited,
+    "too much in a packed file": limited,
+    "too much in an archive": too_many,
     "a file that cannot be read": lambda _, patch: unreadable(patch, read_loop),
     "a file that cannot be followed": lambda _, patch: unreadable(patch, lambda path: GrowingFile(Path(path))),
     "no reader of spreadsheets": without_reader,
@@ -164,6 +179,8 @@ def checked():
         {name: np.repeat(values[::3], 3) for name, values in live.items()},
         {name: np.where(abs(np.arange(600) - 220) < 20, values[200], values) for name, values in live.items()},
         live | {"op": 50 + 0.2 * wave + 0.01 * noise[0], "op_span": (0.0, 100.0)},
+        live | {"op_span": (0.0, 1.0)},
+        live | {"sp": np.repeat([50.0, 50.3, 52.0, 51.4, 51.0, 51.0], [50, 1, 149, 1, 99, 300])},
         live | {"op": 50 + np.arange(600) / 10},
         live | {"op": np.clip(live["op"], 45.0, 55.0)},
     ]  # fmt: skip

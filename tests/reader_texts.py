@@ -37,7 +37,8 @@ TEXTS = {  # text of a file, and the settings it is read with
     "blank lines and comments only": ("# a\n\n", {}),
     "header only": ("time,OP,PV\n", {}),
     "no header": (rows().split("\n", 1)[1], {}),
-    "no columns": ("speed\n1\n2\n", {}),
+    "no columns": ("speed\nhigh\nlow\n", {}),
+    "one column with a blank line": ("FIC1.OP\n1\n\n2\n", {}),
     "a row too long": (changed(9, "8,1,2,3"), {}),
     "a quote that is not closed": ('time,OP,PV\n0,1,2\n1,"2,3\n2,3,4\n', {}),
     "one row": ("time,OP,PV\n0,1,2\n", {}),
@@ -71,15 +72,14 @@ TEXTS = {  # text of a file, and the settings it is read with
     "another word for missing": (rows(), {"missing": "no"}),
     "a span turned round": (rows(), {"op_span": (100.0, 0.0)}),
     "packed and damaged": (gzip.compress(rows().encode())[:-9], {}),
-    "packed files": (b"", {}),
 }  # fmt: skip
 
 
-def archive(names):
+def archive(files):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as whole:
-        for name in names:
-            whole.writestr(name, rows())
+        for name, content in files.items():
+            whole.writestr(name, content)
     return stream.getvalue()
 
 
@@ -91,8 +91,12 @@ def mat(**variables):
     return stream.getvalue()
 
 
-TEXTS["packed files"] = (archive(["a.csv", "b.csv"]), {})
 TEXTS |= {
+    "packed records": (archive({"a.csv": rows(), "x/b.csv": rows(), "x/readme.txt": ""}), {}),
+    "packed and no data": (archive({"a.pdf": "", "b.doc": ""}), {}),
+    "packed tags and records": (archive({"FIC1_OP.csv": "t_s,Value\n0,1\n1,2\n", "FIC2.csv": rows()}), {}),
+    "packed and wide": (archive({"a.csv": WIDE, "b.csv": rows()}), {}),
+    "packed files, damaged": (archive({"a.csv": rows(), "b.csv": rows()}).replace(b"20.", b"21.", 1), {}),
     "MAT 7.3": (matlab.MAT_HDF5 + bytes(200), {}),
     "MAT damaged": (mat(OP=OP)[:150], {}),
     "MAT without vectors": (mat(a=1.0), {}),

@@ -39,7 +39,7 @@ BOOKS = {
     "a damaged workbook": b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600),
     "two sheets with rows": spreadsheet(ROWS, ROWS),
 }
-LISTED = ("several loops", "MAT of two loops")  # check lists what they hold
+LISTED = ("several loops", "MAT of two loops", "packed records")  # check lists what they hold
 FILES = {**dict.fromkeys(TEXTS, stored), **dict.fromkeys(SOURCES, made)}
 # What an option is followed by, where the message leaves it open: case -> values in their order; SECONDS are 1.
 LEFT_OPEN = {

@@ -3,7 +3,9 @@ import json
 import numpy as np
 import pytest
 
-from lostmotion.records import Finding, LoopRecord, check
+from lostmotion.diagnose.op_span import op_span
+from lostmotion.records import Finding, LoopRecord, check, prepare
+from lostmotion.records.loop_facts import reversals
 
 N = 1000
 T = np.arange(N)
@@ -169,3 +171,68 @@ def test_finding_prints_what_why_and_remedy():
 
 def test_notes_survive_a_cut():
     assert loop(notes=("x.",)).cut(0, 10).notes == ("x.",)
+
+
+SWING = 10 * np.sin(T / 15) + 0.1 * np.random.default_rng(3).standard_normal(N)
+
+
+@pytest.mark.parametrize(
+    ("op", "span", "kept"),
+    [
+        (0.2 * SWING, (0.0, 100.0), False),
+        (50.0 + SWING, (0.0, 1.0), False),
+        (50.0 + SWING, (4.0, 20.0), False),
+        (5.0 * SWING, (0.0, 100.0), False),
+        (52.0 + 5.5 * SWING, (0.0, 100.0), True),
+        (52.0 + SWING, (0.0, 100.0), True),
+        (52.0 + SWING, None, True),
+    ],
+)
+def test_a_span_of_other_units_is_left_out_and_told(op, span, kept):
+    record = loop(op=op, op_span=span)
+    said = [what for what in found(record, "warning") if "outside of its span" in what]
+    assert bool(said) == (span is not None and bool(np.mean((op < span[0]) | (op > span[1])) > 0.05))
+    prepared = prepare(record)
+    (stretch,) = prepared.stretches
+    assert stretch.op_span == (span if kept else None)
+    assert kept == (not any("other units" in note for note in prepared.notes))
+    assert op_span(record).known == (kept or op.min() >= 0)
+    if not kept:
+        np.testing.assert_array_equal(stretch.op, op)
+        assert not any("limit" in what for what in found(record, "warning"))
+
+
+def test_span_of_pv_in_other_units_is_told():
+    assert any(what.startswith("PV is outside") for what in found(loop(pv_span=(50.0, 60.0)), "warning"))
+
+
+def test_small_moves_may_be_those_of_other_units():
+    (small,) = [one for one in check(loop(op=0.5 + 0.02 * SWING, op_span=(0, 100))).findings if "span only" in one.what]
+    assert "other units" in small.remedy
+
+
+def naive_reversals(values, size):
+    """Sample by sample."""
+    count, direction = 0, 0
+    low = high = extreme = None
+    for value in values[~np.isnan(values)].tolist():
+        if direction == 0:
+            low, high = (value, value) if low is None else (min(low, value), max(high, value))
+            if high - low > size:
+                direction, extreme = (1 if value == high else -1), value
+        elif (value - extreme) * direction > 0:
+            extreme = value
+        elif (extreme - value) * direction > size:
+            count, direction, extreme = count + 1, -direction, value
+    return count
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_reversals_by_stretches_are_those_sample_by_sample(seed):
+    random = np.random.default_rng(seed)
+    n = int(random.integers(0, 2000))
+    values = np.cumsum(random.normal(size=n)) * 10.0 ** random.integers(-2, 1) + 0.1 * random.normal(size=n)
+    values = np.round(values, int(random.integers(0, 4)))
+    values[random.random(n) < 0.05] = np.nan
+    for size in (0.0, 0.3, 3.0):
+        assert reversals(values, size) == naive_reversals(values, size)

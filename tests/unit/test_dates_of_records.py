@@ -130,6 +130,22 @@ def test_files_of_one_tag_keep_their_dates(tmp_path):
     assert found.start in times[:3]
 
 
+@pytest.mark.parametrize("zone", ["UTC", "Europe/Berlin", "America/New_York"])
+@pytest.mark.parametrize("form", [None, "%Y-%m-%dT%H:%M:%S%:z"])
+def test_files_of_one_tag_keep_the_zone_of_their_dates(tmp_path, zone, form):
+    moments = pl.datetime_range(FIRST, FIRST + timedelta(hours=6), "60s", eager=True, time_zone=zone)
+    for late, name in enumerate(("OP", "PV")):
+        times = moments[late:]
+        columns = {
+            "Time": times if form is None else times.dt.strftime(form),
+            "Value": np.resize(PV, len(times)) + late,
+        }
+        pl.DataFrame(columns).write_parquet(tmp_path / f"FIC1_{name}.parquet")
+    start = lm.read_loop(tmp_path).start
+    assert start == moments[0]
+    assert start.utcoffset() == moments[0].utcoffset()
+
+
 @pytest.mark.parametrize(
     ("text", "units"),
     [

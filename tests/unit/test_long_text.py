@@ -38,12 +38,20 @@ def variants():
     yield "mark", "\n".join(last).encode("utf-8-sig")
     yield "Latin-1", "\n".join(last).encode("latin-1")
     yield "UTF-16", "\n".join(odd).encode("utf-16")
+    yield "line ends at the end", "\n".join([*LINES, "", ""]).encode()
+    yield "delimiter at the end", ";\n".join([*LINES, ""]).encode()
+    yield "short rows", "\n".join([*LINES[:300], "1.3.2024", "1.3.2024;00:04:57;5", *LINES[300:]]).encode()
     yield "blanks", "\n".join(f"{k}   {k % 7} {k % 5}" if k else "t OP  PV" for k in range(900)).encode()
     yield "comments first", "\n".join([*["# comment"] * 300, *LINES[1:]]).encode()
     yield "empty cells last", "\n".join([*LINES, *[";;;;;"] * 300]).encode()
 
 
-NO_RECORD = ("blanks", "comments first", "row of empty cells")  # without a column of a usual name, or a time
+NO_RECORD = (
+    "blanks",
+    "short rows",
+    "comments first",
+    "row of empty cells",
+)  # without a column of a usual name, or a time
 
 
 @pytest.fixture

@@ -261,3 +261,30 @@ def test_a_list_of_the_files_is_one_record_for_every_function(folder):
     from lostmotion.files.coerced import as_records
 
     assert_whole(as_records(sorted(folder.iterdir())))
+
+
+@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize("heads", [("", ""), ("OP", "PV"), ("FIC101.OP [%]", "FIC101.PV [m3/h]")])
+def test_one_number_a_line_needs_the_sampling_time_only(tmp_path, heads, comma):
+    if comma and not heads[0]:
+        pytest.skip("two columns without a header look the same")
+    where = tmp_path / "FIC101"
+    where.mkdir()
+    for role, head, values in zip(("OP", "PV"), heads, (OP, PV), strict=True):
+        lines = [str(value) for value in values]
+        lines = [line.replace(".", ",") for line in lines] if comma else lines
+        lines[-1] = "Bad" if role == "PV" else lines[-1]
+        (where / f"FIC101_{role}.txt").write_text("\n".join([*([head] if head else []), *lines, ""]))
+    with pytest.raises(TimeError, match="dt=<seconds>"):
+        lm.read_loop(where)
+    record = lm.read_loop(where, dt=2.0)
+    np.testing.assert_array_equal(record.op, OP)
+    np.testing.assert_array_equal(record.pv, np.r_[PV[:-1], np.nan])
+    assert (record.dt, record.tag) == (2.0, "FIC101")
+
+
+def test_one_number_a_line_is_not_shifted_by_a_blank_line(tmp_path):
+    (tmp_path / "FIC101_OP.txt").write_text("1\n2\n3\n4\n")
+    (tmp_path / "FIC101_PV.txt").write_text("1\n\n2\n3\n4\n")
+    with pytest.raises(DataError, match="none in line 2"):
+        lm.read_loop(tmp_path, dt=1.0)

@@ -2,6 +2,7 @@
 
 import gzip
 import io
+import tarfile
 import zipfile
 
 import numpy as np
@@ -9,7 +10,7 @@ import polars as pl
 import pytest
 
 from lostmotion.errors import DataError
-from lostmotion.files import read_loop
+from lostmotion.files import read_loop, read_loops
 
 TIMES = [f"2024-03-01 10:{k // 60:02d}:{k % 60:02d}" for k in range(200)]
 FRAME = pl.DataFrame({"time": TIMES, "OP": np.arange(200) / 8, "PV": np.arange(200) / -4})
@@ -21,6 +22,16 @@ def zipped(members):
     with zipfile.ZipFile(raw, "w") as archive:
         for name, content in members.items():
             archive.writestr(name, content)
+    return raw.getvalue()
+
+
+def tarred(members, mode="w:gz"):
+    raw = io.BytesIO()
+    with tarfile.open(fileobj=raw, mode=mode) as archive:
+        for name, content in members.items():
+            member = tarfile.TarInfo(name)
+            member.size = len(content)
+            archive.addfile(member, io.BytesIO(content))
     return raw.getvalue()
 
 
@@ -106,7 +117,8 @@ def test_spreadsheet(tmp_path):
 @pytest.mark.parametrize(
     ("raw", "said"),
     [
-        (zipped({"a.csv": TEXT, "b.csv": TEXT}), "one file in"),
+        (zipped({"a.pdf": TEXT, "b.doc": TEXT}), "files with tables in"),
+        (tarred({"a.csv": TEXT, "b.csv": TEXT})[:-200], "a whole archive"),
         (gzip.compress(TEXT)[:-200], "a whole archive"),
         (feather()[:300], "a whole Feather file"),
     ],
@@ -116,3 +128,40 @@ def test_what_cannot_be_unpacked(tmp_path, raw, said):
     path.write_bytes(raw)
     with pytest.raises(DataError, match=said):
         read_loop(path)
+
+
+def one_tag(name):
+    return FRAME.select("time", name).rename({name: "Value"}).write_csv().encode()
+
+
+TAGS = {"FIC-1_OP.csv": one_tag("OP"), "FIC-1_PV.csv.gz": gzip.compress(one_tag("PV")), "README.txt": b"two tags"}
+
+
+@pytest.mark.parametrize(
+    ("name", "raw"),
+    [
+        ("FIC-1.zip", zipped(TAGS)),
+        ("week.tar.gz", tarred({f"export/{name}": content for name, content in TAGS.items()})),
+        ("week.tgz", tarred(TAGS)),
+        ("week.tar", tarred(TAGS, "w")),
+        ("week.tar", tarred({"x/._FIC-1.csv": b"", "x/FIC-1.csv": TEXT}, "w")),
+        ("week.zip", zipped({"FIC-1.csv": TEXT, "page.pdf": b""})),
+    ],
+)
+def test_files_of_an_archive_are_those_of_a_folder(tmp_path, name, raw):
+    (tmp_path / name).write_bytes(raw)
+    record = read_loop(tmp_path / name)
+    np.testing.assert_array_equal(record.op, FRAME["OP"].to_numpy())
+    np.testing.assert_array_equal(record.pv, FRAME["PV"].to_numpy())
+    assert (record.tag, record.dt, record.loop_type) == ("FIC-1", 1.0, "flow")
+    assert str(record.start) == "2024-03-01 10:00:00"
+
+
+@pytest.mark.parametrize("pack", [zipped, tarred])
+def test_records_of_an_archive_are_loops(tmp_path, pack):
+    path = tmp_path / "week.bin"
+    path.write_bytes(pack({"mon/FIC-1.csv": TEXT, "mon/LIC-2.csv": TEXT, "tue/FIC-1.csv": TEXT}))
+    assert list(read_loops(path)) == ["mon/FIC-1", "LIC-2", "tue/FIC-1"]
+    record = read_loop(path, loop="LIC-2")
+    np.testing.assert_array_equal(record.pv, FRAME["PV"].to_numpy())
+    assert (record.tag, record.loop_type) == ("LIC-2", "level")

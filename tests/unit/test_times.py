@@ -233,6 +233,14 @@ def test_gap_in_minute_stamps():
     assert read(cells).gaps == (100,)
 
 
+@pytest.mark.parametrize("rows", [(60, 60), (60, 25), (20, 60)])
+def test_rows_beside_a_gap_in_minute_stamps_do_not_tell_the_rate(rows):
+    counts = {0: 60, 1: 60, 2: 60, 3: rows[0], 10: rows[1], 11: 60, 12: 60}
+    record = read([f"2024-07-18 06:{minute:02d}" for minute, count in counts.items() for _ in range(count)])
+    assert record.dt == 1.0
+    assert record.gap_seconds == (420.0 - rows[0],)
+
+
 def test_same_time_everywhere():
     with pytest.raises(TimeError, match="the same time in every row"):
         read(["2024-01-01 10:00"] * 5)

@@ -26,6 +26,7 @@ else:
     _Path = type(Path())  # of the system; only from Python 3.12 on Path itself can be inherited from
 
 
+MANY = 100_000  # samples: what a command does with them takes a while
 TYPED: ContextVar[tuple[str, ...]] = ContextVar("TYPED", default=())  # options of the record that was read last
 
 
@@ -178,6 +179,13 @@ def _content(words: tuple[str, ...], query: str | None, uncertain: str, ignored:
 
 def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:
     """Record of a file by `read`; an error of one loop leads on by commands that name it."""
+    record = _read_as(file, read, columns)
+    if len(record) >= MANY:
+        progress(f"working on {len(record)} rows ..")
+    return record
+
+
+def _read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:
     from lostmotion.cli.way_out import typed
 
     TYPED.set(tuple(typed(columns)))

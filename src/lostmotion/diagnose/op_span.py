@@ -8,6 +8,7 @@ import numpy as np
 
 from lostmotion.records import LoopRecord
 from lostmotion.records.movement import PERCENT
+from lostmotion.records.pieces import with_own_span
 
 FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
 
@@ -48,7 +49,8 @@ class OpSpan:
 
 
 def op_span(record: LoopRecord) -> OpSpan:
-    """Span of the OP of a record."""
+    """Span of the OP of a record; one of other units counts as not given."""
+    record = with_own_span(record)
     if record.op_span is not None:
         return OpSpan(*record.op_span, known=True)
     low, high = float(np.nanmin(record.op)), float(np.nanmax(record.op))

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import polars as pl
 
-from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.arrays import FloatArray
+from lostmotion.files.fixed_cells import FixedCells, Ints, fixed_cells
 from lostmotion.records.sampling import Bools
 
 MANY = 200_000  # cells at a time: as text, their parts take much room
@@ -29,14 +30,18 @@ class Parts:
     dated: Bools
     timed: Bools
     seconds: FloatArray
-    numbers: tuple[IntArray, IntArray, IntArray]
+    numbers: tuple[Ints, Ints, Ints]
     digits: tuple[npt.NDArray[np.int8], npt.NDArray[np.int8]]  # letters of the first and the last part of the date
     month_named: bool
 
     def days(self, order: str) -> FloatArray:
         """Days from 1970-01-01 in one order; NaN where there is none."""
         place = dict(zip(ORDERS[order], self.numbers, strict=True))
-        return days_from_date(place["y"], place["m"], place["d"])
+        days = np.empty(len(self.dated))
+        for first in range(0, len(days), MANY):
+            some = slice(first, first + MANY)
+            days[some] = days_from_date(place["y"][some], place["m"][some], place["d"][some])
+        return days
 
 
 def parts_of(cells: pl.Series) -> Parts:
@@ -57,6 +62,34 @@ def _joined(pieces: list[Any]) -> Any:
 
 
 def _piece(cells: pl.Series) -> Parts:
+    alike = fixed_cells(cells, DATE)
+    return _of_any(cells) if alike is None else _of_alike(alike)
+
+
+def _of_alike(cells: FixedCells) -> Parts:
+    named = cells.text("b").isalpha()
+    month = _month_numbers(pl.Series([cells.text("b")])) if named else cells.numbers("b")
+    return Parts(
+        np.full(len(cells), bool(cells.text("a"))),
+        np.full(len(cells), bool(cells.text("hour"))),
+        _time_of_alike(cells),
+        (cells.numbers("a"), np.broadcast_to(month, len(cells)), cells.numbers("c")),
+        tuple(np.full(len(cells), len(cells.text(side)), dtype=np.int8) for side in "ac"),  # type: ignore[arg-type]
+        named,
+    )
+
+
+def _time_of_alike(cells: FixedCells) -> FloatArray:
+    hour, minute, second = (cells.numbers(group, default=0) for group in ("hour", "minute", "second"))
+    half, zone = cells.text("half").lower(), cells.text("zone")
+    hour = hour % 12 + (12 if half == "p" else 0) if half else hour
+    seconds = hour * 3600.0 + minute * 60.0 + second + cells.fraction("fraction")
+    hours, minutes = (cells.numbers("zone", 0, first, first + 2) for first in (0, 2))
+    ahead = (-1.0 if zone.startswith("-") else 1.0) * (hours * 3600.0 + minutes * 60.0)
+    return np.asarray(seconds - ahead)
+
+
+def _of_any(cells: pl.Series) -> Parts:
     parts = cells.str.extract_groups(DATE).struct.unnest()
     return Parts(
         parts["a"].is_not_null().to_numpy(),
@@ -68,7 +101,7 @@ def _piece(cells: pl.Series) -> Parts:
     )
 
 
-def days_from_date(year: IntArray, month: IntArray, day: IntArray) -> FloatArray:
+def days_from_date(year: Ints, month: Ints, day: Ints) -> FloatArray:
     """Days from 1970-01-01; NaN where there is no such day. Years below 70 are 20xx, below 100 19xx.
 
     Examples
@@ -101,11 +134,11 @@ def zone_seconds(zone: pl.Series) -> FloatArray:
     return sign * (_ints(digits.str.slice(1, 2), 0) * 3600.0 + _ints(digits.str.slice(3, 2), 0) * 60.0)
 
 
-def _ints(column: pl.Series, default: int = -1) -> IntArray:
-    return np.asarray(column.cast(pl.Int64, strict=False).fill_null(default).to_numpy(), dtype=np.int64)
+def _ints(column: pl.Series, default: int = -1) -> Ints:
+    return np.asarray(column.cast(pl.Int32, strict=False).fill_null(default).to_numpy(), dtype=np.int32)
 
 
-def _month_numbers(column: pl.Series) -> IntArray:
+def _month_numbers(column: pl.Series) -> Ints:
     short = column.str.to_lowercase().str.slice(0, 3)
     numbers = {name: str(place + 1) for place, name in enumerate(_MONTHS)}
     named = short.str.contains("[a-z]").fill_null(value=False)

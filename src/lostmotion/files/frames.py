@@ -106,7 +106,13 @@ def _from_path(path: Path) -> dict[str, Table]:
     pieces = pieces_of(path)
     if pieces:
         return read_dataset(path, pieces)
-    raw, name = unpacked(read_bytes(path), path.name)
+    return tables_of(read_bytes(path), path.name)
+
+
+def tables_of(content: bytes, name: str) -> dict[str, Table]:
+    """Tables of the content of a file, packed or not, as :func:`tables` gives them; raises as that does."""
+    raw, name = unpacked(content, name)
+    del content
     if raw.startswith((MAT, MAT_HDF5)):
         return load_mat(raw, name)
     if is_workbook(raw):

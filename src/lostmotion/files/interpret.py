@@ -219,6 +219,7 @@ def _signals(table: Table, columns: Columns, decimal: str) -> tuple[dict[str, Fl
         if name is not None:
             signals[role], words = to_numbers(table, name, decimal)
             notes += words
+            table.let_go([name])
     return signals, notes
 
 

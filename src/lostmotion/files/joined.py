@@ -13,11 +13,12 @@ import polars as pl
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError, TimeError
 from lostmotion.files.columns import time_unit
+from lostmotion.files.dates import zone_of
 from lostmotion.files.long import good_cells, wide
 from lostmotion.files.names import ENDS
 from lostmotion.files.number_cells import decimal_mark, is_text, text_cells, to_numbers
 from lostmotion.files.one_tag import OneTag, has_tag, role_of
-from lostmotion.files.order import arranged
+from lostmotion.files.order import HOUR, arranged
 from lostmotion.files.quality import ALL, Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import BRACKETS, isa
@@ -206,14 +207,25 @@ def _values(cells: pl.Series, name: str, decimal: str, table: Table) -> tuple[pl
 
 def _clock(seconds: pl.Series, stamps: Stamps, dated: bool) -> pl.Series:
     """Times as dates where they are and can be told, else as they were read."""
-    if stamps.dates is None and not (stamps.epoch or stamps.local):
+    zone = _zone(stamps)
+    if stamps.dates is None and not (stamps.epoch or stamps.local or zone):
         return (seconds / stamps.scale).alias("time")
     if stamps.origin < DAY or not dated:  # times of day, or since an unknown day
         whole = ((seconds + stamps.origin % DAY) * 1e6).round().cast(pl.Int64)
         return whole.cast(pl.Duration("us")).alias("time")
     whole = ((seconds + stamps.origin) * 1e6).round().cast(pl.Int64)
     moments = whole.cast(pl.Datetime("us"))
-    return (moments if stamps.local else moments.dt.replace_time_zone("UTC")).alias("time")
+    if not stamps.local:
+        moments = moments.dt.replace_time_zone("UTC").dt.convert_time_zone(zone or "UTC")
+    return moments.alias("time")
+
+
+def _zone(stamps: Stamps) -> str:
+    """Name of the zone of the dates of a frame, or of the whole hours by which those of a text are ahead of UTC."""
+    if stamps.dates is None:
+        return str(getattr(stamps.table.column(stamps.name).dtype, "time_zone", None) or "")
+    hours = zone_of(stamps.dates) / HOUR
+    return f"Etc/GMT{-hours:+.0f}" if hours and hours == round(hours) else ""
 
 
 def _native(table: Table, name: str) -> pl.Series:

@@ -165,6 +165,12 @@ def text_cells(series: nw.Series[Any]) -> pl.Series:
     return stripped.set(stripped == "", None)
 
 
+def without_words(cells: pl.Series) -> pl.Series:
+    """Cells, null where they hold a word for a missing value; no such word begins with a digit and is without #."""
+    perhaps = cells.str.contains("^[^0-9]|#").fill_null(value=False)
+    return cells.set(cells.str.to_lowercase().is_in(list(BAD_WORDS)), None) if perhaps.any() else cells
+
+
 def _is_none(value: object) -> bool:
     return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
 

@@ -9,9 +9,10 @@ from typing import Any
 
 from lostmotion.addresses import is_url
 from lostmotion.errors import ColumnError, DataError
+from lostmotion.files.archive import archived
 from lostmotion.files.columns import SeveralLoopsError, no_such_loop, resolve, several_loops
 from lostmotion.files.database import database_name
-from lostmotion.files.frames import SEVERAL, peeked, tables
+from lostmotion.files.frames import SEVERAL, peeked, tables, tables_of
 from lostmotion.files.gathered import gathered
 from lostmotion.files.joined import joined, path_stem
 from lostmotion.files.long import called, with_columns_of_tags
@@ -115,6 +116,9 @@ def opened(source: Any, asked: Collection[str] = (), query: str | None = None, t
         return source
     paths = gathered(source)
     if paths is None:
+        inside = archived(Path(source)) if is_path(source) and not is_url(source) and query is None else []
+        if inside:
+            return _of_archive(Path(source), inside, asked, trust)
         found = tables(source, query)
         table = next(iter(found.values()))
         if is_path(source) and query is None and len(table.names) <= MOST_COLUMNS and one_tag(table) is not None:
@@ -130,6 +134,42 @@ def opened(source: Any, asked: Collection[str] = (), query: str | None = None, t
     files = [(path, one) for path, one in zip(paths, each, strict=True) if one is not None]
     folder = Path(source) if is_path(source) and is_folder(Path(source)) else paths[0].absolute().parent
     return Opened({"": joined(files, _called(source, paths), asked, trust)}, folder.absolute().name, by_tags=True)
+
+
+def _of_archive(path: Path, inside: Sequence[tuple[Path, bytes]], asked: Collection[str], trust: Trust) -> Opened:
+    """Files of one tag each are one table; whole records are one each, by their names."""
+    loaded = [(place, tables_of(content, place.name)) for place, content in inside]
+    each = [(place, one_tag(found[""]) if "" in found else None) for place, found in loaded]
+    files = [(place, one) for place, one in each if one is not None]
+    if len(loaded) == 1 and not files:
+        return Opened(loaded[0][1], path_stem(loaded[0][0]))
+    if len(files) == len(loaded) > 1:
+        return Opened({"": joined(files, path.name, asked, trust)}, path_stem(path), by_tags=True)
+    if files:
+        raise _mixed(path, files[0][0], len(loaded) - len(files))
+    return Opened(_records(path, loaded))
+
+
+def _records(path: Path, loaded: Sequence[tuple[Path, dict[str, Table]]]) -> dict[str, Table]:
+    """Records of an archive, by the names of their files, with the folders where these alone tell them apart."""
+    stems = [path_stem(place) for place, _ in loaded]
+    found: dict[str, Table] = {}
+    for stem, (place, inside) in zip(stems, loaded, strict=True):
+        name = stem if stems.count(stem) == 1 else place.with_name(stem).as_posix()
+        if wide := Opened(inside).loops():
+            said = f"{len(wide)} in {place.name!r}"
+            raise DataError.expected(f"one loop in each file of {path.name!r}", said, "unpack it and give that file")
+        found[name] = next(iter(inside.values()))
+    return found
+
+
+def _mixed(path: Path, tag: Path, whole: int) -> DataError:
+    rest = f"and {whole} whole record{'s' if whole > 1 else ''}" if whole else "alone"
+    return DataError.expected(
+        f"records, or files of one tag each, in {path.name!r}",
+        f"one tag in {tag.name!r} {rest}",
+        "unpack it and give the files of one record",
+    )
 
 
 def loops_of_file(path: Path, op: str = "OP", pv: str = "PV") -> tuple[str, ...]:

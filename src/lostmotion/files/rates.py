@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.records.sampling import Bools
 
 JITTER = 0.01  # steps within 1 % of a multiple of the median are one clock
@@ -102,7 +102,7 @@ def coarse(steps: FloatArray) -> tuple[Rate, float]:
     """Rate where several rows carry one stamp, and the error of its step in seconds.
 
     A stamp changes within one sampling time of its own time, so the rows between two changes tell the mean
-    step better than the first and last stamps do.
+    step better than the first and last stamps do, and than those beside a gap, which may be cut.
 
     Examples
     --------
@@ -111,16 +111,14 @@ def coarse(steps: FloatArray) -> tuple[Rate, float]:
     >>> rate.step, rate.note
     (12.0, 'several rows carry one stamp, about 5.0 rows a minute, 12 s each')
     """
-    moving = steps > 0
-    stamp = float(steps[moving].min())
+    changes = np.flatnonzero(steps > 0)
+    stamp = float(steps[changes].min())
     gaps = steps > 1.5 * stamp
-    changes = np.flatnonzero(moving)
-    between = slice(int(changes[0]) + 1, int(changes[-1]) + 1)
-    inside = steps[between][~gaps[between]]
-    if not inside.any():
-        between, inside = slice(None), steps[~gaps]
-    step = float(inside.mean()) if inside.any() else stamp
-    error = step / max(len(inside), 1)
+    whole, rows = _whole_stamps(changes, gaps)
+    counted = int(rows[whole].sum())
+    usual = steps[~gaps]
+    step = float(steps[changes[1:]][whole].sum()) / counted if counted else float(usual.mean() or stamp)
+    error = step / max(counted or len(usual), 1)
     what = {60.0: "a minute", 1.0: "a second"}.get(stamp, f"per {stamp:g} s stamp")
     note = f"several rows carry one stamp, about {stamp / step:.1f} rows {what}, {step:.3g} s each"
     return Rate(step, gaps, GIVEN_TOLERANCE + error / step, note), error
@@ -136,14 +134,18 @@ def evenly_spread(steps: FloatArray) -> bool:
     (True, False)
     """
     changes = np.flatnonzero(steps > 0)
-    stamp = float(steps[changes].min())
-    whole = steps[changes[:-1]] <= 1.5 * stamp  # what follows a gap may have begun before its first row
-    rows = np.diff(changes)[whole & (steps[changes[1:]] <= 1.5 * stamp)]
+    whole, count = _whole_stamps(changes, steps > 1.5 * float(steps[changes].min()))
+    rows = count[whole]
     if len(rows) < FEWEST_STAMPS:
         return False
     mean = float(rows.mean())
     spread = max(min(1.0 + ROW_SPREAD[0] * mean, ROW_SPREAD[1]), ROW_SHARE * mean)
     return float(np.mean(np.abs(rows - mean) <= spread)) >= NEAR_SHARE
+
+
+def _whole_stamps(changes: IntArray, gaps: Bools) -> tuple[Bools, IntArray]:
+    """Which of the stamps between the first and the last are not beside a gap, and the rows of each."""
+    return ~(gaps[changes[:-1]] | gaps[changes[1:]]), np.diff(changes)
 
 
 def scattered(steps: FloatArray) -> Rate | None:

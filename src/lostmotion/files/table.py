@@ -60,6 +60,11 @@ class Table:
         if isinstance(self.frame, TextFrame):
             self.frame.read(names)
 
+    def let_go(self, names: Sequence[str]) -> None:
+        """Give back the room of columns of a long text that have become numbers."""
+        if isinstance(self.frame, TextFrame):
+            self.frame.forget(names)
+
     def taken(self, rows: IntArray) -> Table:
         """Rows (from 0) in another order, or some of them."""
         lines = None if self.lines is None else array("q", np.asarray(self.lines, dtype=np.int64)[rows].tobytes())

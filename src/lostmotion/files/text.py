@@ -7,19 +7,24 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import narwhals.stable.v2 as nw
+import numpy as np
 import polars as pl
 
 from lostmotion.errors import DataError
 from lostmotion.files.head import DELIMITERS, TOP, find_head
+from lostmotion.files.number_cells import BAD_WORDS
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
 from lostmotion.files.text_frame import TextFrame
 from lostmotion.files.watch import LONG, tell
 
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
+ONE_COLUMN = ";"  # between what is no other column: a comma in its numbers is a decimal one
+NO_NAME = "Value"  # of the one column of a file without a header
 SAMPLE_LINES = 20
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _COMMENT = re.compile(r"\s*(#(?!N/A|VALUE|DIV/0|REF|NAME|NUM|NULL)|//)")
@@ -60,6 +65,8 @@ def parse_text(raw: bytes, source: str) -> Table:
     body = content.rows(blocks[0]).decode().split("\n")[:SAMPLE_LINES]
     rows = _Rows(content, blocks, header, find_delimiter(header, body, source), source)
     numbers = numbers_of(blocks)
+    if len(rows.names) == 1 and not isinstance(numbers, range):
+        raise _skipped(numbers, source)
     frame = rows.frame()
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
     found = Table(frame, source, aligned, rows.delimiter, (*notes, *_headers_again(again)))
@@ -136,6 +143,8 @@ def find_delimiter(header: str, body: list[str], source: str = "") -> str:
         score = (alike / max(len(body), 1), fields)
         if not delimiter or score > best:
             best, delimiter = score, candidate
+    if not delimiter and any(map(_NUMBER.fullmatch, body)) and all(map(_is_value, body)):
+        return ONE_COLUMN
     words = len(header.split())
     if words > 1 and best[0] < 1.0 and all(len(line.split()) == words for line in body):
         return BLANKS
@@ -201,6 +210,8 @@ def _find_header(lines: list[str], rows: list[int], source: str) -> tuple[str, i
         return lines[head.header], head.first, head.notes, "" if head.units is None else lines[head.units]
     if not _is_numeric(lines[first]):
         return lines[first], first + 1, (), ""
+    if all("," not in lines[row] and _is_value(lines[row]) for row in rows[:SAMPLE_LINES]):
+        return NO_NAME, first, ("It has no header and one number in a line: values of one tag.",), ""
     if first and _COMMENT.match(lines[first - 1]):
         return lines[first - 1].lstrip(" #/"), first, (), ""
     raise DataError.expected(
@@ -214,6 +225,14 @@ def _no_rows(source: str) -> DataError:
     return DataError.expected("rows below the header", f"none in {source!r}", "check the export")
 
 
+def _skipped(numbers: Sequence[int], source: str) -> DataError:
+    """Error for a line that would be passed over: the values behind it would be those of other times."""
+    line = next(after - 1 for before, after in pairwise(numbers) if after > before + 1)
+    return DataError.expected(
+        "a value in every line of a file of one column", f"none in line {line} of {source!r}", "write NaN there"
+    )
+
+
 def _headers_again(again: int) -> tuple[str, ...]:
     lines = "1 line" if again == 1 else f"{again} lines"
     return (f"The header stands again in {lines}, passed over.",) if again else ()
@@ -223,6 +242,11 @@ def _is_numeric(line: str) -> bool:
     fields = [field.strip('" ') for field in re.split(r"[;\t ]|,(?!\d)|(?<=\d),", line)]
     filled = [field for field in fields if field]
     return bool(filled) and all(_NUMBER.fullmatch(field) for field in filled)
+
+
+def _is_value(line: str) -> bool:
+    """Whether a line is one number, or a word for a missing one."""
+    return _NUMBER.fullmatch(line) is not None or line.strip().lower() in BAD_WORDS
 
 
 def split_line(line: str, delimiter: str) -> list[str]:
@@ -250,11 +274,15 @@ class _Rows:
     def frame(self) -> nw.DataFrame[Any] | TextFrame:
         """All columns, or of a long text those that will be asked for; every row is checked here."""
         height = 0
+        long = len(self._blocks) > 1
         for block in self._blocks:
-            part = self._parse(block)
-            height += part.height
+            if long and self._none_is_longer(block):
+                height += block.rows
+            else:
+                part = self._parse(block)
+                height += part.height
             self._tell("looking at the rows of", block)
-        if len(self._blocks) > 1:
+        if long:
             return TextFrame(self.names, height, self._read)
         return nw.from_native(part.rename(dict(zip(part.columns, self.names, strict=True))), eager_only=True)
 
@@ -271,6 +299,16 @@ class _Rows:
     def _tell(self, what: str, block: Block) -> None:
         if len(self._content.raw) > LONG:
             tell(f"{what} {self._source}", block.stop, len(self._content.raw))
+
+    def _none_is_longer(self, block: Block) -> bool:
+        """Whether it is sure, without a look at the cells, that no row of a block has more of them than the header."""
+        text = self._content.rows(block)
+        if self.delimiter == BLANKS or b'"' in text:
+            return False
+        codes = np.frombuffer(text, dtype=np.uint8)
+        ends = np.append(np.flatnonzero(codes == ord("\n")), len(codes))
+        before = np.searchsorted(np.flatnonzero(codes == ord(self.delimiter)), ends)
+        return int(np.diff(before, prepend=0).max()) < len(self.names)
 
     def _parse(self, block: Block) -> pl.DataFrame:
         """Cells of one block, all of them, once it is sure that no row has more than the header."""

@@ -14,6 +14,7 @@ from lostmotion.arrays import IntArray
 BLOCK = 1 << 23  # bytes: some 100,000 rows, parsed at a time
 _LINE_END = re.compile(rb"\r\n?|\n")
 _DOUBTFUL = np.isin(np.arange(256), list(b" \t#/\n"))  # first bytes of lines that may be blank or a comment
+_LF = ord("\n")
 _NOTHING = b' ,;\t"'
 
 
@@ -47,12 +48,13 @@ class Content:
 
     def text(self, start: int, stop: int) -> bytes:
         """UTF-8 with LF between the lines, and none at the end."""
-        piece = self.raw[start:stop]
+        ended = stop > start and self.raw[stop - 1] == _LF and self.raw[stop - 2 : stop - 1] != b"\r"
+        piece = self.raw[start : stop - ended]  # a second copy would take its time
         if self.encoding != "utf-8":
             piece = piece.decode(self.encoding).encode()
         if b"\r" in piece:
             piece = piece.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        return piece.removesuffix(b"\n")
+        return piece if ended else piece.removesuffix(b"\n")
 
     def rows(self, block: Block) -> bytes:
         """Rows of a block, without what is none."""

@@ -68,6 +68,12 @@ class TextFrame:
             taken = cells if self._rows is None else cells[self._rows]
             self._parsed[name] = nw.from_native(taken, series_only=True)
 
+    def forget(self, names: Sequence[str]) -> None:
+        """Give back the room of columns that the text has; they are parsed again where they are asked for again."""
+        for name in names:
+            if name in self._places:
+                self._parsed.pop(name, None)
+
     def with_column(self, cells: nw.Series[Any], without: Sequence[str]) -> TextFrame:
         """The same with one column more at the end, and some less."""
         other = self._like([*(name for name in self.columns if name not in without), cells.name])

@@ -13,7 +13,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import TimeError
 from lostmotion.files.columns import time_unit
 from lostmotion.files.dates import all_are, looks_numeric, parse_dates, states_zone
-from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells, to_numbers
+from lostmotion.files.number_cells import is_text, text_cells, to_numbers, without_words
 from lostmotion.files.table import Table
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
@@ -104,8 +104,7 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
     if isinstance(series.dtype, nw.Date):
         return _stamps(table, name, _float(series.cast(nw.Datetime("us")).dt.timestamp("us")) * 1e-6)
     if is_text(series):
-        cells = text_cells(series)
-        cells = cells.set(cells.str.to_lowercase().is_in(list(BAD_WORDS)), None)
+        cells = without_words(text_cells(series))
         known = cells.drop_nulls()
         if len(known) and not looks_numeric(known[0]):
             seconds, notes, certain = parse_dates(table, name, cells)

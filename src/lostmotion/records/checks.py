@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from lostmotion.records.findings import about_loop, about_sampling, about_signal
+from lostmotion.records.findings import about_loop, about_means, about_sampling, about_signal, about_span
 from lostmotion.records.loop_facts import describe_loop
+from lostmotion.records.pieces import with_own_span
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.report import RecordReport
 from lostmotion.records.sampling import describe_sampling, neighbours
@@ -40,6 +41,9 @@ def check(record: LoopRecord) -> RecordReport:
     """
     sampling = describe_sampling(record)
     follows = neighbours(record)
+    spans = {"OP": (record.op, record.op_span), "PV": (record.pv, record.pv_span)}
+    named = [finding for name, (values, span) in spans.items() for finding in about_span(name, values, span)]
+    record = with_own_span(record)
     op = describe_signal("OP", record.op, follows, record.op_span)
     pv = describe_signal("PV", record.pv, follows, record.pv_span)
     loop = None if op is None else describe_loop(record, op)
@@ -47,6 +51,8 @@ def check(record: LoopRecord) -> RecordReport:
         *about_sampling(sampling),
         *about_signal(op, "OP", record.dt),
         *about_signal(pv, "PV", record.dt),
+        *named,
+        *about_means(record.sp),
         *(about_loop(loop, op, record.dt) if op is not None and loop is not None else ()),
     ]
     findings.sort(key=lambda finding: _ORDER[finding.level])

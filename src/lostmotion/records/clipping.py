@@ -61,6 +61,22 @@ def beyond(values: FloatArray, span: Span | None) -> Bools:
     return outside
 
 
+def of_other_units(values: FloatArray, span: Span | None) -> bool:
+    """Whether values lie so that their span must be that of other units; not every such span shows.
+
+    Examples
+    --------
+    >>> wave = np.sin(np.arange(300) / 20.0)
+    >>> of_other_units(2.0 * wave, (0.0, 100.0)), of_other_units(52.0 + 60.0 * wave, (0.0, 100.0))
+    (True, False)
+    """
+    if span is None or not np.any(~np.isnan(values)) or np.mean(beyond(values, span)) <= limits.OUTSIDE_SHARE:
+        return False
+    low, high, width = float(np.nanmin(values)), float(np.nanmax(values)), span[1] - span[0]
+    far = max(span[0] - low, high - span[1]) > limits.FAR_OUTSIDE * width
+    return far or high - low < limits.SMALL_RANGE * width
+
+
 def _in_runs(flags: Bools) -> Bools:
     """Runs of some length among the flags; a few other rows between two flags, noise, belong to the run."""
     joined = flags.copy()

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
+from lostmotion.records.averaged import steps_of
+from lostmotion.records.clipping import Span, beyond, of_other_units
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.report import Finding
 from lostmotion.records.sampling import Sampling
@@ -113,6 +118,36 @@ def _spikes(facts: SignalFacts) -> Iterator[Finding]:
         )
 
 
+def about_span(name: str, values: FloatArray, span: Span | None) -> Iterator[Finding]:
+    """Values outside their span: it may be that of other units."""
+    share = float(np.mean(beyond(values, span)))
+    if span is None or share <= limits.OUTSIDE_SHARE:
+        return
+    other = of_other_units(values, span)
+    yield Finding(
+        "warning",
+        f"{name} is outside of its span, {span[0]:g} to {span[1]:g}, in {100 * share:.0f} % of the record.",
+        "The span is one of other units: nothing can be told in % of it."
+        if other
+        else "Beyond a limit nothing moves; or the span is one of other units, and sizes in % of it are wrong.",
+        f"Leave the span out, or give it in the units of {name}, which runs from {np.nanmin(values):.4g} to "
+        f"{np.nanmax(values):.4g}.",
+    )
+
+
+def about_means(sp: FloatArray | None) -> Iterator[Finding]:
+    """Rows that are no samples, by the steps of SP."""
+    steps = steps_of(sp)
+    if steps.averaged:
+        yield Finding(
+            "warning",
+            f"SP goes through an odd value between in {steps.through} of its {steps.count} steps.",
+            "The rows are means over several scans, or interpolated: over four scans and more the width comes out too "
+            "small, by 0.5 to 0.9 standard errors.",
+            "Export samples, one of a scan.",
+        )
+
+
 def about_loop(loop: LoopFacts, op: SignalFacts, dt: float) -> Iterator[Finding]:
     """Refresh of the record, excitation and saturation of OP; nothing where OP is constant."""
     if op.constant:
@@ -142,7 +177,8 @@ def _excitation(loop: LoopFacts, op: SignalFacts) -> Iterator[Finding]:
             "warning",
             f"OP moved over {100 * share:.2g} % of span only (5-95 %).",
             f"A dead zone of {100 * limits.SMALL_AMPLITUDE:g} % cannot be seen.",
-            f"Use a longer record or a test of at least {200 * limits.SMALL_AMPLITUDE:g} %.",
+            f"Use a longer record or a test of at least {200 * limits.SMALL_AMPLITUDE:g} %; where the span is one of "
+            f"other units, give one in those of OP, which runs from {op.low:.4g} to {op.high:.4g}.",
         )
     if loop.op_reversals < limits.FEW_REVERSALS:
         yield Finding(

@@ -18,12 +18,18 @@ FINE_STEP = 1e-9  # of the range: smaller steps are rounding of floats, not reso
 SATURATED_RUN = 5  # samples at an extreme: a turning point lasts shorter
 SATURATED_SHARE = 0.02  # of samples: below this, a limit does not bend the estimate
 SPAN_MARGIN = 0.005  # of OP span: closer to a limit than this is at the limit
+OUTSIDE_SHARE = 0.05  # of rows beyond the span: more are no stray values (`lostmotion.solve` stops there too)
+FAR_OUTSIDE = 0.25  # of the span: a controller that winds up goes some percent beyond it, never so far
+SMALL_RANGE = 0.2  # of the span: OP on both sides of a limit that moves no more has other units than its span
 SMALL_AMPLITUDE = 0.02  # of OP span: valves in service have 1-2 % dead band, a smaller move cannot cross it
 FEW_REVERSALS = 5  # of OP: lost motion shows only when OP turns round; fewer turns are anecdotes
 REVERSAL_SIZE = 0.1  # of the 5-95 % amplitude: smaller turns are noise
 MOVING_SHARE = 0.3  # of rows in which SP changes: a cascade's inner loop, not an operator
 OUTLIER_Z = 12.0  # robust z of a jump that comes back at once: steps and noise do not do that
 MANY_OUTLIERS = 0.001  # of samples: one in a thousand already moves a least-squares fit
+AT_REST = 5  # rows of one value: a set point between two moves by hand, no ramp
+FEWEST_THROUGH = 2  # steps of it through an odd value between: one may be a slip of the hand
+THROUGH_SHARE = 0.25  # of the steps: of means over k scans 1 - 1/k go through a value, up to half of them a round one
 
 # What prepare leaves out
 BRIDGE_ROWS = 2  # missing OP between equal neighbours: held in truth; longer ones may hide a move

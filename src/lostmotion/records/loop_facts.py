@@ -19,6 +19,8 @@ from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, runs
 from lostmotion.records.signal_facts import SignalFacts
 
+AT_ONCE = 64  # rows of a swing that are looked at together
+
 
 @dataclass(frozen=True)
 class LoopFacts:
@@ -102,19 +104,29 @@ def reversals(values: FloatArray, size: float) -> int:
     >>> reversals(np.array([0.0, 5.0, 4.9, 6.0, 1.0, 3.0]), 1.0)
     2
     """
+    known = values[~np.isnan(values)]
+    if not len(known):
+        return 0
     count, direction = 0, 0
     extreme = low = high = float("nan")
-    for value in map(float, values[~np.isnan(values)]):  # a list of them would be large
-        if direction == 0:
-            low = value if low != low else min(low, value)  # noqa: PLR0124  (NaN before the first)
-            high = value if high != high else max(high, value)  # noqa: PLR0124
-            if high - low > size:
-                direction = 1 if value == high else -1
+    starts = np.arange(0, len(known), AT_ONCE)
+    bounds = zip(*(ends.reduceat(known, starts).tolist() for ends in (np.minimum, np.maximum)), strict=True)
+    for start, (lowest, highest) in zip(starts.tolist(), bounds, strict=True):
+        farthest, nearest = (highest, lowest) if direction > 0 else (-lowest, -highest)
+        if direction and max(extreme * direction, farthest) - nearest <= size:  # no turn can be among these rows
+            extreme = direction * max(extreme * direction, farthest)
+            continue
+        for value in known[start : start + AT_ONCE].tolist():
+            if direction == 0:
+                low = value if low != low else min(low, value)  # noqa: PLR0124  (NaN before the first)
+                high = value if high != high else max(high, value)  # noqa: PLR0124
+                if high - low > size:
+                    direction = 1 if value == high else -1
+                    extreme = value
+            elif (value - extreme) * direction > 0:
                 extreme = value
-        elif (value - extreme) * direction > 0:
-            extreme = value
-        elif (extreme - value) * direction > size:
-            count, direction, extreme = count + 1, -direction, value
+            elif (extreme - value) * direction > size:
+                count, direction, extreme = count + 1, -direction, value
     return count
 
 

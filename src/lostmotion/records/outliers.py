@@ -71,8 +71,9 @@ def _comes_back(values: FloatArray, distance: FloatArray, start: int, stop: int)
 
 
 def _median(windows: FloatArray) -> FloatArray:
-    """Median of each row, missing samples left out."""
+    """Median of each row, of an even number of samples; missing ones are left out."""
     if np.isnan(windows).any():
         filled = np.where(np.isnan(windows).all(axis=1, keepdims=True), 0.0, windows)
         return np.asarray(np.nanmedian(filled, axis=1))
-    return np.asarray(np.median(windows, axis=1))
+    half = windows.shape[1] // 2  # sorting so few takes less time than np.median
+    return np.asarray(np.sort(windows, axis=1)[:, half - 1 : half + 1].mean(axis=1))

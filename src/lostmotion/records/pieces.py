@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from lostmotion.records import limits
-from lostmotion.records.clipping import beyond
+from lostmotion.records.clipping import beyond, of_other_units
 from lostmotion.records.prepared import where
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, runs
@@ -43,6 +43,8 @@ def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
 def clip_to_span(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
     """Take OP that is recorded outside its span as the limit: the actuator ends there.
 
+    A span of other units than those of OP is no limit: OP stays as it is, and goes on without it.
+
     Examples
     --------
     >>> record, said = clip_to_span(LoopRecord([-3.0, 20.0, 104.0], [0.0] * 3, dt=1.0, op_span=(0, 100)))
@@ -53,12 +55,19 @@ def clip_to_span(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
     if not outside.any() or record.op_span is None:
         return record, []
     low, high = record.op_span
+    if of_other_units(record.op, record.op_span):
+        return with_own_span(record), [f"The span of OP, {low:g} .. {high:g}, is one of other units, and was left out."]
     first = int(np.flatnonzero(outside)[0])
     said = (
         f"OP is recorded outside its span {low:g} .. {high:g} in {int(outside.sum())} rows, first in "
         f"{where(first, first + 1, record.dt)}; the limit was taken there, where the actuator ends."
     )
     return replace(record, op=np.clip(record.op, low, high)), [said]
+
+
+def with_own_span(record: LoopRecord) -> LoopRecord:
+    """The record without a span of OP that is one of other units."""
+    return replace(record, op_span=None) if of_other_units(record.op, record.op_span) else record
 
 
 def longest_side(count: int, joints: tuple[int, ...]) -> Bools:

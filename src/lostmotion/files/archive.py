@@ -1,0 +1,104 @@
+"""An archive of several files (.zip, .tar, .tar.gz) -> what stands in each, as in a folder."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import tarfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from lostmotion.errors import DataError
+from lostmotion.files.frames import read_bytes
+from lostmotion.files.gathered import ENDINGS
+from lostmotion.files.packed import GZIP, WORKBOOK, ZIP, unpacked
+
+TAR = b"ustar"
+AT = 257  # bytes before it
+HEAD = 512
+MOST = 1 << 33  # bytes unpacked, all together: more is no record of a loop
+BESIDE = ("readme", "license", "licence")  # files that are no data
+Files = list[tuple[Path, bytes]]
+
+
+def archived(path: Path) -> Files:
+    """Files of data in an archive of several, in the order of their names; empty for any other file.
+
+    Raises
+    ------
+    FileAccessError
+        Not readable.
+    DataError
+        Damaged, without a file of data, or more than 8 GiB.
+    """
+    kind = _kind(path)
+    if not kind:
+        return []
+    raw = read_bytes(path)
+    try:
+        return sorted(_zipped(raw, path.name) if kind == "zip" else _tarred(raw, path.name))
+    except (OSError, EOFError, zlib.error, zipfile.BadZipFile, tarfile.TarError, RuntimeError) as error:
+        raise DataError.expected(
+            "a whole archive", f"a damaged one, {path.name!r} ({error})", "pack it again"
+        ) from error
+
+
+def _kind(path: Path) -> str:
+    """Zip of several files, or tar; empty for any other file."""
+    start, inside = b"", b""
+    with suppress(OSError, EOFError, ValueError, zlib.error, zipfile.BadZipFile, RuntimeError):
+        with path.open("rb") as stream:
+            start = inside = stream.read(HEAD)
+        if start.startswith(ZIP):
+            with zipfile.ZipFile(path) as archive:
+                names = [one.filename for one in archive.infolist() if not one.is_dir()]
+            several = len([name for name in names if not name.startswith("__MACOSX/")]) > 1
+            return "zip" if several and not any(name.startswith(WORKBOOK) for name in names) else ""
+        if start.startswith(GZIP):
+            with gzip.open(path) as packed:
+                inside = packed.read(HEAD)
+    return "tar" if inside[AT:].startswith(TAR) else ""
+
+
+def _zipped(raw: bytes, name: str) -> Files:
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        members = {one.filename: one for one in archive.infolist() if not one.is_dir()}
+        places = _of_data(members, name)
+        return list(_read(((place, archive.open(members[place])) for place in places), name))
+
+
+def _tarred(raw: bytes, name: str) -> Files:
+    with tarfile.open(fileobj=io.BytesIO(unpacked(raw, name)[0]), mode="r:") as archive:
+        members = {one.name: one for one in archive.getmembers() if one.isfile()}
+        streams = ((place, archive.extractfile(members[place])) for place in _of_data(members, name))
+        return list(_read(((place, stream) for place, stream in streams if stream is not None), name))
+
+
+def _read(streams: Iterator[tuple[str, IO[bytes]]], name: str) -> Iterator[tuple[Path, bytes]]:
+    """Content of each; one that says it is small may be large."""
+    most = MOST
+    for place, stream in streams:
+        with stream:
+            content = stream.read(most + 1)
+        most -= len(content)
+        if most < 0:
+            raise DataError.expected("records of loops", f"more than {MOST >> 30} GiB in {name!r}", "cut the export")
+        yield Path(*PurePosixPath(place).parts), content
+
+
+def _of_data(names: dict[str, zipfile.ZipInfo] | dict[str, tarfile.TarInfo], name: str) -> list[str]:
+    """Members with an ending of data, hidden ones and descriptions left out."""
+    kept = [one for one in names if _is_data(PurePosixPath(one))]
+    if not kept:
+        listed = ", ".join(list(names)[:4]) or "none"
+        raise DataError.expected(f"files with tables in {name!r}", listed, f"pack such as end in {', '.join(ENDINGS)}")
+    return kept
+
+
+def _is_data(place: PurePosixPath) -> bool:
+    hidden = any(part.startswith((".", "__MACOSX")) for part in place.parts)
+    return not hidden and place.suffix.lower() in ENDINGS and not place.stem.lower().startswith(BESIDE)
