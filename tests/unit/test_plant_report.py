@@ -12,7 +12,7 @@ import pytest
 
 from lostmotion.audit.plant_view import PlantView
 from lostmotion.plant import PlantLoop
-from lostmotion.report.plant import loop_page, loop_report, loop_section, plant_report, script, stylesheet
+from lostmotion.report.plant import loop_page, loop_report, loop_section, pages, plant_report, script, stylesheet
 from lostmotion.report.plant.pages import MOST_PAGES, MOST_RANKED
 from tests.plant_rows import HOSTILE, finding, plant, sound
 
@@ -121,7 +121,8 @@ def test_hostile_names_are_only_text():
     assert all(tag in Page(plant_report(view)).words for tag in HOSTILE)
 
 
-def test_many_loops_stay_usable_and_it_is_said_what_is_left_out():
+def test_many_loops_stay_usable_and_it_is_said_what_is_left_out(monkeypatch):
+    monkeypatch.setattr(pages, "MOST_LISTED", 200)
     count = 3000
     rows = tuple(finding(f"FIC-{n}", 1.0 + n % 99) if n % 2 else sound(f"FIC-{n}") for n in range(count))
     view = PlantView(plant().run, tuple(PlantLoop(row.tag, area=f"U{n % 40}") for n, row in enumerate(rows)), rows)

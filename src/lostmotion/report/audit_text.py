@@ -32,7 +32,7 @@ def audit_summary(view: PlantView) -> str:
     """What ``lostmotion audit`` prints."""
     health = health_of(view)
     parts = [_head(view), _health(health), _counts(view), _ranking(view), _groups(view), _new(view), _next(view)]
-    return "\n".join(part for part in parts if part)
+    return _clean("\n".join(part for part in parts if part))
 
 
 def _head(view: PlantView) -> str:
@@ -98,9 +98,13 @@ def _interval(row: AssessmentRow) -> str:
 
 
 def _cut(text: str, width: int) -> str:
-    """Text that fits a column, without what would steer a terminal."""
-    clean = "".join(letter if letter.isprintable() else "?" for letter in text)
-    return clean if len(clean) <= width else f"{clean[: width - 2]}.."
+    """Text that fits a column."""
+    return text if len(text) <= width else f"{text[: width - 2]}.."
+
+
+def _clean(text: str) -> str:
+    """Without what would steer a terminal, whatever a plant's tags and files are called."""
+    return "".join(letter if letter.isprintable() or letter == "\n" else "?" for letter in text)
 
 
 def _groups(view: PlantView) -> str:

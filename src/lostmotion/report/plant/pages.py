@@ -59,16 +59,18 @@ def plant_report(view: PlantView) -> str:
     ranked = ranked or [row for row in view.leading if row.stage is Stage.ASSESSED][:MOST_RANKED]
     places = {row.tag: f"rank-{place}" for place, row in enumerate(ranked, 1)}
 
-    def link(tag: str) -> str:
+    def address(tag: str) -> str:
         anchor = anchors.get(tag) or places.get(tag)
         return f"#{anchor}" if anchor else ""
 
     pages = [loop_page(view.loop_view(tag), anchor) for tag, anchor in anchors.items()]
-    return _render("plant.html.j2", **plant_context(view, ranked, link), pages=pages, worth=len(worth), **_assets(view))
+    return _render(
+        "plant.html.j2", **plant_context(view, ranked, address), pages=pages, worth=len(worth), **_assets(view)
+    )
 
 
-def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], link: Callable[[str], str]) -> dict[str, Any]:
-    """Everything that an overview shows; `link` gives the address of a loop, "" for none."""
+def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Callable[[str], str]) -> dict[str, Any]:
+    """Everything that an overview shows; `address` gives the address of a loop, "" for none."""
     found = changes(view)
     new = frozenset(one.tag for one in found if one.what in NEW)
     return {
@@ -77,17 +79,17 @@ def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], link: Callab
         "health": health_of(view),
         "unread": view.unread,
         "counts": _counts(view.leading),
-        "ranking": lines(view, ranked, link, new),
-        "all_lines": lines(view, view.leading[:MOST_LISTED], link, new),
+        "ranking": lines(view, ranked, address, new),
+        "all_lines": lines(view, view.leading[:MOST_LISTED], address, new),
         "loops": len(view.leading),
-        "treemap_wide": treemap(view.leading, view.by_tag, link),
-        "treemap_narrow": treemap(view.leading, view.by_tag, link, *NARROW),
-        "groups": [(group, [(member, link(member[0])) for member in group.members]) for group in view.groups],
+        "treemap_wide": treemap(view.leading, view.by_tag, address),
+        "treemap_narrow": treemap(view.leading, view.by_tag, address, *NARROW),
+        "groups": [(group, [(member, address(member[0])) for member in group.members]) for group in view.groups],
         "changes": found,
         "compared": bool(view.previous),
         "trends": size_trends(view),
         "most": MOST_SHORT,
-        "link": link,
+        "link": address,
         "period": seconds_words,
     }
 

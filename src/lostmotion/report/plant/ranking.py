@@ -65,11 +65,11 @@ class Line:
 
 
 def lines(
-    view: PlantView, rows: Sequence[AssessmentRow], link: Callable[[str], str], new: frozenset[str]
+    view: PlantView, rows: Sequence[AssessmentRow], address: Callable[[str], str], new: frozenset[str]
 ) -> list[Line]:
     """Lines of rows, in their order."""
     most = scale(rows)
-    return [_line(view, row, place, link, most, row.tag in new) for place, row in enumerate(rows, 1)]
+    return [_line(view, row, place, address, most, row.tag in new) for place, row in enumerate(rows, 1)]
 
 
 def scale(rows: Sequence[AssessmentRow]) -> float:
@@ -78,12 +78,14 @@ def scale(rows: Sequence[AssessmentRow]) -> float:
     return max(1.25 * sizes[(3 * len(sizes)) // 4], LEAST_SCALE) if sizes else LEAST_SCALE
 
 
-def _line(view: PlantView, row: AssessmentRow, place: int, link: Callable[[str], str], most: float, new: bool) -> Line:
+def _line(
+    view: PlantView, row: AssessmentRow, place: int, address: Callable[[str], str], most: float, new: bool
+) -> Line:
     loop, size = view.by_tag[row.tag], size_words(row)
     return Line(
         place=place,
         tag=row.tag,
-        link=link(row.tag),
+        link=address(row.tag),
         area=loop.area,
         loop_type=loop.loop_type,
         label=row.label,

@@ -76,7 +76,8 @@ def actuator_chart(trace: TraceRow, op_unit: str = "") -> Markup:
             paths[kind] = _positions(shaped, cycle)
     unit = bracketed(op_unit)
     x = Axis(float(way[0]), float(way[-1]), f"OP{unit}", most=4)
-    y = Axis.around(np.concatenate(list(paths.values())), f"position{unit}")
+    settled = [values[POINTS:] for values in paths.values()]  # the first way up depends on where it began
+    y = Axis.around(np.concatenate(settled), f"position{unit}")
     drawn = [line(kind, x, y, cycle[POINTS:], values[POINTS:]) for kind, values in reversed(list(paths.items()))]
     edges = [
         upright("interval", x, *ends)

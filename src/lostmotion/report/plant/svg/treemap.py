@@ -48,7 +48,7 @@ class Tile:
 def treemap(
     rows: Sequence[AssessmentRow],
     loops: dict[str, PlantLoop],
-    link: Callable[[str], str],
+    address: Callable[[str], str],
     wide: int = 1200,
     high: int = 420,
 ) -> Markup:
@@ -60,12 +60,12 @@ def treemap(
         One a loop, highest priority first.
     loops : dict of PlantLoop
         By tag.
-    link : callable
+    address : callable
         Address of a loop; "" where there is none.
     wide, high : int
         Pixels for which the layout is made; it is stretched to the width there is.
     """
-    areas = tiles_by_area(rows, loops, link)
+    areas = tiles_by_area(rows, loops, address)
     if not areas:
         return Markup("")
     weights = [sum(tile.weight for tile in tiles) for _, tiles in areas]
@@ -79,7 +79,7 @@ def treemap(
 
 
 def tiles_by_area(
-    rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop], link: Callable[[str], str]
+    rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop], address: Callable[[str], str]
 ) -> list[tuple[str, list[Tile]]]:
     """Tiles of every area, largest first; areas beyond MOST_AREAS together."""
     own = {row.tag for row in [row for row in rows if row.priority][:MOST_LOOPS]}
@@ -91,7 +91,7 @@ def tiles_by_area(
         area = area if area in known else "other areas"
         if row.tag in own:
             words = f"{row.tag}: {headline(row)}; priority {row.priority:.0f}"
-            tiles[area].append(Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, link(row.tag)))
+            tiles[area].append(Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, address(row.tag)))
         else:
             rest[area][row.label] += 1
     for area, counts in rest.items():
