@@ -12,7 +12,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from lostmotion.files import matlab, packed, read_loop, read_loops, text_lines, workbook
+from lostmotion.files import limits, matlab, read_loop, read_loops, text_lines, workbook
 from lostmotion.files.follow import Follower
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.growing import GrowingFile
@@ -23,11 +23,20 @@ from tests.reader_texts import OP, PV, N, rows
 RECORD = LoopRecord(OP, PV, dt=1.0, gaps=(30,), start="2026-03-01 06:00")
 
 
-def limited(folder, patch):
-    patch.setattr(packed, "LARGEST", 10)
+def limited(folder, patch, most="1e-8"):
+    patch.setenv(limits.MOST_GIB, most)
     path = folder / "a.csv.gz"
     path.write_bytes(gzip.compress(rows().encode()))
     read_loop(path)
+
+
+def without_memory(folder, patch):
+    def read(raw):
+        raise MemoryError
+
+    patch.setattr(pl, "read_parquet", read)
+    (folder / "a.parquet").write_bytes(b"PAR1")
+    read_loop(folder / "a.parquet")
 
 
 def resumed(folder, asked=None, stream=False, **change):
@@ -137,6 +146,8 @@ OTHERS = {  # what no file alone provokes
     "a refused record": lambda _: prepare(LoopRecord(np.full(N, 5.0), PV, dt=1.0)).require(),
 }
 PATCHED = {
+    "a limit that is no number": lambda folder, patch: limited(folder, patch, "much"),
+    "no memory for it": without_memory,
     "too much in an archive": limited,
     "a file that cannot be read": lambda _, patch: unreadable(patch, read_loop),
     "a file that cannot be followed": lambda _, patch: unreadable(patch, lambda path: GrowingFile(Path(path))),

@@ -10,11 +10,11 @@ from pathlib import Path
 import narwhals.stable.v2 as nw
 import polars as pl
 
-from lostmotion.errors import DataError
 from lostmotion.files.columns import usual
 from lostmotion.files.long import called
 from lostmotion.files.paths import is_folder, is_pattern
 from lostmotion.files.table import Table
+from lostmotion.files.undamaged import undamaged
 
 ENDINGS = (".parquet", ".pq")
 # Pieces of one table are numbered or dated: part-0, 00012-ab34, flows_2024-01.
@@ -63,12 +63,8 @@ def read_dataset(path: Path, pieces: Sequence[Path]) -> dict[str, Table]:
     DataError
         Damaged, or pieces with different columns.
     """
-    try:
+    with undamaged("whole Parquet files of the same columns", str(path), "export them in one way"):
         frame = pl.read_parquet([str(one) for one in pieces], hive_partitioning=True, glob=False)
-    except (pl.exceptions.PolarsError, OSError) as error:
-        raise DataError.expected(
-            f"whole Parquet files of the same columns in {str(path)!r}", f"{error}", "export them in one way"
-        ) from error
     keys = [key for key in _keys(pieces[0]) if key in frame.columns]
     note = f"Joined from {len(pieces)} Parquet files: {pieces[0].name} to {pieces[-1].name}."
     dates = [key for key in keys if key.lower() in DATE_KEYS]

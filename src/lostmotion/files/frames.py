@@ -22,6 +22,7 @@ from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
 from lostmotion.files.paths import is_path
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
+from lostmotion.files.undamaged import undamaged
 from lostmotion.files.workbook import load_workbook
 
 SEVERAL = "the table of one loop"
@@ -140,12 +141,8 @@ def peeked(path: Path) -> Table:
 
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:
-    try:
+    with undamaged(f"a whole {kind} file", name, "export it again"):
         frame = read(raw)
-    except (pl.exceptions.PolarsError, OSError) as error:
-        raise DataError.expected(
-            f"a whole {kind} file", f"a damaged one, {name!r} ({error})", "export it again"
-        ) from error
     return _checked(nw.from_native(frame, eager_only=True), name)
 
 
