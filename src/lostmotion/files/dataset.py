@@ -33,7 +33,7 @@ def pieces_of(path: Path) -> tuple[Path, ...]:
         pieces. Files of other names are not taken as one table: they may be of different loops.
     """
     if is_folder(path):
-        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in ENDINGS)
+        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in ENDINGS and one.is_file())
         if any("=" in part for one in inside for part in one.relative_to(path).parts[:-1]):
             return tuple(inside)
         others = any(one.is_file() and one.suffix.lower() not in ENDINGS for one in path.iterdir())

@@ -8,9 +8,10 @@ from lostmotion.errors import DataError, ParameterError
 
 MOST_GIB = "LOSTMOTION_MOST_GIB"
 MOST_SECONDS = "LOSTMOTION_MOST_SECONDS"
+MOST_COLUMNS = "LOSTMOTION_MOST_COLUMNS"
 _GIB, _SECONDS = 8.0, 60.0  # more is no record of a loop: 2.6 million rows of 20 columns are 0.4 GiB, read in 15 s
-MOST_COLUMNS = 20_000  # of a table: a plant has some thousand tags
-MOST_CELL = 1_000_000  # characters of a line of text: 20,000 columns of 50
+_COLUMNS = 20_000.0  # a plant has some thousand tags
+MOST_CELL = 10_000_000  # characters of a cell, or of a header: 20,000 names of 500
 
 
 def most_bytes() -> int:
@@ -33,6 +34,15 @@ def most_seconds() -> float:
         As for most_bytes.
     """
     return _number(MOST_SECONDS, _SECONDS)
+
+
+def need_few_columns(count: int, source: str) -> None:
+    """Raise the DataError of a table with more columns than one has."""
+    most = int(_number(MOST_COLUMNS, _COLUMNS))
+    if count > most:
+        raise DataError.expected(
+            f"at most {most} columns in {source!r}", count, f"export those of one loop, or set {MOST_COLUMNS}"
+        )
 
 
 def too_large(what: str) -> DataError:

@@ -74,7 +74,10 @@ def leaves_of_version_5(raw: bytes) -> list[Leaf]:
 
 def _unpacked(data: memoryview, room: int) -> memoryview:
     unpacker = zlib.decompressobj()
-    whole = unpacker.decompress(data, max(room, 1))
+    try:
+        whole = unpacker.decompress(data, max(room, 1))
+    except zlib.error as error:
+        raise ValueError(str(error)) from error
     if unpacker.unconsumed_tail:
         raise too_large("the MAT file")
     if not unpacker.eof or unpacker.unused_data:

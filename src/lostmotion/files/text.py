@@ -14,11 +14,15 @@ import polars as pl
 
 from lostmotion.errors import DataError
 from lostmotion.files.head import DELIMITERS, TOP, find_head
+from lostmotion.files.limits import MOST_CELL, need_few_columns
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
 from lostmotion.files.text_frame import TextFrame
 from lostmotion.files.watch import LONG, tell
 
+csv.field_size_limit(
+    max(csv.field_size_limit(), MOST_CELL)
+)  # a header of a wide file is one cell for a wrong delimiter
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -229,7 +233,10 @@ def split_line(line: str, delimiter: str) -> list[str]:
     """Fields of one line."""
     if delimiter == BLANKS:
         return line.split()
-    return next(csv.reader([line], delimiter=delimiter), [])
+    try:
+        return next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error as error:
+        raise DataError.expected("cells of text", f"one that cannot be read ({error})", "export it again") from error
 
 
 def with_tabs(lines: list[str]) -> list[str]:
@@ -242,8 +249,9 @@ class _Rows:
 
     def __init__(self, content: Content, blocks: Sequence[Block], header: str, delimiter: str, source: str) -> None:
         names = split_line(header, delimiter)
+        need_few_columns(len(names), source)
         while len(names) > 1 and not names[-1].strip():
-            names = names[:-1]
+            names.pop()
         self.delimiter, self.names = delimiter, unique_names(names)
         self._content, self._blocks, self._source = content, blocks, source
 
