@@ -164,7 +164,7 @@ def bases(kind):
 
 
 FORMATS = ("csv", "long", "csv.gz", "zip", "xlsx", "xls", "parquet", "feather", "mat 5", "mat 7.3")
-APART = ("xlsx", "xls", "mat 7.3")  # with a reader in a process of its own
+APART = ("xlsx", "xls", "mat 7.3", "parquet", "feather")  # with a reader in a process of its own
 FRAMES = "frames"
 
 

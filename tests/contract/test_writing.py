@@ -111,7 +111,7 @@ def test_the_one_process_is_this_python_and_a_script_of_ours():
         for called, node, _ in calls(one)
         if called in ("leaves_apart", "_answer") and one.parent.name == "files"
     }
-    assert kinds == {"SHEETS", "HDF5", "kind"}
+    assert kinds == {"SHEETS", "HDF5", "PIECES", "kind.lower()", "kind"}
 
 
 def _reaches_out(module):

@@ -17,7 +17,11 @@ import numpy as np
 from lostmotion.files.child import MARK, NUMBERS
 from lostmotion.files.limits import MOST_GIB, MOST_SECONDS, most_bytes, most_seconds
 
-_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # threads reserve memory that the limit counts
+_ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "POLARS_MAX_THREADS": "1",
+}  # threads reserve memory that the limit counts
 _CHILD = str(Path(__file__).with_name("child.py"))
 _LEAST, _TIMES = 2 << 30, 100  # bytes of memory: the packages alone reserve 1 GiB; and for each byte of the file
 _SIZES = {name: int(name[1]) for name in NUMBERS} | {"bool": 1, "bytes": 1}
@@ -30,15 +34,18 @@ class ReaderDiedError(Exception):
     """The process gave no answer; the text says why."""
 
 
-def leaves_apart(kind: str, raw: bytes) -> list[tuple[str, Any]]:
+def leaves_apart(kind: str, raw: bytes, size: int = 0) -> list[tuple[str, Any]]:
     """Path and value of all that a file holds, by a reader of :mod:`lostmotion.files.child`.
 
     Parameters
     ----------
     kind : str
-        SHEETS or HDF5 of that module.
+        One of that module. Parquet and Feather are on trial only, without leaves: where they end this way they can be
+        read in this process, too.
     raw : bytes
-        Content of the file.
+        What that module wants: mostly the content of the file.
+    size : int
+        Of the files in bytes, where `raw` is not their content.
 
     Returns
     -------
@@ -50,12 +57,12 @@ def leaves_apart(kind: str, raw: bytes) -> list[tuple[str, Any]]:
     ReaderDiedError
         Killed by a signal, too slow, not started, or it says that the file is damaged.
     """
-    return leaves_of(_answer(kind, raw))
+    return leaves_of(_answer(kind, raw, size))
 
 
-def _answer(kind: str, raw: bytes) -> bytes:
+def _answer(kind: str, raw: bytes, size: int) -> bytes:
     """Standard output of the script; no text from outside is part of its command."""
-    seconds, memory = most_seconds(), min(_LEAST + _TIMES * len(raw), most_bytes())
+    seconds, memory = most_seconds(), min(_LEAST + _TIMES * max(size, len(raw)), most_bytes())
     command = [sys.executable, "-s", "-P", "-B", _CHILD, kind, str(memory), str(int(seconds) + 1)]
     try:
         done = subprocess.run(  # noqa: S603  this Python and a script of ours

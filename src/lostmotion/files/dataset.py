@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from glob import glob
@@ -10,6 +11,8 @@ from pathlib import Path
 import narwhals.stable.v2 as nw
 import polars as pl
 
+from lostmotion.files.apart import leaves_apart
+from lostmotion.files.child import PIECES
 from lostmotion.files.columns import usual
 from lostmotion.files.long import called
 from lostmotion.files.paths import is_folder, is_pattern
@@ -64,6 +67,8 @@ def read_dataset(path: Path, pieces: Sequence[Path]) -> dict[str, Table]:
         Damaged, or pieces with different columns.
     """
     with undamaged("whole Parquet files of the same columns", str(path), "export them in one way"):
+        paths = json.dumps([str(one) for one in pieces]).encode()
+        leaves_apart(PIECES, paths, sum(one.stat().st_size for one in pieces))
         frame = pl.read_parquet([str(one) for one in pieces], hive_partitioning=True, glob=False)
     keys = [key for key in _keys(pieces[0]) if key in frame.columns]
     note = f"Joined from {len(pieces)} Parquet files: {pieces[0].name} to {pieces[-1].name}."

@@ -14,6 +14,7 @@ import polars as pl
 
 from lostmotion.addresses import is_url
 from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
+from lostmotion.files.apart import leaves_apart
 from lostmotion.files.columns import several_loops
 from lostmotion.files.database import SQLITE, read_query
 from lostmotion.files.dataset import pieces_of, read_dataset
@@ -149,6 +150,7 @@ def peeked(path: Path) -> Table:
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:
     with undamaged(f"a whole {kind} file", name, "export it again"):
+        leaves_apart(kind.lower(), raw)  # some damaged ones end the process
         frame = read(raw)
     return _checked(nw.from_native(frame, eager_only=True), name)
 
@@ -195,7 +197,7 @@ def _with_index(frame: nw.DataFrame[Any]) -> nw.DataFrame[Any]:
 
 
 def _checked(frame: nw.DataFrame[Any], source: str) -> Table:
-    need_few_columns(len(frame.columns), source)
+    need_few_columns(len(frame.columns))
     if not all(isinstance(name, str) for name in frame.columns):
         raise DataError.expected("column names as text", f"{list(frame.columns)} in the {source}", "rename the columns")
     if frame.is_empty():

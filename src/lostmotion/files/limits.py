@@ -36,13 +36,11 @@ def most_seconds() -> float:
     return _number(MOST_SECONDS, _SECONDS)
 
 
-def need_few_columns(count: int, source: str) -> None:
+def need_few_columns(count: int) -> None:
     """Raise the DataError of a table with more columns than one has."""
     most = int(_number(MOST_COLUMNS, _COLUMNS))
     if count > most:
-        raise DataError.expected(
-            f"at most {most} columns in {source!r}", count, f"export those of one loop, or set {MOST_COLUMNS}"
-        )
+        raise DataError.expected(f"at most {most} columns", count, f"export those of one loop, or set {MOST_COLUMNS}")
 
 
 def too_large(what: str) -> DataError:

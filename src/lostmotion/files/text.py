@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -13,16 +12,13 @@ import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError
-from lostmotion.files.head import DELIMITERS, TOP, find_head
-from lostmotion.files.limits import MOST_CELL, need_few_columns
+from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head
+from lostmotion.files.limits import need_few_columns
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
 from lostmotion.files.text_frame import TextFrame
 from lostmotion.files.watch import LONG, tell
 
-csv.field_size_limit(
-    max(csv.field_size_limit(), MOST_CELL)
-)  # a header of a wide file is one cell for a wrong delimiter
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 SAMPLE_LINES = 20
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -233,10 +229,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
     """Fields of one line."""
     if delimiter == BLANKS:
         return line.split()
-    try:
-        return next(csv.reader([line], delimiter=delimiter), [])
-    except csv.Error as error:
-        raise DataError.expected("cells of text", f"one that cannot be read ({error})", "export it again") from error
+    return cells_of(line, delimiter)
 
 
 def with_tabs(lines: list[str]) -> list[str]:
@@ -249,7 +242,7 @@ class _Rows:
 
     def __init__(self, content: Content, blocks: Sequence[Block], header: str, delimiter: str, source: str) -> None:
         names = split_line(header, delimiter)
-        need_few_columns(len(names), source)
+        need_few_columns(len(names))
         while len(names) > 1 and not names[-1].strip():
             names.pop()
         self.delimiter, self.names = delimiter, unique_names(names)
