@@ -5,6 +5,7 @@ import io
 import struct
 import zipfile
 import zlib
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
@@ -269,13 +270,16 @@ def odd_frame(number, seed=0):
     """A frame of pandas or Polars with odd types, names and values."""
     random = np.random.default_rng([seed, number, 9])
     names = ["time", "OP", "PV", "SP"][: random.integers(2, 5)]
-    columns = {name: _odd_column(random) for name in names}
+    usual = {"time": np.arange(N) / 2, "OP": OP, "PV": PV, "SP": PV}
+    columns = {name: usual[name] if random.random() < 0.6 else _odd_column(random) for name in names}
     if random.random() < 0.2:
         columns[["", "OP ", "x\ny", "OP.Quality", "Mode", "ä"][random.integers(6)]] = _odd_column(random)
     if random.random() < 0.5:
         made = pl.DataFrame({name: pl.Series(name, values, strict=False) for name, values in columns.items()})
         kind = CASTS[random.integers(len(CASTS))]
-        return made.cast({random.choice(names): kind}, strict=False) if random.random() < 0.3 else made
+        with suppress(pl.exceptions.PolarsError):  # there is no such cast
+            return made.cast({random.choice(names): kind}, strict=False) if random.random() < 0.3 else made
+        return made
     made = pd.DataFrame({name: pd.Series(list(values)) for name, values in columns.items()})
     kind = random.integers(6)
     if kind == 0:

@@ -98,13 +98,12 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
     """
     series = table.column(name)
     if isinstance(series.dtype, nw.Datetime):
-        stamps = _stamps(table, name, _of_our_era(name, _float(series.dt.timestamp("us")) * 1e-6))
+        stamps = _stamps(table, name, _of_our_era(name, series))
         return replace(stamps, local=series.dtype.time_zone is None)
     if isinstance(series.dtype, nw.Duration):
         return _stamps(table, name, _float(series.dt.total_microseconds()) * 1e-6)
     if isinstance(series.dtype, nw.Date):
-        days = _float(series.cast(nw.Datetime("us")).dt.timestamp("us")) * 1e-6
-        return _stamps(table, name, _of_our_era(name, days))
+        return _stamps(table, name, _of_our_era(name, series.cast(nw.Datetime("ms"))))
     if is_text(series):
         cells = text_cells(series)
         cells = cells.set(cells.str.to_lowercase().is_in(list(BAD_WORDS)), None)
@@ -214,8 +213,9 @@ def _stamps(table: Table, name: str, seconds: FloatArray, plain: bool = False, n
     return Stamps(name, np.asarray(seconds - origin), table, plain, notes, origin=float(origin))
 
 
-def _of_our_era(name: str, seconds: FloatArray) -> FloatArray:
-    """Seconds since 1970 that are dates of the calendar; frames hold any number as one."""
+def _of_our_era(name: str, series: nw.Series[Any]) -> FloatArray:
+    """Seconds since 1970, all of them dates of the calendar: frames hold any number as one."""
+    seconds = _float(series.dt.timestamp("ms")) * 1e-3  # microseconds of far dates are more than 64 bits hold
     wrong = (seconds < FIRST_DATE) | (seconds > LAST_DATE)
     if wrong.any():
         raise TimeError.expected(
@@ -223,7 +223,7 @@ def _of_our_era(name: str, seconds: FloatArray) -> FloatArray:
             f"{int(wrong.sum())} others, the first in row {int(np.argmax(wrong)) + 1}",
             "export it again, or pass dt=<seconds> and time=False to ignore the column",
         )
-    return seconds
+    return _float(series.dt.timestamp("us")) * 1e-6
 
 
 def _float(series: nw.Series[Any]) -> FloatArray:
