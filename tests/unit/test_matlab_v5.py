@@ -131,3 +131,9 @@ def test_structs_without_end(tmp_path):
         inside = struct.pack("<II", 14, len(body)) + body
     with pytest.raises(DataError, match="structs deeper than 40"):
         read(tmp_path, vectors()[:128] + inside)
+
+
+def test_more_rows_of_no_text_than_can_be_counted(tmp_path):
+    body = struct.pack("<IIII", 6, 8, 4, 0) + struct.pack("<IIii", 5, 8, 2**31 - 1, 0) + struct.pack("<II", 1, 0)
+    with pytest.raises(DataError, match="vectors of one length"):
+        read(tmp_path, vectors()[:128] + struct.pack("<II", 14, len(body)) + body)

@@ -25,8 +25,8 @@ def loop(scale):
 
 
 CASES = {
-    "an exact sine": (np.sin(K / 7), np.cos(K / 7)), "a whole period": (10 + np.sin(K * np.pi / 10), np.cos(K * np.pi / 10)),
-    "a pole at 1.5": unstable(), "1e20": loop(1e20), "1e-20": loop(1e-20),
+    "an exact sine": (np.sin(K / 7), np.cos(K / 7)), "a pole at 1.5": unstable(), "1e20": loop(1e20),
+    "1e-20": loop(1e-20), "a whole period": (10 + np.sin(K * np.pi / 10), np.cos(K * np.pi / 10)),
 }  # fmt: skip
 
 
@@ -35,7 +35,7 @@ def test_a_result_or_one_line(case):
     lm.identify(*CASES[case], dt=1.0).summary()
 
 
-@pytest.mark.parametrize("number", range(3))
+@pytest.mark.parametrize("number", (0, 92, 94, 111))
 def test_odd_records(number):
     u, y, name = odd_record(number)
     assert made_of(u, y) == [], name

@@ -148,7 +148,7 @@ class _Reader:
         """Text of a row; of several rows an array of texts."""
         text = _text(*_next(parts), self._order) if prod(shape) else ""
         rows = shape[0] if len(shape) == 2 else 1
-        if rows <= 1:
+        if rows <= 1 or not prod(shape):  # rows of nothing may be as many as a number can say
             return text
         if len(text) != prod(shape):
             raise ValueError("a text of another size")
