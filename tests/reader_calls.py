@@ -12,7 +12,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from lostmotion.files import archive, matlab, packed, read_loop, read_loops, text_lines, workbook
+from lostmotion.files import limits, matlab, read_loop, read_loops, text_lines, workbook
 from lostmotion.files.follow import Follower
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.growing import GrowingFile
@@ -24,8 +24,8 @@ from tests.reader_texts import archive as made_archive
 RECORD = LoopRecord(OP, PV, dt=1.0, gaps=(30,), start="2026-03-01 06:00")
 
 
-def limited(folder, patch):
-    patch.setattr(packed, "LARGEST", 10)
+def limited(folder, patch, most="1e-8"):
+    patch.setenv(limits.MOST_GIB, most)
     path = folder / "a.csv.gz"
     path.write_bytes(gzip.compress(rows().encode()))
     read_loop(path)
@@ -38,9 +38,18 @@ def packed_among_others(folder):
 
 
 def too_many(folder, patch):
-    patch.setattr(archive, "MOST", 10)
+    patch.setenv(limits.MOST_GIB, "1e-8")
     (folder / "a.zip").write_bytes(made_archive({"a.csv": rows(), "b.csv": rows()}))
     read_loop(folder / "a.zip")
+
+
+def without_memory(folder, patch):
+    def read(raw):
+        raise MemoryError
+
+    patch.setattr(pl, "read_parquet", read)
+    (folder / "a.parquet").write_bytes(b"PAR1")
+    read_loop(folder / "a.parquet")
 
 
 def resumed(folder, asked=None, stream=False, **change):
@@ -153,6 +162,8 @@ OTHERS = {  # what no file alone provokes
 PATCHED = {
     "too much in a packed file": limited,
     "too much in an archive": too_many,
+    "a limit that is no number": lambda folder, patch: limited(folder, patch, "much"),
+    "no memory for it": without_memory,
     "a file that cannot be read": lambda _, patch: unreadable(patch, read_loop),
     "a file that cannot be followed": lambda _, patch: unreadable(patch, lambda path: GrowingFile(Path(path))),
     "no reader of spreadsheets": without_reader,

@@ -22,6 +22,20 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import Self
 
+LONGEST = 1000  # characters of one part of a message: a file may hold a cell of a gigabyte
+
+
+def one_line(text: str) -> str:
+    r"""Text with line ends, colours and all else that a terminal would act on written out, as in ``\n``; cut if long.
+
+    Examples
+    --------
+    >>> one_line("a\nb"), len(one_line("x" * 9999))
+    ('a\\nb', 1003)
+    """
+    cut = text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} .. {text[1 - LONGEST // 2 :]}"
+    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in cut)
+
 
 class LostMotionError(Exception):
     """Base of every error that lostmotion raises on purpose."""
@@ -52,8 +66,9 @@ class InputError(LostMotionError, ValueError):
         ...
         lostmotion.errors.InputError: expected dt > 0, got -1.0; give the sampling time in seconds
         """
-        error = cls(f"expected {expected}, got {got}; {remedy}")
-        error.said = (expected, str(got), remedy)
+        shown = (one_line(expected), one_line(str(got)), one_line(remedy))
+        error = cls(f"expected {shown[0]}, got {shown[1]}; {shown[2]}")
+        error.said = shown
         return error
 
     def leads_on(self, *ways: Mapping[str, object]) -> Self:

@@ -10,20 +10,15 @@ import typer
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import message
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import LostMotionError, one_line
 
 
 def say_error(error: LostMotionError | ImportError, as_json: bool, words: Sequence[str] = ()) -> None:
     """Tell it; `words` were typed behind ``lostmotion``."""
     progress("")
-    said, lines = _one_line(message(error)), commands_on(error, words)
+    said, lines = one_line(message(error)), commands_on(error, words)
     if isinstance(error, LostMotionError) and as_json:
         typer.echo(
             json.dumps({"error": type(error).__name__, "message": said} | ({"commands": lines} if lines else {}))
         )
     typer.echo("\n".join([f"error: {said}", *(f"    {line}" for line in lines)]), err=True)
-
-
-def _one_line(text: str) -> str:
-    r"""Text with line ends, colours and all else that a terminal would act on written out, as in ``\n``."""
-    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)

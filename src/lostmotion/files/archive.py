@@ -15,12 +15,12 @@ from typing import IO
 from lostmotion.errors import DataError
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.gathered import ENDINGS
+from lostmotion.files.limits import most_bytes, too_large
 from lostmotion.files.packed import GZIP, WORKBOOK, ZIP, unpacked
 
 TAR = b"ustar"
 AT = 257  # bytes before it
 HEAD = 512
-MOST = 1 << 33  # bytes unpacked, all together: more is no record of a loop
 BESIDE = ("readme", "license", "licence")  # files that are no data
 Files = list[tuple[Path, bytes]]
 
@@ -33,7 +33,7 @@ def archived(path: Path) -> Files:
     FileAccessError
         Not readable.
     DataError
-        Damaged, without a file of data, or more than 8 GiB.
+        Damaged, without a file of data, or larger unpacked than a file may be.
     """
     kind = _kind(path)
     if not kind:
@@ -79,14 +79,14 @@ def _tarred(raw: bytes, name: str) -> Files:
 
 
 def _read(streams: Iterator[tuple[str, IO[bytes]]], name: str) -> Iterator[tuple[Path, bytes]]:
-    """Content of each; one that says it is small may be large."""
-    most = MOST
+    """Content of each; one that says it is small may be large. All together have the room of one file."""
+    most = most_bytes()
     for place, stream in streams:
         with stream:
             content = stream.read(most + 1)
         most -= len(content)
         if most < 0:
-            raise DataError.expected("records of loops", f"more than {MOST >> 30} GiB in {name!r}", "cut the export")
+            raise too_large(repr(name))
         yield Path(*PurePosixPath(place).parts), content
 
 

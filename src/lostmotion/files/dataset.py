@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from glob import glob
@@ -10,11 +11,13 @@ from pathlib import Path
 import narwhals.stable.v2 as nw
 import polars as pl
 
-from lostmotion.errors import DataError
+from lostmotion.files.apart import leaves_apart
+from lostmotion.files.child import PIECES
 from lostmotion.files.columns import usual
 from lostmotion.files.long import called
 from lostmotion.files.paths import is_folder, is_pattern
 from lostmotion.files.table import Table
+from lostmotion.files.undamaged import undamaged
 
 ENDINGS = (".parquet", ".pq")
 # Pieces of one table are numbered or dated: part-0, 00012-ab34, flows_2024-01.
@@ -33,7 +36,7 @@ def pieces_of(path: Path) -> tuple[Path, ...]:
         pieces. Files of other names are not taken as one table: they may be of different loops.
     """
     if is_folder(path):
-        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in ENDINGS)
+        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in ENDINGS and one.is_file())
         if any("=" in part for one in inside for part in one.relative_to(path).parts[:-1]):
             return tuple(inside)
         others = any(one.is_file() and one.suffix.lower() not in ENDINGS for one in path.iterdir())
@@ -63,12 +66,10 @@ def read_dataset(path: Path, pieces: Sequence[Path]) -> dict[str, Table]:
     DataError
         Damaged, or pieces with different columns.
     """
-    try:
+    with undamaged("whole Parquet files of the same columns", str(path), "export them in one way"):
+        paths = json.dumps([str(one) for one in pieces]).encode()
+        leaves_apart(PIECES, paths, sum(one.stat().st_size for one in pieces))
         frame = pl.read_parquet([str(one) for one in pieces], hive_partitioning=True, glob=False)
-    except (pl.exceptions.PolarsError, OSError) as error:
-        raise DataError.expected(
-            f"whole Parquet files of the same columns in {str(path)!r}", f"{error}", "export them in one way"
-        ) from error
     keys = [key for key in _keys(pieces[0]) if key in frame.columns]
     note = f"Joined from {len(pieces)} Parquet files: {pieces[0].name} to {pieces[-1].name}."
     dates = [key for key in keys if key.lower() in DATE_KEYS]

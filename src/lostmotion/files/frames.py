@@ -14,14 +14,17 @@ import polars as pl
 
 from lostmotion.addresses import is_url
 from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
+from lostmotion.files.apart import leaves_apart
 from lostmotion.files.columns import several_loops
 from lostmotion.files.database import SQLITE, read_query
 from lostmotion.files.dataset import pieces_of, read_dataset
+from lostmotion.files.limits import most_bytes, need_few_columns, too_large
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
-from lostmotion.files.paths import is_path
+from lostmotion.files.paths import is_file, is_other, is_path
 from lostmotion.files.table import Table
 from lostmotion.files.text import parse_text
+from lostmotion.files.undamaged import undamaged
 from lostmotion.files.workbook import load_workbook
 
 SEVERAL = "the table of one loop"
@@ -90,11 +93,15 @@ def tables(source: Any, query: str | None = None) -> dict[str, Table]:
             type(source).__name__,
             "collect a lazy frame first; for arrays build LoopRecord(op=..., pv=..., dt=...)",
         ) from error
+    except nw.exceptions.NarwhalsError as error:
+        raise DataError.expected("a data frame whose columns have names of their own", error, "rename them") from error
     return {"": _checked(_with_index(frame), f"{type(source).__module__.split('.')[0]} frame")}
 
 
 def is_database(path: Path) -> bool:
     """Whether a path is an SQLite file, by its content."""
+    if not is_file(path):
+        return False
     try:
         with path.open("rb") as stream:
             return stream.read(len(SQLITE)) == SQLITE
@@ -137,6 +144,8 @@ def peeked(path: Path, most: int = PEEKED) -> Table:
     FileAccessError, DataError
         As in :func:`load`.
     """
+    if not is_file(path):
+        return load(path)  # says what is wrong
     try:
         with path.open("rb") as stream:
             start = stream.read(most)
@@ -152,12 +161,9 @@ def peeked(path: Path, most: int = PEEKED) -> Table:
 
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:
-    try:
+    with undamaged(f"a whole {kind} file", name, "export it again"):
+        leaves_apart(kind.lower(), raw)  # some damaged ones end the process
         frame = read(raw)
-    except (pl.exceptions.PolarsError, OSError) as error:
-        raise DataError.expected(
-            f"a whole {kind} file", f"a damaged one, {name!r} ({error})", "export it again"
-        ) from error
     return _checked(nw.from_native(frame, eager_only=True), name)
 
 
@@ -171,14 +177,20 @@ def read_bytes(path: Path) -> bytes:
     ...
     lostmotion.errors.FileAccessError: expected a file, got no such file 'no-such-file.csv'; check the path
     """
+    if is_other(path):
+        raise FileAccessError(f"expected a file, got a pipe or a device {str(path)!r}; save it as a file first")
     try:
+        if path.stat().st_size > most_bytes():
+            raise too_large(repr(path.name))
         return path.read_bytes()
     except FileNotFoundError as error:
         raise FileAccessError(f"expected a file, got no such file {str(path)!r}; check the path") from error
     except IsADirectoryError as error:
         raise FileAccessError(f"expected a file, got the folder {str(path)!r}; name one file in it") from error
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
+    except (OSError, ValueError) as error:  # a ValueError: a zero in the name
+        if isinstance(error, DataError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
         raise FileAccessError(
             f"expected a readable file, got {reason!r} for {str(path)!r}; check its permissions and its path"
         ) from error
@@ -197,6 +209,7 @@ def _with_index(frame: nw.DataFrame[Any]) -> nw.DataFrame[Any]:
 
 
 def _checked(frame: nw.DataFrame[Any], source: str) -> Table:
+    need_few_columns(len(frame.columns))
     if not all(isinstance(name, str) for name in frame.columns):
         raise DataError.expected("column names as text", f"{list(frame.columns)} in the {source}", "rename the columns")
     if frame.is_empty():

@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 
+from lostmotion.errors import DataError
 from lostmotion.files.columns import usual
 from lostmotion.files.dates import looks_like_a_time, looks_numeric
+from lostmotion.files.limits import MOST_CELL, need_few_columns
 from lostmotion.files.names import UNIT_ROW
 from lostmotion.files.number_cells import BAD_WORDS
 from lostmotion.files.tags import loops_of
 
+csv.field_size_limit(max(csv.field_size_limit(), MOST_CELL))  # a wide header is one cell for a wrong delimiter
 DELIMITERS = (";", "\t", ",")
 TOP = 60  # lines in which the header is looked for
 SEEN = 20  # lines by which the columns are counted
@@ -78,12 +81,27 @@ def _columns(lines: list[str]) -> tuple[str, int]:
     for delimiter in DELIMITERS:
         counts = {len(_fields(line, delimiter)) for line in lines}
         if len(counts) == 1 and min(counts) > 1:
+            need_few_columns(min(counts))
             return delimiter, counts.pop()
     return "", 0
 
 
 def _fields(line: str, delimiter: str) -> list[str]:
-    return [field.strip() for field in next(csv.reader([line], delimiter=delimiter), [])]
+    return [field.strip() for field in cells_of(line, delimiter)]
+
+
+def cells_of(line: str, delimiter: str) -> list[str]:
+    """Cells of a line, quotes taken off.
+
+    Raises
+    ------
+    DataError
+        One is longer than a cell can be.
+    """
+    try:
+        return next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error as error:
+        raise DataError.expected("cells of text", f"one that cannot be read ({error})", "export it again") from error
 
 
 def _fits(fields: list[str], width: int) -> bool:

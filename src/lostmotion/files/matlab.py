@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Iterator
-from typing import Any
-
-import numpy as np
+from importlib.util import find_spec
 
 from lostmotion.errors import DataError
+from lostmotion.files.apart import leaves_apart
+from lostmotion.files.child import HDF5
+from lostmotion.files.matlab_v5 import leaves_of_version_5
 from lostmotion.files.structs import tables_of_structs
 from lostmotion.files.table import Table
+from lostmotion.files.undamaged import undamaged
 
 MAT = b"MATLAB 5.0 MAT-file"  # written by save -v6 and -v7
 MAT_HDF5 = b"MATLAB 7.3 MAT-file"
@@ -30,33 +30,18 @@ def load_mat(raw: bytes, source: str) -> dict[str, Table]:
     ------
     DataError
         A damaged file, one without vectors, or one of version 7.3 where its reader is not installed.
+
+    Notes
+    -----
+    The reader of version 7.3 is written in C, and changed bytes could crash it: it runs in a process of its own.
     """
-    if raw.startswith(MAT_HDF5):
-        from lostmotion.files.matlab_hdf5 import leaves_of_hdf5  # noqa: PLC0415  only files of version 7.3 need it
-
-        return tables_of_structs(leaves_of_hdf5(raw, source), source)
-    from scipy.io import loadmat  # noqa: PLC0415  a quarter of a second that text files need not wait for
-
-    try:
-        content = loadmat(io.BytesIO(raw), squeeze_me=True)  # type: ignore[arg-type]
-    except Exception as error:  # scipy raises whatever the damaged bytes lead to
-        reason = f"{type(error).__name__}: {error}"
+    hdf5 = raw.startswith(MAT_HDF5)
+    if hdf5 and find_spec("h5py") is None:
         raise DataError.expected(
-            "a whole MAT file", f"a damaged one, {source!r} ({reason})", "save it again"
-        ) from error
-    variables = {name: value for name, value in content.items() if not name.startswith("__")}
-    return tables_of_structs(_leaves(variables), source)
-
-
-def _leaves(variables: dict[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of every variable that is no struct."""
-    for name, value in variables.items():
-        array = np.asarray(value)
-        if array.dtype.names and array.ndim == 0:
-            yield from _leaves({field: array[field].item() for field in array.dtype.names}, f"{above}{name}.")
-        elif array.dtype.names:
-            for place, one in enumerate(array.ravel()):
-                inside = {field: one[field] for field in array.dtype.names}
-                yield from _leaves(inside, f"{above}{name}({place + 1}).")
-        else:
-            yield f"{above}{name}", value
+            f"the reader of MAT files of version 7.3 for {source!r}",
+            "none",
+            "install lostmotion[matlab], or save it with save(.., '-v7')",
+        )
+    with undamaged("a whole MAT file", source, "save it again"):
+        leaves = leaves_apart(HDF5, raw) if hdf5 else leaves_of_version_5(raw)
+    return tables_of_structs(leaves, source)

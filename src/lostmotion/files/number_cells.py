@@ -12,6 +12,7 @@ import polars as pl
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError
 from lostmotion.files.table import Table
+from lostmotion.records.record import LARGEST
 
 # What historians and spreadsheets write in place of a number; compared in lower case.
 BAD_WORDS = frozenset({
@@ -24,7 +25,6 @@ BAD_WORDS = frozenset({
     "1.#qnan", "-1.#ind", "1.#ind", "-1.#qnan", "-", "--", "---", "?", "*",
 })  # fmt: skip
 # No process value is larger; historians fill missing cells with the largest float, 3.4e38.
-LARGEST = 1e30
 DECIMAL_COMMA = r"^[+-]?\d*,\d+([eE][+-]?\d+)?$"
 DECIMAL_DOT = r"^[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?$"
 _MAYBE_THOUSANDS = r"^[+-]?[1-9]\d{0,2},\d{3}$"

@@ -5,16 +5,16 @@ from __future__ import annotations
 import gzip
 import io
 import zipfile
-import zlib
 from typing import IO
 
 from lostmotion.errors import DataError
+from lostmotion.files.limits import most_bytes, too_large
+from lostmotion.files.undamaged import undamaged
 from lostmotion.files.watch import LONG, tell
 
 GZIP = b"\x1f\x8b"
 ZIP = b"PK\x03\x04"
 WORKBOOK = "xl/workbook"
-LARGEST = 1 << 33  # bytes unpacked: more is no record of a loop
 PIECE = 1 << 20  # bytes
 
 
@@ -24,22 +24,20 @@ def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
     Raises
     ------
     DataError
-        Damaged, several files in the archive, or more than 8 GiB.
+        Damaged, several files in the archive, or larger unpacked than a file may be.
 
     Examples
     --------
     >>> unpacked(gzip.compress(b"OP,PV"), "FIC-1.csv.gz")
     (b'OP,PV', 'FIC-1.csv')
     """
-    try:
+    with undamaged("a whole archive", name, "pack it again", quiet=False):
         if raw.startswith(GZIP):
             packed = io.BytesIO(raw)
             with gzip.GzipFile(fileobj=packed) as stream:
                 return _content(stream, name, packed), name.removesuffix(".gz")
         if raw.startswith(ZIP):
             return _from_zip(raw, name)
-    except (OSError, EOFError, zlib.error, zipfile.BadZipFile, RuntimeError) as error:
-        raise DataError.expected("a whole archive", f"a damaged one, {name!r} ({error})", "pack it again") from error
     return raw, name
 
 
@@ -49,7 +47,7 @@ def is_workbook(raw: bytes) -> bool:
         return True
     if not raw.startswith(ZIP):
         return False
-    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+    with undamaged("a whole archive", "it", "pack it again", quiet=False), zipfile.ZipFile(io.BytesIO(raw)) as archive:
         return any(member.startswith(WORKBOOK) for member in archive.namelist())
 
 
@@ -69,13 +67,11 @@ def _from_zip(raw: bytes, name: str) -> tuple[bytes, str]:
 
 def _content(stream: IO[bytes] | gzip.GzipFile, name: str, packed: io.BytesIO) -> bytes:
     """All of it: piece by piece, since one read of an unknown size takes twice the room."""
-    whole, size = io.BytesIO(), packed.getbuffer().nbytes
+    whole, size, most = io.BytesIO(), packed.getbuffer().nbytes, most_bytes()
     while piece := stream.read(PIECE):
         whole.write(piece)
         if whole.tell() > LONG:
             tell(f"unpacking {name}", packed.tell(), size)
-        if whole.tell() > LARGEST:
-            raise DataError.expected(
-                "a record of a loop", f"more than {LARGEST >> 30} GiB in {name!r}", "cut the export"
-            )
+        if whole.tell() > most:
+            raise too_large(repr(name))
     return whole.getvalue()

@@ -24,6 +24,16 @@ def is_folder(path: Path) -> bool:
     return _is(path.is_dir)
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path is a regular file: what is a pipe or a device is none, and would be waited for."""
+    return _is(path.is_file)
+
+
+def is_other(path: Path) -> bool:
+    """Whether something is there that is neither a file nor a folder."""
+    return _is(path.exists) and not is_file(path) and not is_folder(path)
+
+
 def _is(asked: Callable[[], bool]) -> bool:
     try:
         return asked()

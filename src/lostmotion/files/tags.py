@@ -14,9 +14,11 @@ _CUT = re.compile(r"[\s_\-.]+")
 _PART = re.compile(r"[^\s_\-./:\\]+")
 _ISA = re.compile(r"^(?P<area>.*?[^A-Za-z])??(?P<letters>[A-Za-z]{2,4})[-_ .]?(?P<number>\d[\dA-Za-z]*)$")
 _SUFFIX = re.compile(r"(?<=\d)([A-Za-z]?)_+\d\w*$")  # of a file that is one of many of a loop: FIC20102__1207_0004
+NAMES = 1 << 16  # of columns that are remembered: each is asked for by every role
 Loops = dict[str, dict[str, str]]
 
 
+@lru_cache(maxsize=NAMES)
 def folded(name: str) -> str:
     """Lower case without accents.
 
@@ -29,7 +31,7 @@ def folded(name: str) -> str:
     return "".join(letter for letter in plain if not unicodedata.combining(letter))
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=NAMES)
 def key(name: str) -> str:
     """Name without case, accents, separators and unit, for comparison.
 
@@ -44,6 +46,7 @@ def key(name: str) -> str:
     return " ".join(words)
 
 
+@lru_cache(maxsize=NAMES)
 def tag_and_role(name: str) -> tuple[str, str] | None:
     """Tag and role of a column that is called by both; None: by something else.
 

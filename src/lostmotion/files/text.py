@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -15,7 +14,8 @@ import numpy as np
 import polars as pl
 
 from lostmotion.errors import DataError
-from lostmotion.files.head import DELIMITERS, TOP, find_head
+from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head
+from lostmotion.files.limits import need_few_columns
 from lostmotion.files.number_cells import BAD_WORDS
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
@@ -253,7 +253,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
     """Fields of one line."""
     if delimiter == BLANKS:
         return line.split()
-    return next(csv.reader([line], delimiter=delimiter), [])
+    return cells_of(line, delimiter)
 
 
 def with_tabs(lines: list[str]) -> list[str]:
@@ -266,8 +266,9 @@ class _Rows:
 
     def __init__(self, content: Content, blocks: Sequence[Block], header: str, delimiter: str, source: str) -> None:
         names = split_line(header, delimiter)
+        need_few_columns(len(names))
         while len(names) > 1 and not names[-1].strip():
-            names = names[:-1]
+            names.pop()
         self.delimiter, self.names = delimiter, unique_names(names)
         self._content, self._blocks, self._source = content, blocks, source
 

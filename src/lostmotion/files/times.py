@@ -17,6 +17,7 @@ from lostmotion.files.number_cells import is_text, text_cells, to_numbers, witho
 from lostmotion.files.table import Table
 
 # Medians of plain numbers above these are seconds, ms, us, ns since 1970 (1973 to 5138).
+FIRST_DATE, LAST_DATE = -62_135_596_800.0, 253_402_300_799.0  # seconds since 1970 of the years 1 and 9999
 EPOCHS = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"), (1e8, 1.0, "s"))
 DAY_SPANS = {  # of whom: from 2000 or 1970 on, up to 2051 or 2099, and the number of 1970-01-01
     "a spreadsheet": (36526.0, 55153.0, 25569.0),
@@ -97,12 +98,12 @@ def read_times(table: Table, name: str, decimal: str = ".") -> Stamps:
     """
     series = table.column(name)
     if isinstance(series.dtype, nw.Datetime):
-        stamps = _stamps(table, name, _float(series.dt.timestamp("us")) * 1e-6)
+        stamps = _stamps(table, name, _of_our_era(name, series))
         return replace(stamps, local=series.dtype.time_zone is None)
     if isinstance(series.dtype, nw.Duration):
         return _stamps(table, name, _float(series.dt.total_microseconds()) * 1e-6)
     if isinstance(series.dtype, nw.Date):
-        return _stamps(table, name, _float(series.cast(nw.Datetime("us")).dt.timestamp("us")) * 1e-6)
+        return _stamps(table, name, _of_our_era(name, series.cast(nw.Datetime("ms"))))
     if is_text(series):
         cells = without_words(text_cells(series))
         known = cells.drop_nulls()
@@ -209,6 +210,19 @@ def _stamps(table: Table, name: str, seconds: FloatArray, plain: bool = False, n
         )
     origin = 0.0 if plain else known[0]  # a counter is known by its first value
     return Stamps(name, np.asarray(seconds - origin), table, plain, notes, origin=float(origin))
+
+
+def _of_our_era(name: str, series: nw.Series[Any]) -> FloatArray:
+    """Seconds since 1970, all of them dates of the calendar: frames hold any number as one."""
+    seconds = _float(series.dt.timestamp("ms")) * 1e-3  # microseconds of far dates are more than 64 bits hold
+    wrong = (seconds < FIRST_DATE) | (seconds > LAST_DATE)
+    if wrong.any():
+        raise TimeError.expected(
+            f"dates of the years 1 to 9999 in column {name!r}",
+            f"{int(wrong.sum())} others, the first in row {int(np.argmax(wrong)) + 1}",
+            "export it again, or pass dt=<seconds> and time=False to ignore the column",
+        )
+    return _float(series.dt.timestamp("us")) * 1e-6
 
 
 def _float(series: nw.Series[Any]) -> FloatArray:

@@ -16,8 +16,10 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.quantum import quantum
+from lostmotion.records.record import LARGEST
 from lostmotion.records.white_noise import noise_of
 
+SMALLEST = 1e-100  # a range, whatever its unit: squares of smaller ones are 0
 FEWEST_SAMPLES = 60  # below this a dead zone and first-order dynamics cannot be told from noise
 
 
@@ -238,8 +240,10 @@ def _check_length(segments: IntArray) -> None:
 
 def _check_moves(data: IdentificationData) -> None:
     for name, array in (("OP (u)", data.u), ("PV (y)", data.y)):
-        spread = float(np.ptp(array))
-        if spread <= 1e-12 * max(float(np.abs(array).max()), 1e-300):
+        spread, largest = float(np.ptp(array)), float(np.abs(array).max())
+        if largest > LARGEST:
+            raise DataError.expected(f"{name} below {LARGEST:g}", f"{largest:g}", "use other units")
+        if spread <= max(1e-12 * largest, SMALLEST):
             raise DataError.expected(
                 f"{name} that moves", f"the constant {array[0]:g}", "use a record in which the loop works"
             )

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from lostmotion.records.checked import CheckedRecord
 
 StringArray = npt.NDArray[np.str_]
+LARGEST = 1e30  # of a value, whatever its unit: squares of larger ones, summed, are no numbers any more
 _SIGNALS = ("op", "pv", "sp", "position")
 
 
@@ -253,9 +254,12 @@ def _as_signal(value: npt.ArrayLike, name: str) -> FloatArray:
         raise DataError.expected(f"{name} as numbers", type(value).__name__, "convert it to floats") from error
     if array.ndim != 1:
         raise DataError.expected(f"{name} of one dimension", f"shape {array.shape}", "pass one column")
-    if np.isinf(array).any():
-        row = int(np.flatnonzero(np.isinf(array))[0])
-        raise DataError.expected(f"finite {name}", f"{array[row]} in row {row}", "mark missing samples as NaN")
+    wild = np.abs(array) > LARGEST
+    if wild.any():
+        row = int(np.flatnonzero(wild)[0])
+        raise DataError.expected(
+            f"finite {name} below {LARGEST:g}", f"{array[row]} in row {row}", "mark missing samples as NaN"
+        )
     array.setflags(write=False)
     return array
 

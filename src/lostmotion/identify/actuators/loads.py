@@ -292,7 +292,7 @@ class _Errors:
                 norms[:skipped] -= energy[skipped - 1 - np.arange(skipped)]
             # products with a step at each row: the response run backwards over what is left
             later = self._filtered(np.cumsum(part[::-1]))[::-1]
-            scores = later**2 / np.maximum(norms, 1e-9 * energy[-1])
+            scores = later**2 / np.maximum(norms, max(1e-9 * energy[-1], np.finfo(float).tiny))  # it may answer nothing
             row = EDGE + int(np.argmax(scores[EDGE:-EDGE]))
             yield _Option(float(scores[row]), Step(start + row, start, stop))
         n = stop - first

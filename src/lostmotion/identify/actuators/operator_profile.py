@@ -82,9 +82,10 @@ class LaggedRegression:
     def squares(self, x: FloatArray) -> float:
         """Sum of squares with the lagged internal variable x (n,)."""
         lags, floor = self.lags, RIDGE * self.samples
-        return self.alone - explained_by_lags(
+        explained = explained_by_lags(
             self.y, lags.outputs, x, lags.delay, lags.inputs, self._rows, self.basis, self.explained, floor, RIDGE
         )
+        return max(self.alone - explained, 0.0)  # of a record without noise rounding may leave less than nothing
 
     @cached_property
     def _rows(self) -> IntArray:

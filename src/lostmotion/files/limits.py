@@ -1,0 +1,65 @@
+"""How large, how long: what a file from outside may take, and how to allow more."""
+
+from __future__ import annotations
+
+import os
+
+from lostmotion.errors import DataError, ParameterError
+
+MOST_GIB = "LOSTMOTION_MOST_GIB"
+MOST_SECONDS = "LOSTMOTION_MOST_SECONDS"
+MOST_COLUMNS = "LOSTMOTION_MOST_COLUMNS"
+_GIB, _SECONDS = 8.0, 60.0  # more is no record of a loop: 2.6 million rows of 20 columns are 0.4 GiB, read in 15 s
+_COLUMNS = 20_000.0  # a plant has some thousand tags
+MOST_CELL = 10_000_000  # characters of a cell, or of a header: 20,000 names of 500
+
+
+def most_bytes() -> int:
+    """Size of a file, of what is unpacked from it, and the memory of a reader in a process of its own.
+
+    Raises
+    ------
+    ParameterError
+        The environment says something else than a number.
+    """
+    return int(_number(MOST_GIB, _GIB) * 2**30)
+
+
+def most_seconds() -> float:
+    """Patience with a reader in a process of its own.
+
+    Raises
+    ------
+    ParameterError
+        As for most_bytes.
+    """
+    return _number(MOST_SECONDS, _SECONDS)
+
+
+def need_few_columns(count: int) -> None:
+    """Raise the DataError of a table with more columns than one has."""
+    most = int(_number(MOST_COLUMNS, _COLUMNS))
+    if count > most:
+        raise DataError.expected(f"at most {most} columns", count, f"export those of one loop, or set {MOST_COLUMNS}")
+
+
+def too_large(what: str) -> DataError:
+    """The error of what has more than most_bytes."""
+    return DataError.expected(
+        "a record of a loop",
+        f"more than {_number(MOST_GIB, _GIB):g} GiB in {what}",
+        f"cut the export, or set {MOST_GIB}",
+    )
+
+
+def _number(name: str, usual: float) -> float:
+    given = os.environ.get(name, "")
+    if not given:
+        return usual
+    try:
+        number = float(given)
+    except ValueError:
+        number = 0.0
+    if not 0 < number <= 1e6:
+        raise ParameterError.expected(f"{name} > 0", repr(given), "set it to a number, or not at all")
+    return number
