@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lostmotion.audit.assess import _pooled, assess, told
+from lostmotion.audit.assess import _another, _pooled, assess, told
 from lostmotion.audit.screen import screen
 from lostmotion.audit.screen_rows import ScreenRows, of_loop
 from lostmotion.audit.settings import AuditSettings
@@ -152,6 +152,14 @@ def test_looks_that_disagree_name_no_fault():
     assert told([silent, other]) is other
     assert told([fault, silent]) is silent
     assert told([fault, One("actuator", "stiction", 0.7)]) is fault
+    assert told([silent, fault, One("actuator", "stiction", 0.7)]) is fault
+    assert told([fault, One("actuator", "stiction", 0.7), other]) is other
+    assert [_another(seen, 0.1) for seen in ([fault], [silent], [other], [fault, silent], [fault, other])] == [
+        True, False, False, True, False,
+    ]  # fmt: skip
+    assert _another([silent], 0.9)
+    assert _another([One("unknown", "cannot tell", 0.4)], 0.1)
+    assert not _another([fault, silent, fault], 0.9)
 
 
 def test_sizes_of_two_looks_are_weighed_and_no_narrower_than_they_differ():

@@ -156,6 +156,13 @@ def test_hand_and_limits_leave_nothing_to_be_told():
     assert "limit of OP" in full.reason
 
 
+def test_output_limits_inside_the_span_are_seen():
+    op = base().op
+    cut = np.minimum(op, np.quantile(op, 0.8))
+    assert 0.1 < row_of(replace(base(), op=cut)).limited <= 0.2  # turning points at the limit are short
+    assert row_of(base()).limited == 0.0
+
+
 def test_op_that_hardly_moves_is_worth_nothing_unless_it_swings():
     random = np.random.default_rng(3)
     op, pv = 50.0 + 0.05 * random.normal(size=(2, ROWS))

@@ -25,6 +25,8 @@ from lostmotion.records import LoopRecord
 from lostmotion.store.rows import AssessmentRow, Stage, TraceRow
 
 WORTH_MORE = 0.5  # value from which on an undecided window is looked at once more
+HINT = 0.35  # probability of a fault from which on it is too
+MOST = 3  # looks
 SIZED = ("dead zone", "backlash", "stiction")
 
 
@@ -53,7 +55,8 @@ def assess(
     """Diagnose a window that was screened.
 
     A first look is at the best stretch of each half of the window, joined; a second one, at others, confirms a fault
-    or settles what is worth it. Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
+    or settles what is worth it, and a third where one of them names a fault and the other cannot tell.
+    Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
 
     Parameters
     ----------
@@ -96,21 +99,22 @@ def _seen(rows: ScreenRows, row: AssessmentRow, tolerance: float) -> tuple[list[
 
 
 def _another(seen: list[Seen], value: float) -> bool:
-    """Whether one more look is worth its time: to confirm a fault, or where it matters and nothing is told."""
-    if len(seen) > 1:
-        return False
-    return seen[0].alarm or (seen[0].found.verdict == "cannot tell" and value >= WORTH_MORE)
+    """Whether one more look is worth its time: to confirm a fault, or where nothing is told and it matters."""
+    silent = [one for one in seen if one.found.verdict == "cannot tell"]
+    if len(seen) == 1:
+        return seen[0].alarm or (bool(silent) and (value >= WORTH_MORE or seen[0].probability >= HINT))
+    return len(seen) < MOST and len(silent) == 1 and any(one.alarm for one in seen)
 
 
 def told(seen: list[Seen]) -> Seen:
-    """The look that is believed: a fault only where all looks name one, else the first that names none.
+    """The look that is believed: a fault where two looks name one and none denies it, else the first that names none.
 
     Sizes that it excludes are its own: the smaller of two 95 % limits would be none of 95 %.
     """
-    others = [one for one in seen if not one.alarm]
-    if not others:
-        return max(seen, key=lambda one: one.probability)
+    alarms, others = [one for one in seen if one.alarm], [one for one in seen if not one.alarm]
     clear = [one for one in others if one.found.verdict != "cannot tell"]
+    if not others or (len(alarms) > 1 and not clear):
+        return max(alarms, key=lambda one: one.probability)
     return (clear or others)[0]
 
 
