@@ -14,7 +14,8 @@ from lostmotion.store.rows import AssessmentRow, Stage
 LEAST_SURE = 0.6  # share of the odds that a source must have to be named
 LEAST_LEAD = 2.0  # odds over the next
 CERTAIN = 0.97  # what a verdict can at most be worth
-OUTSIDE = 0.5  # log odds that it is none of them
+OUTSIDE = 1.2  # log odds that it is none of them: harmonics alone do not name a loop of which no diagnosis speaks
+BY_TUNING = 0.6  # of its log odds: what a swing reaches can look as near the limit of stability as its source
 NOT_SEEN = -1.0  # of one in which a diagnosis sees nothing that could make it swing
 NO_OWN = -1.5  # of a loop that swings only because it is carried along: it has no period of its own
 DISTURBED = -1.5  # of one whose diagnosis says that it is disturbed
