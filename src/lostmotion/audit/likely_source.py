@@ -114,9 +114,8 @@ def _of_row(row: AssessmentRow) -> tuple[float, str]:
         sure = row.confidence if row.probability is None else row.probability
         return _log_odds(sure), f"{row.verdict} of its valve (probability {100.0 * (sure or 0.5):.0f} %)"
     if row.kind == "tuning":
-        return _log_odds(
-            row.confidence
-        ), f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
+        said = f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
+        return BY_TUNING * _log_odds(row.confidence), said
     if row.kind == "disturbance":
         return DISTURBED, ""
     return (NOT_SEEN if row.probability is None else min(_log_odds(row.probability), 0.0)), ""
