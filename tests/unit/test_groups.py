@@ -76,6 +76,13 @@ def test_time_must_be_in_common():
     assert groups(spectra, [row("A", 300.0), row("B", 300.0, start=later)]) == ()
 
 
+def test_harmonics_alone_name_nobody():
+    spectra = [spectrum("A", 300.0, harmonics=(0.1, 0.3)), spectrum("B", 300.0)]
+    (group,) = groups(spectra, [row("A", 300.0), row("B", 300.0)])
+    assert (group.source, tags(group)) == ("", ["A", "B"])
+    assert "A is the most suspect" in group.why
+
+
 def test_two_that_are_close_are_not_decided_between():
     rows = [valve(row("A", 300.0)), valve(row("B", 300.0))]
     (group,) = groups([spectrum(tag, 300.0) for tag in "AB"], rows)
