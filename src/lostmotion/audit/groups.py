@@ -40,9 +40,9 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     for period, members in together(known):
         along = carried(members[0][0], period, others)
         if len({one.tag for one, _ in [*members, *along]}) > 1:
-            made.append(_group(period, members, along))
-    made.sort(key=lambda one: (-sum(member[2] for member in one.members), one.period))
-    return tuple(replace(one, number=number + 1) for number, one in enumerate(made))
+            made.append((sum(one.power for one, _ in members), _group(period, members, along)))
+    made.sort(key=lambda one: (-one[0], one[1].period))
+    return tuple(replace(one, number=number + 1) for number, (_, one) in enumerate(made))
 
 
 def _group(

@@ -73,7 +73,7 @@ def suspect(loop: Swinging, likeness: float, period: float, own: bool) -> Suspec
     nonlinear = _nonlinearity(loop)
     coupled = 0.0 if nonlinear is None else float(np.clip(nonlinear - 1.0, -1.0, MOST_NONLINEARITY))
     score = verdict
-    if not any(row.kind == "tuning" for row in loop.rows):  # a linear loop that hardly settles makes neither
+    if own and not any(row.kind == "tuning" for row in loop.rows):  # a linear loop that hardly settles makes neither
         score += float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS)) + BY_NONLINEARITY * coupled
     score += BY_POWER * loop.power if own else NO_OWN
     why = [said] if said else []
