@@ -14,8 +14,10 @@ from lostmotion.audit.screen_rows import ScreenRows, of_loop
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.audit.stretches import Look, looks
 from lostmotion.audit.trace import trace_of
+from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.errors import DataError
 from lostmotion.kernels.threads import one_thread
 from lostmotion.plant.loop import PlantLoop
@@ -23,7 +25,9 @@ from lostmotion.records import LoopRecord
 from lostmotion.store.rows import AssessmentRow, Stage, TraceRow
 
 WORTH_MORE = 0.5  # value from which on an undecided window is looked at once more
-SURE = 0.5  # probability of a fault from which on a diagnosis names it
+HINT = 0.35  # probability of a fault from which on it is too
+MOST = 3  # looks
+SIZED = ("dead zone", "backlash", "stiction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,8 @@ def assess(
     """Diagnose a window that was screened.
 
     A first look is at the best stretch of each half of the window, joined; a second one, at others, confirms a fault
-    or settles what is worth it. Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
+    or settles what is worth it, and a third where one of them names a fault and the other cannot tell.
+    Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
 
     Parameters
     ----------
@@ -68,7 +73,7 @@ def assess(
         rows = ScreenRows(of_loop(loop, record))
         with np.errstate(all="ignore"):
             seen, why = _seen(rows, row, settings.tolerance)
-            row = assessed(row, seen, why, settings.tolerance)
+            row = _limited(assessed(row, seen, why, settings.tolerance))
             if seen:
                 trace = _trace(rows, row, seen)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
@@ -94,20 +99,23 @@ def _seen(rows: ScreenRows, row: AssessmentRow, tolerance: float) -> tuple[list[
 
 
 def _another(seen: list[Seen], value: float) -> bool:
-    """Whether one more look is worth its time: to confirm a fault, or where it matters and nothing is told."""
-    if len(seen) > 1:
-        return False
-    return seen[0].alarm or (seen[0].found.verdict == "cannot tell" and value >= WORTH_MORE)
+    """Whether one more look is worth its time: to confirm a fault, or where nothing is told and it matters."""
+    silent = [one for one in seen if one.found.verdict == "cannot tell"]
+    if len(seen) == 1:
+        return seen[0].alarm or (bool(silent) and (value >= WORTH_MORE or seen[0].probability >= HINT))
+    return len(seen) < MOST and len(silent) == 1 and any(one.alarm for one in seen)
 
 
 def told(seen: list[Seen]) -> Seen:
-    """The look that is believed: a fault only where all looks name one, else the one that names none."""
-    alarms = [one for one in seen if one.alarm]
-    if len(alarms) == len(seen):
-        return max(alarms, key=lambda one: one.probability)
-    others = [one for one in seen if not one.alarm]
+    """The look that is believed: a fault where two looks name one and none denies it, else the first that names none.
+
+    Sizes that it excludes are its own: the smaller of two 95 % limits would be none of 95 %.
+    """
+    alarms, others = [one for one in seen if one.alarm], [one for one in seen if not one.alarm]
     clear = [one for one in others if one.found.verdict != "cannot tell"]
-    return min(clear or others, key=lambda one: one.probability)
+    if not others or (len(alarms) > 1 and not clear):
+        return max(alarms, key=lambda one: one.probability)
+    return (clear or others)[0]
 
 
 def assessed(row: AssessmentRow, seen: list[Seen], why: str, tolerance: float) -> AssessmentRow:
@@ -125,7 +133,7 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str, tolerance: float) -
         verdict="cannot tell" if disagree else found.verdict,
         kind="unknown" if disagree else found.kind,
         **_sizes(seen, best, percent),
-        **_excluded(seen, best, percent),
+        **_excluded(best, percent),
         confidence=_finite(found.confidence),
         probability=_finite(float(np.mean([one.probability for one in seen]))),
         severity="unknown" if found.verdict == "cannot tell" or disagree else found.severity,
@@ -134,6 +142,25 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str, tolerance: float) -
         evidence=tuple((item.name, _number(item.value), _number(item.weight)) for item in found.evidence),
         indices={**row.indices, **_indices(seen, best)},
         **_performance(row, found),
+    )
+
+
+def _limited(row: AssessmentRow) -> AssessmentRow:
+    """As a diagnosis has it where OP is at a limit for long: the looks were at the rest of the window."""
+    if row.limited is None or not limits_decide(row.verdict, row.limited):
+        return row
+    sizes: dict[str, Any] = dict.fromkeys(("size", "low", "high", "size_percent"))
+    evidence = (("share of time with OP at a limit", row.limited, 0.0), *row.evidence)
+    advice = advise("saturation", "actuator", "unknown", False, False)
+    return replace(
+        row,
+        verdict="saturation",
+        kind="actuator",
+        severity="unknown",
+        why="",
+        evidence=evidence,
+        advice=advice,
+        **sizes,
     )
 
 
@@ -161,16 +188,13 @@ def _pooled(found: list[Diagnosis]) -> tuple[float, float, float]:
     return size, size - half, size + half
 
 
-def _excluded(seen: list[Seen], best: Seen, percent: float) -> dict[str, Any]:
-    """Of each kind the smallest size that any look excludes."""
-    names = {"dead zone": "excluded_dead_zone", "backlash": "excluded_backlash", "stiction": "excluded_stiction"}
-    found: dict[str, Any] = dict.fromkeys([*names.values(), "excluded_percent"])
-    sizes = [one.found.excluded for one in seen if one.found.excluded]
-    if best.alarm or not sizes:
-        return found
-    least = {name: min(one.get(name, np.inf) for one in sizes) for name in names}
-    found |= {names[name]: _finite(size) for name, size in least.items()}
-    return found | {"excluded_percent": _finite(max(least.values()) / percent)}
+def _excluded(best: Seen, percent: float) -> dict[str, Any]:
+    """Largest size of each kind that is not excluded; None where a valve that never moves would look the same."""
+    said = best.found.excluded
+    if best.alarm or not said:
+        return {}
+    found = {f"excluded_{name.replace(' ', '_')}": _finite(size) for name, size in said.items() if name in SIZED}
+    return found | {"excluded_percent": _finite(max(said.values()) / percent)}
 
 
 def _indices(seen: list[Seen], best: Seen) -> dict[str, float]:

@@ -92,7 +92,7 @@ def _screened(
         one.swing.power if one.swing else 0.0, bool(one.swing and one.swing.steady), performance,
         100.0 * settings.tolerance,
     )  # fmt: skip
-    value, reason = worth(seen, health.findings[0] if health.findings else "")
+    value, reason = worth(seen, health.problem)
     row = replace(
         row, reason=reason, value=value, health=health.findings, fit_for_use=health.fit, performance=performance,
         manual=manual, limited=limited, missing=health.missing, travel=travel, reversals=reversals,

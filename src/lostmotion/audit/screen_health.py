@@ -33,12 +33,15 @@ class Health:
         Whether a judgement is possible.
     missing, stale : float
         Shares of time.
+    problem : str
+        The finding for which no judgement is possible; empty where it is.
     """
 
     findings: tuple[str, ...]
     fit: bool
     missing: float
     stale: float
+    problem: str = ""
 
 
 def health_of(rows: ScreenRows) -> Health:
@@ -49,8 +52,8 @@ def health_of(rows: ScreenRows) -> Health:
     stopping = list(_stopping(rows, live, missing, stale))
     rest = [] if _nothing(record) else [*_about_sp(rows), *_about_archive(record), *_about_op(rows)]
     told = [*_about_missing(missing, stale), *(one for one, _ in rest)]
-    fit = not stopping and not any(grave for _, grave in rest)
-    return Health((*stopping, *told), fit, missing, stale)
+    grave = [*stopping, *(one for one, stops in rest if stops)]
+    return Health((*stopping, *told), not grave, missing, stale, grave[0] if grave else "")
 
 
 def missing_share(record: LoopRecord) -> float:
@@ -94,7 +97,7 @@ def _about_sp(rows: ScreenRows) -> Iterator[tuple[str, bool]]:
         return
     if rows.sp_apart:
         pv, sp = float(np.nanmedian(record.pv)), float(np.nanmedian(record.sp))
-        yield f"SP ({sp:.4g}) and PV ({pv:.4g}) never come near each other: other units, or another loop's", False
+        yield f"SP ({sp:.4g}) and PV ({pv:.4g}) never come near each other: other units, or overridden", False
     elif _same(record.sp, record.pv):
         yield "SP and PV are the same signal (SP tracks PV)", False
 
@@ -159,4 +162,4 @@ def _agree(first: FloatArray, second: FloatArray) -> bool:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"

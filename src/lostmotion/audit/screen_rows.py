@@ -15,7 +15,7 @@ from lostmotion.records import LoopRecord, limits
 from lostmotion.records.modes import Kind, rows_of
 from lostmotion.records.record import StringArray
 from lostmotion.records.sampling import Bools, runs
-from lostmotion.records.standstill import held_op, stopped, stuck
+from lostmotion.records.standstill import held_op, is_live, stopped, stuck
 
 
 def of_loop(loop: PlantLoop, record: LoopRecord) -> LoopRecord:
@@ -79,15 +79,23 @@ class ScreenRows:
 
     @cached_property
     def limited(self) -> Bools:
-        """OP is at a limit: that of a given span, else the extreme of the window where OP stands there."""
-        op, span = self.record.op, self.span
-        if span is None or float(np.ptp(op[np.isfinite(op)])) == 0.0:
+        """OP is at a limit: an end of a given span, or the extreme of the window where a live OP stands there.
+
+        Controllers have output limits inside the span.
+        """
+        op, span = self.record.op, self.record.op_span
+        known = op[np.isfinite(op)]
+        if not known.size or float(np.ptp(known)) == 0.0:
             return np.zeros(len(op), dtype=np.bool_)
-        if span.known:
-            margin = limits.SPAN_MARGIN * (span.high - span.low)
-            return np.asarray((op <= span.low + margin) | (op >= span.high - margin))
-        margin = limits.FINE_STEP * (span.high - span.low)
-        return _in_long_runs(op <= span.low + margin) | _in_long_runs(op >= span.high - margin)
+        margin = limits.FINE_STEP * float(np.ptp(known))
+        ends = _in_long_runs(op <= known.min() + margin) | _in_long_runs(op >= known.max() - margin)
+        still = (np.diff(op) == 0) & ~ends[1:]
+        if float(np.mean(ends)) < limits.SATURATED_SHARE or not is_live(still[~ends[1:]]):
+            ends = np.zeros(len(op), dtype=np.bool_)
+        if span is None:
+            return ends
+        margin = limits.SPAN_MARGIN * (span[1] - span[0])
+        return np.asarray(ends | (op <= span[0] + margin) | (op >= span[1] - margin))
 
     @cached_property
     def live(self) -> Bools:
@@ -107,7 +115,7 @@ class ScreenRows:
     def error(self) -> FloatArray:
         """Error of control (PV less SP; PV less its mean where SP is not known) in the live rows, NaN elsewhere."""
         record = self.record
-        target = record.sp if self.sp_fits else np.zeros(1)
+        target = record.sp if record.sp is not None and self.sp_fits else np.zeros(1)
         error = np.where(self.live, record.pv - target, np.nan)
         known = error[np.isfinite(error)]
         return error - float(known.mean()) if known.size else error

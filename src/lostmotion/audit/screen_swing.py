@@ -5,25 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.fft
 
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.screen_spectrum import Spectrum
 from lostmotion.diagnose.features import FEWEST_CYCLES, LEAST_SHARE
 from lostmotion.diagnose.oscillation import LEAST, Oscillation, oscillation_near
 from lostmotion.errors import DataError
-from lostmotion.kernels.prediction import prediction_error
 
 ROWS = 2048  # after thinning, on which a period is measured: a hundred cycles
 PER_PERIOD = 20.0  # rows in a period, where there are as many: five harmonics of it are seen
 USUAL = 0.75  # quantile of the variance of the parts: moves of SP and upsets are in few, a swing is in many
 KNOWN = 0.9  # of a part
-PATTERN = 10.0  # rows in a period of the prediction, as published (7 to 25)
-LONGEST = 256  # rows of it
-SURROGATES = 12
-NEIGHBOURS = 8  # as published
+SEGMENT, HOP = 4.0, 3.0  # periods of a segment, and from one to the next
+LEAST_SEGMENTS, MOST_SEGMENTS = 8, 32
+TIED = 5  # harmonics up to which phases are compared
 SIGMAS = 3.0
-SEED = 2005
 
 
 @dataclass(frozen=True)
@@ -111,51 +107,39 @@ def usual_place(x: FloatArray, rows: int) -> int | None:
 
 
 def nonlinearity(x: FloatArray, period: float, dt: float) -> float | None:
-    """How much better the signal predicts itself than surrogates of its spectrum do, over three of their deviations.
+    """How firmly the phases of the harmonics are tied to that of the swing, over what chance makes.
 
-    Above 1: more than a Gaussian linear process makes. None: too few cycles.
+    Above 1: more than a Gaussian linear process makes, whose harmonics have phases of their own; up to 21 where they
+    are tied all the time. None: too few cycles.
 
     Notes
     -----
-    Thornhill (2005), "Finding the source of nonlinearity in a process with plant-wide oscillations", IEEE Trans.
-    Control Systems Technology 13:434: embedding of one period, 8 neighbours, prediction one period ahead; 12 surrogates
-    and up to 256 rows here, for time.
+    For what Thornhill (2005), "Finding the source of nonlinearity in a process with plant-wide oscillations", IEEE
+    Trans. Control Systems Technology 13:434, takes a prediction and its surrogates, and with the same scale: distance
+    from the mean of Gaussian signals over three of their deviations. That statistic takes fifty times as long, and of a
+    strictly periodic wave the surrogates are as predictable as the wave. In segments of four periods, phases counted
+    from the middle, the share c of harmonic k that keeps its phase to k times that of the swing has
+    segments c^2 ~ Exp(1) by chance.
     """
-    factor = max(int(period / dt / PATTERN), 1)
-    part = usual_part(thinned(x, factor), LONGEST)
-    lags = max(round(period / (factor * dt)), 2)
-    if part is None or part.size < 12 * lags:
+    factor = max(int(period / dt / PER_PERIOD), 1)
+    part = usual_part(thinned(x, factor), ROWS)
+    rows = period / (factor * dt)
+    size, hop = round(SEGMENT * rows), round(HOP * rows)
+    if part is None or part.size < size + (LEAST_SEGMENTS - 1) * hop or rows < 2.0 * TIED:
         return None
-    part = _end_matched(np.nan_to_num(part - np.nanmean(part)), lags)
-    spread = float(part.std())
-    if part.size < 10 * lags or spread == 0.0:
+    starts = np.arange(0, part.size - size + 1, hop)[:MOST_SEGMENTS]
+    segments = part[starts[:, None] + np.arange(size)]
+    segments = segments[np.isfinite(segments).all(axis=1)]
+    if len(segments) < LEAST_SEGMENTS:
         return None
-    part = part / spread
-    of_itself = prediction_error(part, lags, NEIGHBOURS, lags)
-    errors = np.array([prediction_error(one, lags, NEIGHBOURS, lags) for one in _surrogates(part)])
-    deviation = float(errors.std(ddof=1))
-    return float((errors.mean() - of_itself) / (SIGMAS * deviation)) if deviation > 0.0 else None
-
-
-def _end_matched(x: FloatArray, period: int) -> FloatArray:
-    """Without up to a period at both ends, so that the end goes on as the beginning: a jump there is no power."""
-    starts, stops = np.arange(period), x.size - 1 - np.arange(period)
-    slope = np.gradient(x)
-    off = (x[starts][:, None] - x[stops][None, :]) ** 2 + (slope[starts][:, None] - slope[stops][None, :]) ** 2
-    first, last = np.unravel_index(int(np.argmin(off)), off.shape)
-    return x[int(starts[first]) : int(stops[last])]
-
-
-def _surrogates(x: FloatArray) -> list[FloatArray]:
-    """Signals with the same spectrum and phases at random, the same ones every time."""
-    random = np.random.default_rng(SEED)
-    lines = scipy.fft.rfft(x)
-    made = []
-    for _ in range(SURROGATES):
-        phases = np.exp(2j * np.pi * random.random(lines.size))
-        phases[0] = 1.0
-        made.append(np.asarray(scipy.fft.irfft(lines * phases, x.size)))
-    return made
+    times = np.arange(size) - 0.5 * (size - 1)
+    lines = np.hanning(size)[:, None] * np.exp(-2j * np.pi / rows * times[:, None] * np.arange(1, TIED + 1))
+    found = (segments - segments.mean(axis=1, keepdims=True)) @ lines
+    turned = found * np.exp(-1j * np.angle(found[:, :1]) * np.arange(1, TIED + 1))
+    power = (np.abs(found[:, 1:]) ** 2).sum(axis=0)
+    tied = np.abs(turned[:, 1:].sum(axis=0)) ** 2 / np.maximum(power, 1e-300)
+    chance = float(TIED - 1)
+    return float((tied.sum() - chance) / (SIGMAS * np.sqrt(chance)))
 
 
 def phase_at(x: FloatArray, times: FloatArray, period: float, dt: float) -> float | None:

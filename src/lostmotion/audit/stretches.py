@@ -119,13 +119,12 @@ def _joined(record: LoopRecord, places: list[int], size: int, factor: int) -> Lo
 def _masked(rows: ScreenRows) -> LoopRecord:
     """The window with OP missing where the valve follows no controller for some time.
 
-    Without a mode nothing is taken out: what `prepare` leaves out is left out there.
+    Without a mode no row counts as manual here: `prepare` leaves out where OP is held.
     """
     aside = np.zeros(len(rows.record), dtype=np.bool_)
     if rows.modes_known:
         aside |= _long(rows.manual)
-    if rows.record.op_span is not None:
-        aside |= _long(rows.limited)
+    aside |= _long(rows.limited)
     if not aside.any() or aside.all():
         return rows.record
     return replace(rows.record, op=np.where(aside, np.nan, rows.record.op))

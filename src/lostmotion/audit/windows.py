@@ -76,7 +76,7 @@ def in_utc(moment: datetime | None) -> datetime:
 
 def seconds_of_rows(record: LoopRecord) -> FloatArray:
     """From the first row to each, shape (n,); a gap of unknown length counts as none."""
-    times = np.arange(len(record)) * record.dt
+    times = np.arange(len(record), dtype=np.float64) * record.dt
     for row, lost in zip(record.gaps, record.gap_seconds, strict=False):
         times[row:] += lost
-    return times
+    return np.asarray(times)

@@ -97,10 +97,15 @@ def decide(
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
         limit = CARRIES * float(np.ptp(fit.data.u))
-    if limited > (MOSTLY if _sticks(verdict) else LIMITED):
+    if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
     return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts, why, limit)
+
+
+def limits_decide(verdict: str, limited: float) -> bool:
+    """Whether OP is at a limit for so large a share of the time that this is what is wrong, whatever else was said."""
+    return limited > (MOSTLY if _sticks(verdict) else LIMITED)
 
 
 def _no_fault(

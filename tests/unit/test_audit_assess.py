@@ -1,0 +1,199 @@
+import json
+import math
+from dataclasses import asdict, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lostmotion.audit.assess import _another, _pooled, assess, told
+from lostmotion.audit.screen import screen
+from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.settings import AuditSettings
+from lostmotion.audit.stretches import EACH, ROWS, looks
+from lostmotion.audit.trace import envelope
+from lostmotion.errors import DataError
+from lostmotion.evaluate import random_faulty_loop
+from lostmotion.models.registry import actuator_from_dict
+from lostmotion.plant.loop import PlantLoop
+from lostmotion.records import LoopRecord
+from lostmotion.store.rows import UNDATED, Stage
+
+LOOP = PlantLoop("FIC-1", loop_type="flow", op_span=(0.0, 100.0), pv_span=(0.0, 100.0))
+SETTINGS = AuditSettings()
+
+
+@cache
+def sticking():
+    loop = random_faulty_loop(4, 2000, "stiction", "flow")
+    return LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0), loop.width
+
+
+@cache
+def looked(rows=2000):
+    record = sticking()[0].cut(0, rows)
+    row, _ = screen(LOOP, record, UNDATED, UNDATED, SETTINGS)
+    return row, *assess(LOOP, record, row, SETTINGS)
+
+
+def test_a_fault_is_named_with_its_size_and_everything_told():
+    before, row, trace = looked()
+    width = sticking()[1]
+    assert (row.stage, row.verdict, row.kind, row.error) == (Stage.ASSESSED, "stiction", "actuator", "")
+    assert row.low <= width * 1.05
+    assert row.high >= width * 0.95
+    assert row.size_percent == pytest.approx(row.size)  # the span is 100
+    assert row.severity in ("moderate", "high", "severe")
+    assert row.probability > 0.5
+    assert row.evidence
+    assert row.advice
+    assert row.status
+    assert row.excluded_percent is None
+    assert (row.fingerprint, row.reason, row.value, row.health) == (
+        before.fingerprint, before.reason, before.value, before.health,
+    )  # fmt: skip
+    assert row.seconds > before.seconds
+    assert trace.seconds == 2000.0
+    assert np.frombuffer(trace.op, "<f4").size == 1200
+
+
+def test_a_row_is_plain_numbers_only():
+    row = looked()[1]
+    flat = [row.size, row.low, row.high, row.confidence, row.probability, row.harris, *row.indices.values()]
+    flat += [number for _, *pair in row.evidence for number in pair]
+    assert all(value is None or (type(value) is float and math.isfinite(value)) for value in flat)
+    json.dumps({name: value for name, value in asdict(row).items() if not name.startswith("window")}, allow_nan=False)
+
+
+def test_the_picture_holds_the_actuator_with_its_interval():
+    _, row, trace = looked()
+    model = json.loads(trace.model)
+    assert actuator_from_dict(model["actuator"]).kind == row.verdict
+    low, high = model["intervals"][model["size"]]
+    assert (low, high) == pytest.approx((row.low, row.high))
+
+
+def test_the_same_again_to_the_last_digit():
+    record, (before, row, trace) = sticking()[0], looked()
+    again, picture = assess(LOOP, record, before, SETTINGS)
+    assert asdict(replace(again, seconds=0.0)) == asdict(replace(row, seconds=0.0))
+    assert picture == trace
+
+
+def test_what_cannot_be_diagnosed_is_a_row_with_the_reason():
+    record = LoopRecord(np.full(500, 50.0), np.random.default_rng(0).normal(size=500), dt=1.0)
+    row, _ = screen(LOOP, record, UNDATED, UNDATED, SETTINGS)
+    found, trace = assess(LOOP, record, row, SETTINGS)
+    assert (found.stage, found.verdict, trace) == (Stage.ASSESSED, "cannot tell", None)
+    assert found.why
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(DataError("no\nway"), "no way"), (MemoryError("much"), "MemoryError: much")]
+)
+def test_a_failure_is_a_row(monkeypatch, error, said):
+    def broken(*given):
+        raise error
+
+    monkeypatch.setattr("lostmotion.audit.assess.looks", broken)
+    row, trace = assess(LOOP, sticking()[0], looked()[0], SETTINGS)
+    assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
+
+
+def test_op_at_its_limit_for_long_is_what_is_wrong():
+    record = sticking()[0]
+    op = np.where(np.arange(2000) < 1400, 100.0, record.op)
+    full = replace(record, op=op)
+    row, _ = screen(LOOP, full, UNDATED, UNDATED, SETTINGS)
+    found, _ = assess(LOOP, full, row, SETTINGS)
+    assert (found.verdict, found.kind, found.size) == ("saturation", "actuator", None)
+    assert found.evidence[0][1] == pytest.approx(0.7)
+
+
+def long_rows(**more):
+    random = np.random.default_rng(1)
+    n = 20_000
+    wave = np.sin(np.arange(n) / 9.0)
+    record = LoopRecord(50.0 + wave, wave + 0.1 * random.normal(size=n), np.zeros(n), dt=1.0, **more)
+    return ScreenRows(of_loop(LOOP, record))
+
+
+def test_looks_are_apart_and_short():
+    found = list(looks(long_rows(), None))
+    assert len(found) == 20_000 // ROWS // EACH
+    places = np.sort(np.concatenate([look.places for look in found]))
+    assert (np.diff(places) >= ROWS).all()
+    assert all(len(look.record) == EACH * ROWS and look.record.gaps == (ROWS,) for look in found)
+
+
+def test_looks_leave_manual_and_limits_alone():
+    mode = np.where(np.arange(20_000) < 12_000, "MAN", "AUTO")
+    places = [place for look in looks(long_rows(mode=mode), None) for place in look.places]
+    assert places
+    assert min(places) >= 12_000 - 0.1 * ROWS
+    assert not list(looks(long_rows(mode=np.full(20_000, "MAN")), None))
+
+
+def test_a_slow_swing_is_thinned():
+    look = next(looks(long_rows(), 1000.0))
+    assert look.record.dt == 4.0
+    assert look.rows == 4 * ROWS
+
+
+def test_looks_that_disagree_name_no_fault():
+    class One:
+        def __init__(self, kind, verdict, probability):
+            self.alarm, self.probability = kind == "actuator", probability
+            self.found = type("Found", (), {"verdict": verdict})()
+
+    fault, other = One("actuator", "stiction", 0.9), One("tuning", "other oscillation", 0.3)
+    silent = One("unknown", "cannot tell", 0.2)
+    assert told([fault, other]) is other
+    assert told([silent, other]) is other
+    assert told([fault, silent]) is silent
+    assert told([fault, One("actuator", "stiction", 0.7)]) is fault
+    assert told([silent, fault, One("actuator", "stiction", 0.7)]) is fault
+    assert told([fault, One("actuator", "stiction", 0.7), other]) is other
+    assert [_another(seen, 0.1) for seen in ([fault], [silent], [other], [fault, silent], [fault, other])] == [
+        True, False, False, True, False,
+    ]  # fmt: skip
+    assert _another([silent], 0.9)
+    assert _another([One("unknown", "cannot tell", 0.4)], 0.1)
+    assert not _another([fault, silent, fault], 0.9)
+
+
+def test_sizes_of_two_looks_are_weighed_and_no_narrower_than_they_differ():
+    class One:
+        confidence = 0.9
+
+        def __init__(self, size, half):
+            self.size, self.interval = size, (size - half, size + half)
+
+    size, low, high = _pooled([One(2.0, 0.1), One(2.6, 0.3)])
+    assert size == pytest.approx(2.06)
+    assert (low, high) == pytest.approx((1.76, 2.36))
+
+
+def test_envelope_keeps_ends_and_order():
+    values = np.random.default_rng(0).normal(size=5000)
+    values[100:200] = np.nan
+    short = envelope(values)
+    assert short.size == 1200
+    assert np.nanmax(short) == np.nanmax(values)
+    assert np.nanmin(short) == np.nanmin(values)
+    assert envelope(values[:300]).size == 300
+
+
+@pytest.mark.statistics
+def test_records_of_many_stretches_are_told_apart():
+    found = {}
+    for seed, cause in ((1002, "none"), (1005, "stiction"), (1008, "tuning")):
+        loop = random_faulty_loop(seed, 7000, cause)
+        record = LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0)
+        own = replace(LOOP, loop_type=loop.process)
+        row, _ = screen(own, record, UNDATED, UNDATED, SETTINGS)
+        found[cause] = assess(own, record, row, SETTINGS)[0]
+    assert found["stiction"].verdict == "stiction"
+    assert found["stiction"].indices["looks"] == 2.0  # a fault is confirmed
+    assert found["none"].kind != "actuator"
+    assert found["tuning"].kind != "actuator"
