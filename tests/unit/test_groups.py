@@ -70,10 +70,23 @@ def test_spectra_that_differ_are_no_group():
     assert groups([spectrum("A", 300.0), other], [row("A", 300.0), row("B", 300.0, power=0.3)]) == ()
 
 
+def test_the_group_with_most_power_comes_first():
+    spectra = [spectrum(tag, period) for tag, period in zip("ABCD", (300.0, 300.0, 900.0, 900.0), strict=True)]
+    rows = [row("A", 300.0, 0.3), row("B", 300.0, 0.3), row("C", 900.0, 0.9), row("D", 900.0, 0.9)]
+    assert [(one.number, one.period) for one in groups(spectra, rows)] == [(1, 900.0), (2, 300.0)]
+
+
 def test_time_must_be_in_common():
     later = START + 2 * DAY
     spectra = [spectrum("A", 300.0), spectrum("B", 300.0, start=later)]
     assert groups(spectra, [row("A", 300.0), row("B", 300.0, start=later)]) == ()
+
+
+def test_harmonics_alone_name_nobody():
+    spectra = [spectrum("A", 300.0, harmonics=(0.1, 0.3)), spectrum("B", 300.0)]
+    (group,) = groups(spectra, [row("A", 300.0), row("B", 300.0)])
+    assert (group.source, tags(group)) == ("", ["A", "B"])
+    assert "A is the most suspect" in group.why
 
 
 def test_two_that_are_close_are_not_decided_between():

@@ -32,7 +32,7 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     a clear peak at the period, are carried along. The source (after Thornhill, Cox and Paulonis 2003 and Thornhill
     2005): each loop has log odds from its diagnosis, from harmonics, which every process on the way takes away, from
     the coupling of its phases, and from how much of its variance the oscillation is; one alternative is that it comes
-    from outside. Two loops that are close are not decided between. What each is worth: docs/audit-groups.md.
+    from outside. Two loops that are close are not decided between. What it finds: benchmarks/audit/groups.py.
     """
     known = swinging(spectra, rows)
     others = unsteady(spectra, rows, known)
@@ -40,9 +40,9 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     for period, members in together(known):
         along = carried(members[0][0], period, others)
         if len({one.tag for one, _ in [*members, *along]}) > 1:
-            made.append(_group(period, members, along))
-    made.sort(key=lambda one: (-sum(member[2] for member in one.members), one.period))
-    return tuple(replace(one, number=number + 1) for number, one in enumerate(made))
+            made.append((sum(one.power for one, _ in members), _group(period, members, along)))
+    made.sort(key=lambda one: (-one[0], one[1].period))
+    return tuple(replace(one, number=number + 1) for number, (_, one) in enumerate(made))
 
 
 def _group(

@@ -14,7 +14,8 @@ from lostmotion.store.rows import AssessmentRow, Stage
 LEAST_SURE = 0.6  # share of the odds that a source must have to be named
 LEAST_LEAD = 2.0  # odds over the next
 CERTAIN = 0.97  # what a verdict can at most be worth
-OUTSIDE = 0.5  # log odds that it is none of them
+OUTSIDE = 1.2  # log odds that it is none of them: nor do harmonics alone name a loop
+BY_TUNING = 0.6  # of its log odds: what a swing reaches can look as near the limit of stability as its source
 NOT_SEEN = -1.0  # of one in which a diagnosis sees nothing that could make it swing
 NO_OWN = -1.5  # of a loop that swings only because it is carried along: it has no period of its own
 DISTURBED = -1.5  # of one whose diagnosis says that it is disturbed
@@ -36,12 +37,15 @@ class Suspect:
         Log odds of being the source, up to a constant.
     why : tuple of str
         What speaks for it most.
+    spoken : bool
+        Whether a diagnosis says that its valve or its tuning makes it swing.
     """
 
     loop: Swinging
     likeness: float
     score: float
     why: tuple[str, ...]
+    spoken: bool
 
 
 @dataclass(frozen=True)
@@ -68,14 +72,16 @@ def suspect(loop: Swinging, likeness: float, period: float, own: bool) -> Suspec
     by_form = BY_HARMONICS * float(np.log((harmonics + LEAST_HARMONICS) / USUAL_HARMONICS))
     nonlinear = _nonlinearity(loop)
     coupled = 0.0 if nonlinear is None else float(np.clip(nonlinear - 1.0, -1.0, MOST_NONLINEARITY))
-    score = verdict + float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS)) + BY_NONLINEARITY * coupled
+    score = verdict
+    if own and not any(row.kind == "tuning" for row in loop.rows):  # a linear loop that hardly settles makes neither
+        score += float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS)) + BY_NONLINEARITY * coupled
     score += BY_POWER * loop.power if own else NO_OWN
     why = [said] if said else []
     if by_form > 0.0 and own:
         why.append(f"harmonics are {100.0 * harmonics:.0f} % of its oscillation")
     if nonlinear is not None and nonlinear > 1.0:
         why.append("its phases are coupled")
-    return Suspect(loop, likeness, score, tuple(why))
+    return Suspect(loop, likeness, score, tuple(why), bool(said))
 
 
 def name(suspects: Sequence[Suspect]) -> Named:
@@ -84,14 +90,15 @@ def name(suspects: Sequence[Suspect]) -> Named:
     odds = _odds(np.array([one.score for one in order]))
     first = order[0]
     second = order[1] if len(order) > 1 else None
-    if odds[0] >= LEAST_SURE and (second is None or odds[0] >= LEAST_LEAD * odds[1]):
-        words = "; ".join(first.why) if first.why else "it swings most clearly"
-        return Named(first.loop.tag, float(odds[0]), f"{first.loop.tag}: {words}")
+    if first.spoken and odds[0] >= LEAST_SURE and (second is None or odds[0] >= LEAST_LEAD * odds[1]):
+        return Named(first.loop.tag, float(odds[0]), f"{first.loop.tag}: {'; '.join(first.why)}")
     outside = 1.0 - float(odds.sum())
     if outside >= LEAST_SURE:
         return Named("", None, "cannot tell: no loop of them looks like the source; it may come from outside")
     if second is None or odds[0] >= LEAST_LEAD * odds[1]:
-        return Named("", None, f"cannot tell: {first.loop.tag} is the most suspect, but not enough speaks for it")
+        return Named(
+            "", None, f"cannot tell: {first.loop.tag} is the most suspect, but no diagnosis speaks for it enough"
+        )
     return Named("", None, f"cannot tell: {first.loop.tag} and {second.loop.tag} are too close")
 
 
@@ -113,9 +120,8 @@ def _of_row(row: AssessmentRow) -> tuple[float, str]:
         sure = row.confidence if row.probability is None else row.probability
         return _log_odds(sure), f"{row.verdict} of its valve (probability {100.0 * (sure or 0.5):.0f} %)"
     if row.kind == "tuning":
-        return _log_odds(
-            row.confidence
-        ), f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
+        said = f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
+        return BY_TUNING * _log_odds(row.confidence), said
     if row.kind == "disturbance":
         return DISTURBED, ""
     return (NOT_SEEN if row.probability is None else min(_log_odds(row.probability), 0.0)), ""
