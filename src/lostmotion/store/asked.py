@@ -111,10 +111,10 @@ class Asked:
         with self._reading() as connection:
             return queries.reviews(connection, tag)
 
-    def news(self, run: int, earlier: int | None = None) -> list[New]:
+    def news(self, run: int, earlier: int | None = None, limit: int | None = None) -> list[New]:
         """What is new in a run since another one; without: since the last finished one before it."""
         with self._reading() as connection:
             if earlier is None:
                 found = queries.last_run(connection, run)
                 earlier = found.number if found else 0
-            return news(connection, run, earlier)
+            return news(connection, run, earlier, limit)

@@ -44,6 +44,8 @@ class Filter:
         Part of the tag, the area, the type or a name of a column, upper case or not.
     review : str, optional
         State of the last review ("new": none yet, too).
+    newest : bool
+        Only the last window of each loop.
     """
 
     area: str | None = None
@@ -55,6 +57,7 @@ class Filter:
     stage: str | None = None
     text: str = ""
     review: str | None = None
+    newest: bool = False
 
 
 @dataclass(frozen=True)
@@ -160,6 +163,8 @@ def _conditions(number: int, chosen: Filter) -> tuple[Any, bool]:
     ]
     if chosen.text:
         of_loop.append(loop.c.search.contains(chosen.text.casefold(), autoescape=True))
+    if chosen.newest:
+        conditions.append(assessment.c.newest)
     if chosen.review is not None:
         conditions.append(_reviewed(chosen.review))
     return sa.and_(*conditions, *of_loop), bool(of_loop)

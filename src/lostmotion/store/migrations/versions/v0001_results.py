@@ -122,12 +122,44 @@ def _assessment() -> None:
         sa.Column("error", WORDS, nullable=False),
         sa.Column("screened_in", sa.Integer(), sa.ForeignKey("run.id"), nullable=True),
         sa.Column("assessed_in", sa.Integer(), sa.ForeignKey("run.id"), nullable=True),
+        sa.Column("newest", sa.Boolean(), nullable=False),
     )
     op.create_index("assessment_loop", "assessment", ["loop_id", "run_id"])
-    op.create_index("assessment_priority", "assessment", ["run_id", "priority"])
     op.create_index(
-        "assessment_words", "assessment", ["run_id", "verdict", "severity", "label", "split", "stage", "loop_id"]
+        "assessment_page",
+        "assessment",
+        [
+            "run_id",
+            "newest",
+            "loop_id",
+            "window_start",
+            "verdict",
+            "severity",
+            "label",
+            "split",
+            "stage",
+            "kind",
+            "performance",
+            "priority",
+            "size",
+            "size_percent",
+            "excluded_percent",
+            "confidence",
+            "probability",
+            "manual",
+            "limited",
+            "missing",
+            "travel",
+            "reversals",
+            "variability",
+            "harris",
+            "period",
+            "regularity",
+            "power",
+            "value",
+        ],
     )
+    op.create_index("assessment_priority", "assessment", ["run_id", "priority"])
 
 
 def _spectrum() -> None:
