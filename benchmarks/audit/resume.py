@@ -159,7 +159,7 @@ def compared(kind: str, server: Any, folder: Path, settings: argparse.Namespace)
                 print(f"  differs: {name}: {len(found[name])} rows, expected {len(expected[name])}")
     print(
         f"{kind}: {killed['coordinator']} kills of the coordinator, {killed['worker']} of a worker; "
-        f"{same} of {audits} audits equal to the uninterrupted one ({len(expected['assessment'])} rows, {steps} steps), "
+        f"{same} of {audits} audits equal to the uninterrupted one ({len(expected['assessment'])} rows), "
         f"{facts['twice']} rows twice, {facts['runs']} runs, {facts['finished']} finished", flush=True,
     )  # fmt: skip
     return same == audits and not facts["twice"] and facts["runs"] == facts["finished"] == audits
