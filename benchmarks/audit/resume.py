@@ -28,7 +28,7 @@ from benchmarks.audit.stand_in import STEPS, MadePlant
 from lostmotion.audit.engine import open_engine
 from lostmotion.audit.run import run_audit
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.store.rows import RunState
+from lostmotion.store.run_rows import RunState
 from lostmotion.store.schema import metadata
 from lostmotion.store.store import Store
 from tests.stores import Server

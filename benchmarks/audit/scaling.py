@@ -26,7 +26,8 @@ from lostmotion.audit.engine.protocol import resolved
 from lostmotion.audit.run import Progress, run_audit
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.audit.work import Steps
-from lostmotion.store.rows import UNDATED, AssessmentRow, LoopRow, RunRow, Stage
+from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
 
 MODEL = 64

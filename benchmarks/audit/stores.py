@@ -25,17 +25,8 @@ from benchmarks.audit.stand_in import SEVERITIES, VERDICTS
 
 from lostmotion.store import carry
 from lostmotion.store.queries import Filter
-from lostmotion.store.rows import (
-    UNDATED,
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewState,
-    RunRow,
-    SpectrumRow,
-    Stage,
-    TraceRow,
-)
+from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, SpectrumRow, Stage, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewState, RunRow
 from lostmotion.store.schema import assessment, metadata
 from lostmotion.store.store import Screened, Store
 from tests.stores import Server

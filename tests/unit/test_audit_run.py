@@ -15,7 +15,8 @@ from lostmotion.audit.settings import AuditSettings
 from lostmotion.audit.work import Job, Steps, screen_batch
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.plant import PlantLoop
-from lostmotion.store.rows import RunState, Stage, UnreadRow
+from lostmotion.store.rows import Stage
+from lostmotion.store.run_rows import RunState, UnreadRow
 from lostmotion.store.store import Store
 
 TAGS = tuple(f"L{number:02d}" for number in range(20))

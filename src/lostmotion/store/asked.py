@@ -11,16 +11,8 @@ from sqlalchemy.engine import Connection, Engine
 from lostmotion.store import queries
 from lostmotion.store.news import New, news
 from lostmotion.store.queries import Filter, Lines
-from lostmotion.store.rows import (
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    RunRow,
-    SpectrumRow,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
 from lostmotion.store.said import told
 
 

@@ -13,18 +13,8 @@ from sqlalchemy.engine import Connection
 from lostmotion.errors import ParameterError
 from lostmotion.store.carry import assessment_row, run_row
 from lostmotion.store.encoded import coded, decoded
-from lostmotion.store.rows import (
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    ReviewState,
-    RunRow,
-    RunState,
-    SpectrumRow,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
 from lostmotion.store.schema import assessment, loop, member, oscillation_group, review, run, spectrum, trace, unread
 
 COUNTED = ("verdict", "severity", "label", "split", "stage")

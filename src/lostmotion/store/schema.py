@@ -24,7 +24,8 @@ from sqlalchemy import (
 from sqlalchemy.types import TypeEngine
 
 from lostmotion.store.encoded import coded, utc
-from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, ReviewRow, RunRow, SpectrumRow, TraceRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
 
 VERSION = "0002"  # of the schema: the last of migrations/versions
 

@@ -11,7 +11,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import Connection
 
 from lostmotion.store.encoded import clean, encoded
-from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, SpectrumRow, TraceRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, UnreadRow
 from lostmotion.store.schema import assessment, loop, member, oscillation_group, spectrum, trace, unread
 
 Ids = Mapping[str, int]  # of loops, by tag
