@@ -15,20 +15,8 @@ from lostmotion.store.carry import Known
 from lostmotion.store.encoded import coded, decoded, encoded
 from lostmotion.store.news import New
 from lostmotion.store.queries import Filter
-from lostmotion.store.rows import (
-    UNDATED,
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    ReviewState,
-    RunRow,
-    RunState,
-    SpectrumRow,
-    Stage,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, SpectrumRow, Stage, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
 from lostmotion.store.schema import assessment, metadata
 from lostmotion.store.store import Screened, Store
 

@@ -14,7 +14,7 @@ from alembic.script import ScriptDirectory
 
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.store.connect import connected_as_it_is, store_url
-from lostmotion.store.rows import LoopRow, RunRow
+from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.schema import VERSION, metadata
 from lostmotion.store.store import Store
 from lostmotion.store.upgrade import migrate, upgrade

@@ -11,7 +11,7 @@ from typing import Any
 from lostmotion.errors import DataError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.encoded import as_json, clean
-from lostmotion.store.rows import LoopRow, UnreadRow
+from lostmotion.store.run_rows import LoopRow, UnreadRow
 
 NOT_DECIDING = ("area", "weight", "size", "stamp", "notes")  # of a loop: they are ranked by, or told apart
 BUDGET = "not assessed: the processor time went to more valuable ones"

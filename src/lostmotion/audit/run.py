@@ -19,7 +19,8 @@ from lostmotion.errors import LostMotionError
 from lostmotion.plant import PlantLoop, PlantSource
 from lostmotion.store.carry import Known
 from lostmotion.store.encoded import as_json
-from lostmotion.store.rows import AssessmentRow, RunRow, RunState, SpectrumRow, TraceRow
+from lostmotion.store.rows import AssessmentRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import RunRow, RunState
 from lostmotion.store.store import Screened, Store
 
 ASSESSED_TOGETHER = 16  # windows of a batch, where nothing limits the time

@@ -11,16 +11,8 @@ from sqlalchemy.engine import Connection, Engine
 from lostmotion.store import queries
 from lostmotion.store.news import New, news
 from lostmotion.store.queries import Filter, Lines
-from lostmotion.store.rows import (
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    RunRow,
-    SpectrumRow,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
 from lostmotion.store.said import told
 
 
@@ -111,10 +103,10 @@ class Asked:
         with self._reading() as connection:
             return queries.reviews(connection, tag)
 
-    def news(self, run: int, earlier: int | None = None) -> list[New]:
+    def news(self, run: int, earlier: int | None = None, limit: int | None = None) -> list[New]:
         """What is new in a run since another one; without: since the last finished one before it."""
         with self._reading() as connection:
             if earlier is None:
                 found = queries.last_run(connection, run)
                 earlier = found.number if found else 0
-            return news(connection, run, earlier)
+            return news(connection, run, earlier, limit)

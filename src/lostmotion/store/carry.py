@@ -11,7 +11,8 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
 from lostmotion.store.encoded import decoded
-from lostmotion.store.rows import AssessmentRow, RunRow, Stage
+from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.run_rows import RunRow
 from lostmotion.store.schema import assessment, loop, run
 
 BLOCK = 400  # loops of a statement: SQLite allows 999 variables where it is old

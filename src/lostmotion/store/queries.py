@@ -13,18 +13,8 @@ from sqlalchemy.engine import Connection
 from lostmotion.errors import ParameterError
 from lostmotion.store.carry import assessment_row, run_row
 from lostmotion.store.encoded import coded, decoded
-from lostmotion.store.rows import (
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    ReviewState,
-    RunRow,
-    RunState,
-    SpectrumRow,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
 from lostmotion.store.schema import assessment, loop, member, oscillation_group, review, run, spectrum, trace, unread
 
 COUNTED = ("verdict", "severity", "label", "split", "stage")
@@ -44,6 +34,8 @@ class Filter:
         Part of the tag, the area, the type or a name of a column, upper case or not.
     review : str, optional
         State of the last review ("new": none yet, too).
+    newest : bool
+        Only the last window of each loop.
     """
 
     area: str | None = None
@@ -55,6 +47,7 @@ class Filter:
     stage: str | None = None
     text: str = ""
     review: str | None = None
+    newest: bool = False
 
 
 @dataclass(frozen=True)
@@ -160,6 +153,8 @@ def _conditions(number: int, chosen: Filter) -> tuple[Any, bool]:
     ]
     if chosen.text:
         of_loop.append(loop.c.search.contains(chosen.text.casefold(), autoescape=True))
+    if chosen.newest:
+        conditions.append(assessment.c.newest)
     if chosen.review is not None:
         conditions.append(_reviewed(chosen.review))
     return sa.and_(*conditions, *of_loop), bool(of_loop)

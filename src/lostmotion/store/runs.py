@@ -12,7 +12,7 @@ from sqlalchemy.engine import Connection, RowMapping
 from lostmotion.errors import FileAccessError
 from lostmotion.store.alive import lives, where
 from lostmotion.store.encoded import encoded
-from lostmotion.store.rows import RunRow, RunState
+from lostmotion.store.run_rows import RunRow, RunState
 from lostmotion.store.schema import run
 
 SAME = ("source", "digest", "code", "since", "until", "screen_only")  # what a run that is gone on with has in common

@@ -24,7 +24,8 @@ from sqlalchemy import (
 from sqlalchemy.types import TypeEngine
 
 from lostmotion.store.encoded import coded, utc
-from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, ReviewRow, RunRow, SpectrumRow, TraceRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
 
 VERSION = "0002"  # of the schema: the last of migrations/versions
 
@@ -54,6 +55,12 @@ TYPES: dict[str, TypeEngine[Any]] = {
     "text": WORDS, "json": Text(), "float": Double(), "int": BigInteger(), "bool": Boolean(), "moment": Utc(),
     "bytes": LargeBinary(),
 }  # fmt: skip
+
+PAGE = (  # what tables are filtered and sorted by: read from a narrow index, a row is 2 kB
+    "verdict", "severity", "label", "split", "stage", "kind", "performance", "priority", "size", "size_percent",
+    "excluded_percent", "confidence", "probability", "manual", "limited", "missing", "travel", "reversals",
+    "variability", "harris", "period", "regularity", "power", "value",
+)  # fmt: skip
 
 metadata = MetaData()
 
@@ -99,9 +106,10 @@ assessment = Table(
     *_columns(AssessmentRow, "tag", "window_start"),
     _key("screened_in", "run", key=False, optional=True),  # the run that made it, and in which the spectrum lies
     _key("assessed_in", "run", key=False, optional=True),  # .. and the trace
+    Column("newest", Boolean, nullable=False),  # whether it is the last window of its loop in the run
     Index("assessment_loop", "loop_id", "run_id"),
     Index("assessment_priority", "run_id", "priority"),
-    Index("assessment_words", "run_id", "verdict", "severity", "label", "split", "stage", "loop_id"),
+    Index("assessment_page", "run_id", "newest", "loop_id", "window_start", *PAGE),
 )
 spectrum = Table("spectrum", metadata, *_window(), *_columns(SpectrumRow, "tag", "window_start"))
 trace = Table("trace", metadata, *_window(), *_columns(TraceRow, "tag", "window_start"))

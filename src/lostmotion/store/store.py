@@ -20,19 +20,8 @@ from lostmotion.store.alive import BEAT, coordinator
 from lostmotion.store.asked import Asked
 from lostmotion.store.connect import PATIENCE, connected, lock, shown, store_url
 from lostmotion.store.encoded import clean, encoded
-from lostmotion.store.rows import (
-    AssessmentRow,
-    GroupRow,
-    LoopRow,
-    ReviewRow,
-    ReviewState,
-    RunRow,
-    RunState,
-    SpectrumRow,
-    Stage,
-    TraceRow,
-    UnreadRow,
-)
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, Stage, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
 from lostmotion.store.said import told
 from lostmotion.store.schema import assessment, review
 

@@ -11,7 +11,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import Connection
 
 from lostmotion.store.encoded import clean, encoded
-from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, SpectrumRow, TraceRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, UnreadRow
 from lostmotion.store.schema import assessment, loop, member, oscillation_group, spectrum, trace, unread
 
 Ids = Mapping[str, int]  # of loops, by tag
@@ -85,7 +86,14 @@ def put_screened(
     spectra : sequence of SpectrumRow
     """
     forget(connection, run, sorted({known[clean(row.tag)] for row, _ in rows}))
-    values = [_of_run(run, known, row) | {"screened_in": run, "assessed_in": before} for row, before in rows]
+    last: dict[str, datetime] = {}
+    for row, _ in rows:
+        last[row.tag] = max(row.window_start, last.get(row.tag, row.window_start))
+    values = [
+        _of_run(run, known, row)
+        | {"screened_in": run, "assessed_in": before, "newest": row.window_start == last[row.tag]}
+        for row, before in rows
+    ]
     if values:
         connection.execute(assessment.insert(), values)
     if spectra:
@@ -97,20 +105,20 @@ def put_assessed(
 ) -> None:
     """Windows that were screened before; where their spectra lie stays."""
     keys = [(known[clean(row.tag)], row.window_start) for row in rows]
-    before = _screened_in(connection, run, [loop_id for loop_id, _ in keys])
+    before = _kept(connection, run, [loop_id for loop_id, _ in keys])
     values = [
-        _of_run(run, known, row) | {"screened_in": before.get(key, run), "assessed_in": run}
-        for key, row in zip(keys, rows, strict=True)
+        _of_run(run, known, row) | before[key] | {"assessed_in": run} for key, row in zip(keys, rows, strict=True)
     ]
     upsert(connection, assessment, values)
     upsert(connection, trace, [_of_run(run, known, one) for one in traces])
 
 
-def _screened_in(connection: Connection, run: int, loops: Sequence[int]) -> dict[tuple[int, datetime], int]:
+def _kept(connection: Connection, run: int, loops: Sequence[int]) -> dict[tuple[int, datetime], dict[str, Any]]:
+    """What the screen has left of rows, beside themselves."""
     table = assessment.c
-    asked = sa.select(table.loop_id, table.window_start, table.screened_in)
+    asked = sa.select(table.loop_id, table.window_start, table.screened_in, table.newest)
     found = connection.execute(asked.where((table.run_id == run) & table.loop_id.in_(loops)))
-    return {(loop_id, start): number for loop_id, start, number in found}
+    return {(one.loop_id, one.window_start): {"screened_in": one.screened_in, "newest": one.newest} for one in found}
 
 
 def _of_run(run: int, known: Ids, row: AssessmentRow | SpectrumRow | TraceRow) -> dict[str, Any]:
