@@ -15,7 +15,8 @@ from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.news import New
-from lostmotion.store.rows import AssessmentRow, GroupRow, LoopRow, RunRow, Stage, TraceRow
+from lostmotion.store.rows import AssessmentRow, GroupRow, Stage, TraceRow
+from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Store
 
 

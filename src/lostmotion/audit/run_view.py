@@ -11,7 +11,8 @@ from lostmotion.addresses import is_url, without_password
 from lostmotion.audit.history import LoopHistory
 from lostmotion.audit.plant_view import PlantView, RunFacts, SizePoint, leading_rows
 from lostmotion.audit.row_facts import ends_percent
-from lostmotion.store.rows import AssessmentRow, RunRow, RunState
+from lostmotion.store.rows import AssessmentRow
+from lostmotion.store.run_rows import RunRow, RunState
 from lostmotion.store.store import Store
 
 if TYPE_CHECKING:
