@@ -14,6 +14,7 @@ import pytest
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files import writer
+from tests.killed import forked
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals, links and limits of POSIX")
 
@@ -125,6 +126,28 @@ def test_a_full_disk_is_named_and_leaves_what_was_there(way, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert path.read_bytes() == b"old"
     assert left(tmp_path) == ["a"]
+
+
+def test_a_kill_at_every_call_leaves_the_old_or_the_new_and_the_next_write_tidies(tmp_path):
+    def write():
+        writer.write_bytes(folder / "old", b"new" * 1000, force=True)
+        writer.write_folder(folder / "folder", {name: b"new" * 1000 for name in "ab"})
+
+    call, ended = 0, -1
+    while ended:
+        call += 1
+        folder = tmp_path / str(call)
+        folder.mkdir()
+        (folder / "old").write_bytes(b"old" * 1000)
+        ended = forked(write, call)
+        assert ended in (0, -signal.SIGKILL)
+        assert (folder / "old").read_bytes() in (b"old" * 1000, b"new" * 1000)
+        assert not (folder / "folder").exists() or left(folder / "folder") == ["a", "b"]
+        assert sum(path.name.startswith(".") for path in folder.iterdir()) <= 1
+        shutil.rmtree(folder / "folder", ignore_errors=True)
+        write()
+        assert left(folder) == ["a", "b", "folder", "old"]
+    assert call > 30
 
 
 def test_sweep_removes_what_a_kill_has_left_of_this_file_only(tmp_path):
