@@ -131,7 +131,7 @@ def test_a_full_disk_is_named_and_leaves_what_was_there(way, tmp_path):
 def test_a_kill_at_every_call_leaves_the_old_or_the_new_and_the_next_write_tidies(tmp_path):
     def write():
         writer.write_bytes(folder / "old", b"new" * 1000, force=True)
-        writer.write_folder(folder / "folder", {name: b"new" * 1000 for name in "ab"})
+        writer.write_folder(folder / "folder", dict.fromkeys("ab", b"new" * 1000))
 
     call, ended = 0, -1
     while ended:
