@@ -6,8 +6,8 @@ new one, something left over after the next write, or anything but one line abou
 
 - kills: every writer is killed just before a call that it makes, another each time, and, as often, at any moment; then
   the same is written again
-- disks: every command that writes, on a file system of 64 KiB that is full, and on one that is read-only (it needs to
-  be root to make them; else a limit on the size of files, said in the table)
+- disks: every command that writes, on a file system of 64 KiB that is full, and on one that is read-only; it needs to
+  be root to make them
 - two at once: two exports into one folder, two figures of one name, two `online` with one state
 - standard output: every command, with nobody who reads and on a full disk
 """
@@ -48,7 +48,7 @@ from lostmotion.online.service import Kept
 from tests import commands_that_write as commands
 from tests import state_of_online as online
 from tests.exports import block
-from tests.killed import forked
+from tests.killed import forked, threads_of_polars
 
 mpl.use("agg")
 KILLS = 50  # of each writer
@@ -209,8 +209,7 @@ def writers() -> dict[str, Writes]:
 def attack_kills(count: int, random: np.random.Generator) -> Tally:
     """Each writer, `count` times: half of them at a call, half at a moment."""
     made, tally = writers(), Tally()
-    threads = [(task / "comm").read_text().strip() for task in Path("/proc/self/task").iterdir()]
-    assert not any(name[:7] == "polars-" and name[7:].isdigit() for name in threads), threads  # a fork would hang
+    assert not threads_of_polars()
     for name, writes in made.items():
         calls = _calls(writes)
         for number in range(count):
@@ -317,7 +316,7 @@ def _on_disk(name: str, words: commands.Words, disk: str, folder: Path) -> Tally
     tally = Tally({f"{disk}: {commands.outcome(done)}": 1})
     tally[f"CHANGED {name} {disk} {sorted(after.keys() ^ before.keys())}"] += after != before
     tally[f"WENT ON {name} {disk} {done.stdout[-100:]!r}"] += done.returncode == 0
-    tally[f"NO RESULT {name} {disk}"] += not _told(done, disk)
+    tally[f"NO RESULT {name}"] += disk == "full" and name not in commands.FILES_ONLY and not done.stdout
     if disk == "full":
         (folder / "filler").unlink()
         assert not _mount("-o", "remount,size=8m", str(folder))
@@ -327,11 +326,6 @@ def _on_disk(name: str, words: commands.Words, disk: str, folder: Path) -> Tally
     tally[f"THE NEXT START FAILED {name} {disk} {again.stderr[-200:]!r}"] += "error" in again.stderr
     tally["the next start works"] += "error" not in again.stderr
     return +tally
-
-
-def _told(done: subprocess.CompletedProcess[str], disk: str) -> bool:
-    """A disk that filled while work was done leaves the result on standard output; before work there is none."""
-    return disk == "read-only" or done.stdout != ""
 
 
 def _fill(path: Path) -> None:
@@ -356,8 +350,8 @@ def attack_pairs(count: int, _: np.random.Generator) -> Tally:
 
 
 def _pair(name: str, pair: commands.Pair, folder: Path, number: int) -> Tally:
-    running = [commands.begin(words(folder)) for words in pair.both]
-    done = [commands.ended(process) for process in running]
+    running = [commands.Running(words(folder)) for words in pair.both]
+    done = [one.ended() for one in running]
     said = sorted(commands.outcome(one) for one in done)
     tally = Tally({f"{name}: {' and '.join(said)}": 1})
     tally[f"NOT ONE OF BOTH {name} {number}"] += not pair.whole(folder)
@@ -398,6 +392,7 @@ def main() -> int:
     options.add_argument("--only", choices=ATTACKS, action="append")
     given = options.parse_args()
     bad = False
+    commands.warm()
     print("| attack | outcome | times |\n|---|---|---|")
     for name in given.only or ATTACKS:
         attack, count = ATTACKS[name]

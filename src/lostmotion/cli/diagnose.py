@@ -82,11 +82,12 @@ def diagnose(
     def work(file: Path) -> Diagnosis:
         kind = None if loop_type is None else loop_type.value
         record = columns.read(file)
-        found = lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
-        output.write_figure(figures.get(file), found)
-        return found
+        return lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
 
-    found = each(files, work, diagnosis_line, output.json, output.keeper(out))
+    def write(file: Path, found: Diagnosis) -> None:
+        output.write_figure(figures.get(file), found)
+
+    found = each(files, work, diagnosis_line, output.json, output.keeper(out), write)
     raise tell(found, diagnosis_table, output, lambda one: one.verdict in INNOCENT, named=True)
 
 
@@ -105,8 +106,8 @@ def _together(
     records = [replace(columns.read(file), tag=file.stem) for file in files]
     kind = None if loop_type is None else loop_type.value
     found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
-    output.write_figure(figure, found)
     data = {"files": [str(file) for file in files], **found.to_dict()}
-    output.write_json(out, data)
     output.show(found.summary(), data)
+    output.write_json(out, data)
+    output.write_figure(figure, found)
     return typer.Exit(0 if found.verdict in INNOCENT else 1)
