@@ -25,6 +25,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.cli import main as command
+from lostmotion.cli import online as _  # noqa: F401  loaded before the forks
 from lostmotion.files.grid import Rows
 from lostmotion.online import service
 from tests.killed import begun, ended
@@ -34,7 +35,7 @@ KILLS = 200
 ROWS_EACH = 60  # that come between two kills
 LOOKS = 0.02  # s between looks at the file, instead of 0.5: more happens between two kills
 LONGEST = 0.5  # s until a start is killed at the latest
-CALLS = 160  # that three saves of the state make, and some
+CALLS = 90  # that the start and two saves of the state make
 OPTIONS = (
     "--orders", "1,0,1", "--noise", "white", "--start-samples", "300", "--report-every", "20", "--trend-every", "200",
     "--forgetting", "0.9995", "--op-limits", "-5", "5", "--frozen", "12", "--mode", "Mode", "--width-limit", "2.2",
@@ -79,6 +80,12 @@ class Watch:
         with self.said.open("wb") as out, (self.folder / "errors").open("ab") as error:
             process: int = begun(work, call, out.fileno(), error.fileno())
         return process
+
+    def wait(self) -> None:
+        """Until the last start has said something, or 20 s."""
+        until = time.monotonic() + 20.0
+        while not self.said.stat().st_size and time.monotonic() < until:
+            time.sleep(0.01)
 
     def lines(self) -> tuple[list[bytes], int]:
         """Whole lines of all starts in order, and how many pieces of lines a kill has left."""
@@ -128,7 +135,9 @@ def attack(kills: int, random: np.random.Generator, folder: Path) -> Counter[str
         for kill in range(kills):
             call = 0 if kill % 2 else 1 + int(random.integers(CALLS))
             process = watch.start(call=call)
-            until = time.monotonic() + (float(random.uniform(0.0, LONGEST)) if kill % 2 else 4 * LONGEST)
+            if kill % 8 != 7:  # one of eight before it has begun
+                watch.wait()
+            until = time.monotonic() + (float(random.uniform(0.0, LONGEST)) if kill % 2 else 20 * LONGEST)
             for stop in ends[3 * kill : 3 * kill + 3]:
                 time.sleep(float(random.uniform(0.0, 0.05)))
                 growing.write(data[written : max(stop, written)])
@@ -176,6 +185,7 @@ def warm() -> None:
     op, pv = (np.array([float(row[k]) if row[k] != "Bad" else np.nan for row in text]) for k in (1, 2))
     monitor = lm.online.OnlineMonitor(lm.RecursiveML(1, 0, 1, dt=2.0, start_samples=300), dt=2.0, report_every=20)
     monitor.take(Rows(2.0 * np.arange(800), op, pv))
+    lm.online.OnlineMonitor.from_bytes(monitor.to_bytes())
     assert not threads()
 
 
