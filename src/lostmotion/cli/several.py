@@ -94,8 +94,9 @@ def each(
     """
     if len(files) == 1:
         only = Outcome(files[0], work(files[0]))
-        return [_kept(_wrote(only, write), only.to_dict(), keep)]
+        return _kept([_wrote(only, write)], only.to_dict(), keep)
     outcomes: list[Outcome[Result]] = []
+    now = outcomes
     kept: list[dict[str, Any]] = []
     for number, file in enumerate(files):
         stopped = bool(outcomes) and outcomes[-1].failure == STOPPED
@@ -105,8 +106,9 @@ def each(
             say(("," if number else "[") + indent(f"\n{json.dumps(kept[-1], indent=2, allow_nan=False)}"), end=False)
         elif not stopped:
             say(line(file.stem, outcome.result, outcome.said))
-        outcomes.append(_kept(_wrote(outcome, write), kept, keep))
-    return outcomes
+        outcomes.append(_wrote(outcome, write))
+        now = _kept(outcomes, kept, keep)
+    return now
 
 
 def _wrote(outcome: Outcome[Result], write: Callable[[Path, Result], None] | None) -> Outcome[Result]:
@@ -119,14 +121,15 @@ def _wrote(outcome: Outcome[Result], write: Callable[[Path, Result], None] | Non
     return outcome
 
 
-def _kept(outcome: Outcome[Result], data: Any, keep: Callable[[Any], None] | None) -> Outcome[Result]:
+def _kept(outcomes: list[Outcome[Result]], data: Any, keep: Callable[[Any], None] | None) -> list[Outcome[Result]]:
+    """All outcomes; the last with the error where all that there is could not be kept."""
     if keep is None:
-        return outcome
+        return outcomes
     try:
         keep(data)
     except FileAccessError as error:
-        return replace(outcome, unwritten=error)
-    return outcome
+        return [*outcomes[:-1], replace(outcomes[-1], unwritten=error)]
+    return outcomes
 
 
 def indent(text: str) -> str:
