@@ -194,9 +194,12 @@ class Program:
 
     def _call(self, name: str) -> Does:
         to_real = re.fullmatch(r"DINT_TO_L?REAL", name)
-        function = self.real if to_real else round if re.fullmatch(r"L?REAL_TO_DINT", name) else CALLS.get(name)
-        if function is None:
+        known: Callable[..., Any] | None = (
+            self.real if to_real else round if re.fullmatch(r"L?REAL_TO_DINT", name) else CALLS.get(name)
+        )
+        if known is None:
             raise DataError.expected("a known function", name, "the export is broken")
+        function = known
         self._take("(")
         given = [self._expression(0)]
         while self._peek() == ",":

@@ -22,6 +22,7 @@ from lostmotion.errors import FileAccessError
 from lostmotion.files.alone import LOCKS, alone, locked
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
 PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
 _NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
 Buffer = bytes | memoryview
@@ -310,11 +311,11 @@ def _told(target: Path, size: int | None = None) -> Iterator[None]:
         yield
     except FileAccessError:
         raise
-    except FileExistsError as error:
-        raise FileAccessError(
-            f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
-        ) from error
     except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) in TAKEN:
+            raise FileAccessError(
+                f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
+            ) from error
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         if getattr(error, "errno", None) in FULL:
             room = "room" if size is None else f"room for {size} bytes"
