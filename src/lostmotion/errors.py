@@ -126,6 +126,10 @@ class Status(Enum):
         "Lost motion is seen, but not how much: the interval of a break point is wider than half of the width. "
         "Record more moves of OP that cross it, or make a test, before anything is built on these numbers."
     )
+    FEW_CROSSINGS = (
+        "A dead zone fits, but nothing except the controller moved OP, and went through it fewer than four times: a "
+        "valve that sticks and slips looks the same. Record longer, record set-point moves, or make a test."
+    )
     MISFIT = (
         "Converged, but the residuals still depend on OP: the real actuator is not quite of this shape. "
         "Read the numbers as the nearest dead zone and compare other kinds "

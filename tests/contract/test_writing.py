@@ -1,6 +1,9 @@
 """Nobody writes a file but the writer, and nothing in the core runs what others wrote."""
 
 import ast
+import re
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -21,7 +24,9 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
     "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
 }  # fmt: skip
-NOWHERE = ("cli/closed_output.py", "files/undamaged.py")  # open the device that keeps nothing
+NOT_FILES_BUT_OPENED = {  # the null device, and folders for their locks
+    "cli/closed_output.py", "files/alone.py", "files/undamaged.py",
+}  # fmt: skip
 RUNS = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
 MODULES = {"pickle", "marshal", "shelve", "subprocess", "socket", "urllib", "http", "requests", "ctypes", "dill"}
 
@@ -52,7 +57,7 @@ def test_files_are_written_by_the_writer_alone():
         name = path.relative_to(CORE).as_posix()
         allowed = NOT_FILES.get(name, set())
         for called, node, on in calls(path):
-            opened = name not in NOWHERE and called in ("open", "fdopen") and for_writing(node, called, on)
+            opened = name not in NOT_FILES_BUT_OPENED and called in ("open", "fdopen") and for_writing(node, called, on)
             if name != "files/writer.py" and (
                 opened or (called in WRITERS - allowed and not _harmless(called, node, on))
             ):
@@ -71,15 +76,11 @@ PROCESSES = {"files/apart.py": {"subprocess"}}  # this Python and a script of ou
 
 
 def test_nothing_runs_what_others_wrote():
-    """The one exec runs a text made of checked tokens of a file that we made: no name of it is from outside."""
     faults = []
     for path in FILES:
         name = path.relative_to(CORE).as_posix()
-        allowed = {"export/reader.py": {"exec", "compile"}}.get(name, set())
         faults += [
-            f"{name}:{node.lineno} {called}()"
-            for called, node, on in calls(path)
-            if called in RUNS - allowed and on != "re"
+            f"{name}:{node.lineno} {called}()" for called, node, on in calls(path) if called in RUNS and on != "re"
         ]
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -117,6 +118,33 @@ def test_the_one_process_is_this_python_and_a_script_of_ours():
 def _reaches_out(module):
     """Taking an address apart opens no connection."""
     return module != "urllib.parse" and module.partition(".")[0] in MODULES
+
+
+def test_the_page_gives_a_reason_for_every_package_that_it_runs_with():
+    page = (CORE.parents[1] / "docs" / "security.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([\w-]+)` \| (always|\[\w+\]) \| ([^|]{20,}) \|$", page, re.MULTILINE)
+    project = tomllib.loads((CORE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = {"always": project["dependencies"]}
+    wanted |= {f"[{name}]": packages for name, packages in project["optional-dependencies"].items() if name != "dev"}
+    named = {(re.match(r"[\w-]+", package)[0], when) for when, packages in wanted.items() for package in packages}
+    assert {(package, when) for package, when, _ in rows} == named
+    assert len(rows) == len(named)
+
+
+def test_the_core_imports_nothing_but_these_packages():
+    project = tomllib.loads((CORE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    packages = [*project["dependencies"]]
+    for name, more in project["optional-dependencies"].items():
+        packages += more if name != "dev" else []
+    known = {re.match(r"[\w-]+", package)[0].replace("-", "_") for package in packages}
+    known |= {"lostmotion", "llvmlite", "markupsafe"} | sys.stdlib_module_names  # parts of Numba and of Jinja2
+    imported = set()
+    for path in FILES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
+            imported |= {name.partition(".")[0] for name in names}
+    assert imported <= known, imported - known
 
 
 CAUGHT = (

@@ -39,6 +39,17 @@ def test_a_closed_pipe_is_no_failure(record):
     assert done.returncode in (seen.returncode, 1)
 
 
+def test_a_batch_that_nobody_reads_does_all_its_work(record, tmp_path):
+    words = ["identify", str(record), str(record.with_name("b.csv")), "--orders", "1,0,1", "--noise", "white"]
+    record.with_name("b.csv").write_text(record.read_text())
+    seen = run([*words, "--nonlinearity", "none"], subprocess.DEVNULL)
+    writing = closed()
+    done = run([*words, "--nonlinearity", "none", "--out", str(tmp_path)], writing)
+    os.close(writing)
+    assert (done.stderr, done.returncode) == (seen.stderr, seen.returncode)
+    assert {path.name for path in tmp_path.iterdir()} == {"a.json", "b.json"}
+
+
 def test_a_full_disk_under_standard_output_is_one_line(record):
     for words in (["check", str(record)], ["check", str(record), "--json"], ["check", "none.csv", "--json"]):
         with FULL.open("w") as full:

@@ -8,10 +8,11 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import FEWEST_CROSSINGS, NOT_SHOWN
+from lostmotion.diagnose.shown import NOT_SHOWN
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
 from tests.diagnoses import example
 
 SWING = Features(shape=-0.2)
@@ -180,7 +181,8 @@ def test_a_dead_zone_that_op_hardly_crosses_is_not_named(times, said):
     ends = np.resize([right + 1.0, left - 1.0], times + 1)
     op = np.resize(np.repeat(ends, -(-fit.data.u.size // (times + 1))), fit.data.u.size)
     op[: fit.data.u.size // (2 * times + 2)] = 0.5 * (left + right)  # inside is no side
-    crossed = replace(fit, data=replace(fit.data, u=op))
+    counted = crossings(op, fit.data.segments, left, right)
+    crossed = replace(fit, evidence=replace(fit.evidence, crossings=counted))
     found = verdict(Features(dead_zone=STRONG), crossed)
     assert (found.verdict == "dead zone") == (times >= FEWEST_CROSSINGS)
     assert said in found.why

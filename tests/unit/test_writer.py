@@ -14,6 +14,7 @@ import pytest
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files import writer
+from tests.killed import begun, ended, forked
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals, links and limits of POSIX")
 
@@ -125,6 +126,52 @@ def test_a_full_disk_is_named_and_leaves_what_was_there(way, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert path.read_bytes() == b"old"
     assert left(tmp_path) == ["a"]
+
+
+def test_a_kill_at_every_call_leaves_the_old_or_the_new_and_the_next_write_tidies(tmp_path):
+    def write():
+        writer.write_bytes(folder / "old", b"new" * 1000, force=True)
+        writer.write_folder(folder / "folder", dict.fromkeys("ab", b"new" * 1000))
+
+    call, ended = 0, -1
+    while ended:
+        call += 1
+        folder = tmp_path / str(call)
+        folder.mkdir()
+        (folder / "old").write_bytes(b"old" * 1000)
+        ended = forked(write, call)
+        assert ended in (0, -signal.SIGKILL)
+        assert (folder / "old").read_bytes() in (b"old" * 1000, b"new" * 1000)
+        assert not (folder / "folder").exists() or left(folder / "folder") == ["a", "b"]
+        assert sum(path.name.startswith(".") for path in folder.iterdir()) <= 1
+        shutil.rmtree(folder / "folder", ignore_errors=True)
+        write()
+        assert left(folder) == ["a", "b", "folder", "old"]
+    assert call > 30
+
+
+def test_two_that_replace_the_same_files_do_not_mix(tmp_path):
+    names = [f"{k}" for k in range(8)]
+
+    def write(word):
+        for _ in range(10):
+            writer.write_folder(tmp_path, dict.fromkeys(names, word), force=True)
+
+    for _ in range(3):
+        both = [begun(lambda word=word: write(word)) for word in (b"one", b"two")]
+        assert [ended(one) for one in both] == [0, 0]
+        assert len({(tmp_path / name).read_bytes() for name in names}) == 1
+    assert left(tmp_path) == names
+
+
+def test_of_two_that_write_a_new_folder_one_is_refused(tmp_path, capfd):
+    def write(word):
+        writer.write_folder(tmp_path / "new", dict.fromkeys("abc", word))
+
+    both = [begun(lambda word=word: write(word)) for word in (b"one", b"two")]
+    assert sorted(ended(one) for one in both) == [0, 1]
+    assert "FileAccessError: expected a new file" in capfd.readouterr().err
+    assert len({(tmp_path / "new" / name).read_bytes() for name in "abc"}) == 1
 
 
 def test_sweep_removes_what_a_kill_has_left_of_this_file_only(tmp_path):

@@ -6,13 +6,14 @@ from benchmarks.verdicts.physical_valve import Gap, Stem, physical_loop
 
 import lostmotion as lm
 from lostmotion.errors import GateError
-from lostmotion.identify.status import crossings
+from lostmotion.identify.evidence import crossings
 
 
-def test_crossings_count_noise_about_the_end_once():
-    assert crossings(np.array([-2.0, 0.1, -0.1, 0.2, -2.0, 0.3]), 1.0) == 2
-    assert crossings(np.full(3, -2.0), 1.0) == 0
-    assert crossings(np.ones(3), 1.0) == 1
+def test_crossings_count_noise_about_the_end_once_and_no_step_between_segments():
+    op = np.array([-2.0, 1.1, 0.9, 1.1, -2.0, 0.3, -1.2, 1.2])
+    assert crossings(op, np.array([[0, 8]]), -1.0, 1.0) == 3
+    assert crossings(op, np.array([[0, 4], [4, 8]]), -1.0, 1.0) == 2
+    assert crossings(np.full(3, -2.0), np.array([[0, 3]]), -1.0, 1.0) == 0
 
 
 def test_the_valves_of_the_benchmark_do_what_they_are_called():
@@ -29,6 +30,8 @@ def test_no_block_against_a_dead_zone_in_a_valve_that_has_none(seed, kind):
     loop = physical_loop(seed, kind)
     fit = lm.identify(lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.dt, op_span=(0.0, 100.0)))
     if fit.kind.name == "dead zone":
+        assert fit.status is lm.Status.FEW_CROSSINGS
+        assert not fit.status.ok
         with pytest.raises(GateError):
             fit.block()
     else:

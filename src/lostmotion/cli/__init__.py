@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 import lostmotion
-from lostmotion.cli.closed_output import full_output
+from lostmotion.cli.closed_output import SHOWN, full_output
 from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.failure import say_error
 from lostmotion.errors import LostMotionError
@@ -42,6 +42,7 @@ def _whole(version: Version = False) -> None:
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; errors of lostmotion become one line and exit code 1."""
     words = sys.argv[1:] if arguments is None else arguments
+    SHOWN.set(False)
     try:
         return _told(words)
     except OSError as error:

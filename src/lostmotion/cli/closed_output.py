@@ -4,8 +4,21 @@ from __future__ import annotations
 
 import os
 import sys
+from contextvars import ContextVar
+
+import typer
 
 from lostmotion.errors import FileAccessError
+
+SHOWN: ContextVar[bool] = ContextVar("shown", default=False)  # JSON of a result is on standard output
+
+
+def say(text: str, end: bool = True) -> None:
+    """Print; where nobody reads on the work goes on, for its files and its exit code."""
+    try:
+        typer.echo(text, nl=end)
+    except BrokenPipeError:
+        no_more_output()
 
 
 def no_more_output() -> None:

@@ -143,10 +143,10 @@ def design(
         model, noise, op_now=guess.op_now, controller=pi.controller, progress=_progress,
         **limits.given(), **goal.given(), **opened,
     )  # fmt: skip
+    output.show(test.summary(), test.to_dict())
     if written.out is not None:
         write_columns(written.out, test.columns(every_sample=not written.steps), output.force)
     output.write_figure(written.figure, test)
-    output.show(test.summary(), test.to_dict())
     raise typer.Exit(0 if test.reached else 1)
 
 

@@ -90,12 +90,13 @@ def diagnose(
     def work(file: Path) -> Diagnosis:
         kind = None if loop_type is None else loop_type.value
         record = columns.read(file)
-        found = lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
+        return lm.diagnose(record, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
+
+    def write(file: Path, found: Diagnosis) -> None:
         output.write_figure(figures.get(file), found)
         _write_report(reports.get(file), found, str(file), output)
-        return found
 
-    found = each(files, work, diagnosis_line, output.json, output.keeper(out))
+    found = each(files, work, diagnosis_line, output.json, output.keeper(out), write)
     raise tell(found, diagnosis_table, output, lambda one: one.verdict in INNOCENT, named=True)
 
 
@@ -115,11 +116,11 @@ def _together(
     records = [replace(columns.read(file), tag=file.stem) for file in files]
     kind = None if loop_type is None else loop_type.value
     found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
+    data = {"files": [str(file) for file in files], **found.to_dict()}
+    output.show(found.summary(), data)
+    output.write_json(out, data)
     output.write_figure(figure, found)
     _write_report(report, found, str(files[0]), output)
-    data = {"files": [str(file) for file in files], **found.to_dict()}
-    output.write_json(out, data)
-    output.show(found.summary(), data)
     return typer.Exit(0 if found.verdict in INNOCENT else 1)
 
 

@@ -84,13 +84,14 @@ def identify(
     output.refuse(*outs.values(), figures=tuple(figures.values()))
 
     def work(file: Path) -> HammersteinFit:
-        fit = model.identify(columns.read(file))
-        output.write_figure(figures.get(file), fit)
+        return model.identify(columns.read(file))
+
+    def write(file: Path, fit: HammersteinFit) -> None:
         if file in outs:
             fit.save(outs[file], output.force)
-        return fit
+        output.write_figure(figures.get(file), fit)
 
-    found = each(files, work, fit_line, output.json)
+    found = each(files, work, fit_line, output.json, write=write)
     raise tell(found, fit_table, output, lambda fit: fit.status.ok or fit.status is Status.NOT_SEEN)
 
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lostmotion.cli.closed_output import no_more_output
+from lostmotion.cli.closed_output import SHOWN, say
 from lostmotion.cli.options import number
 from lostmotion.cli.progress import progress
 from lostmotion.errors import FileAccessError
@@ -37,10 +37,8 @@ class PrintOptions:
     def show(self, text: str, data: dict[str, Any] | list[dict[str, Any]]) -> None:
         """Print a result as text or as JSON; where nobody reads on, the exit code still says what was found."""
         progress("")
-        try:
-            typer.echo(json_module.dumps(data, indent=2, allow_nan=False) if self.json else text)
-        except BrokenPipeError:
-            no_more_output()
+        say(json_module.dumps(data, indent=2, allow_nan=False) if self.json else text)
+        SHOWN.set(True)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from lostmotion.cli.closed_output import say
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
 
@@ -41,13 +42,13 @@ def paper(
     control = study_control(control_seeds)
     data = to_dict(estimation, control)
     text = json_module.dumps(data, indent=2, allow_nan=False)
-    output.write_text(out, write_page(estimation, control))
-    output.write_text(beside, text + "\n")
-    if output.json:
-        typer.echo(text)
-        return
+    lines = []
     for name in estimation.runs:
         found = estimation.summary(name)
         zone = ", ".join(f"{key} {found['rmse'][key]:.4f}" for key in ("left", "right", "left_slope", "right_slope"))
-        typer.echo(f"{name:6} converged {found['converged']} of {found['seeds']}; RMSE {zone}")
-    typer.echo(f"Page: {out}, numbers: {beside}")
+        lines.append(f"{name:6} converged {found['converged']} of {found['seeds']}; RMSE {zone}")
+    output.show("\n".join(lines), data)
+    output.write_text(beside, text + "\n")
+    output.write_text(out, write_page(estimation, control))
+    if not output.json:
+        say(f"Page: {out}, numbers: {beside}")

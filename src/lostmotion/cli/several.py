@@ -7,19 +7,20 @@ import json
 import re
 import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 import typer
 
+from lostmotion.cli.closed_output import SHOWN, say
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.progress import WHERE, progress
 from lostmotion.cli.sources import TYPED, named_as, words_of
 from lostmotion.cli.wording import RUNNING, as_options, message
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import FileAccessError, LostMotionError
 
 
 class Reported(Protocol):
@@ -41,12 +42,16 @@ _MODES = re.compile(r"(Modes\s+(\S.*?)\s+are\s+not\s+known[^:]*:\s+)automatic=\(
 
 @dataclass(frozen=True)
 class Outcome(Generic[Result]):
-    """A file and what became of it: a result, or the class of an error and its text in the words of the command."""
+    """A file and what became of it: a result, or the class of an error and its text in the words of the command.
+
+    `unwritten`: why its files could not be written; the result is there all the same.
+    """
 
     file: Path
     result: Result | None
     failure: str = ""
     said: str | None = None
+    unwritten: FileAccessError | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -67,6 +72,7 @@ def each(
     line: Callable[[str, Result | None, str | None], str],
     quiet: bool,
     keep: Callable[[Any], None] | None = None,
+    write: Callable[[Path, Result], None] | None = None,
 ) -> list[Outcome[Result]]:
     """Do the work for every file; tell and keep each of several as soon as it is done.
 
@@ -82,27 +88,47 @@ def each(
         Print the elements of a JSON list instead; :func:`tell` ends it.
     keep : callable, optional
         Given all that there is, JSON-ready and with names of files, after each.
+    write : callable, optional
+        Writes the files of one result. Where one cannot be written, here or by `keep`, the work goes on, and
+        :func:`tell` raises the error when the results are told.
     """
     if len(files) == 1:
         only = Outcome(files[0], work(files[0]))
-        if keep is not None:
-            keep(only.to_dict())
-        return [only]
+        return _kept([_wrote(only, write)], only.to_dict(), keep)
     outcomes: list[Outcome[Result]] = []
+    now = outcomes
     kept: list[dict[str, Any]] = []
     for number, file in enumerate(files):
         stopped = bool(outcomes) and outcomes[-1].failure == STOPPED
         outcome = Outcome[Result](file, None, STOPPED, LEFT) if stopped else _watched(file, work, number, len(files))
-        outcomes.append(outcome)
         kept.append(outcome.to_dict())
         if quiet:
-            typer.echo(
-                ("," if number else "[") + indent(f"\n{json.dumps(kept[-1], indent=2, allow_nan=False)}"), nl=False
-            )
+            say(("," if number else "[") + indent(f"\n{json.dumps(kept[-1], indent=2, allow_nan=False)}"), end=False)
         elif not stopped:
-            typer.echo(line(file.stem, outcome.result, outcome.said))
-        if keep is not None:
-            keep(kept)
+            say(line(file.stem, outcome.result, outcome.said))
+        outcomes.append(_wrote(outcome, write))
+        now = _kept(outcomes, kept, keep)
+    return now
+
+
+def _wrote(outcome: Outcome[Result], write: Callable[[Path, Result], None] | None) -> Outcome[Result]:
+    if write is None or outcome.result is None:
+        return outcome
+    try:
+        write(outcome.file, outcome.result)
+    except FileAccessError as error:
+        return replace(outcome, unwritten=error)
+    return outcome
+
+
+def _kept(outcomes: list[Outcome[Result]], data: Any, keep: Callable[[Any], None] | None) -> list[Outcome[Result]]:
+    """All outcomes; the last with the error where all that there is could not be kept."""
+    if keep is None:
+        return outcomes
+    try:
+        keep(data)
+    except FileAccessError as error:
+        return [*outcomes[:-1], replace(outcomes[-1], unwritten=error)]
     return outcomes
 
 
@@ -175,13 +201,22 @@ def tell(
     -------
     Exit
         To be raised: 0 where every result is there and accepted, else 1.
+
+    Raises
+    ------
+    FileAccessError
+        What is told could not be written.
     """
     if len(found) == 1 and found[0].result is not None:
         text = modes_as_options(found[0].result.summary())
     else:
         text = "\n" + table([(one.file.stem, one.result) for one in found])
     if len(found) > 1 and output.json:
-        typer.echo("\n]")
+        say("\n]")
+        SHOWN.set(True)
     else:
         output.show(text, data_of(found, named))
+    for one in found:
+        if one.unwritten is not None:
+            raise one.unwritten
     return typer.Exit(0 if all(one.result is not None and accepted(one.result) for one in found) else 1)

@@ -147,10 +147,10 @@ def simulate(
         asked.model, pi.controller, record=asked.record, noise=asked.noise, span=columns.op_span,
         block=None if block is None else lm.read_block(block), **study.given(), **gate.given(),
     )  # fmt: skip
-    output.write_figure(written.figure, answer)
+    output.show(answer.summary(), answer.to_dict())
     output.write_json(written.block_out, answer.block.to_dict())
     output.write_json(written.out, answer.to_dict())
-    output.show(answer.summary(), answer.to_dict())
+    output.write_figure(written.figure, answer)
     raise typer.Exit(0 if answer.safe else 1)
 
 

@@ -58,8 +58,6 @@ def solve(
         record, controller=pi.controller, gain=known_gain, span=columns.op_span, loop_type=kind,
         integrating=integrating, accept=accept, retune=retune, progress=_progress,
     )  # fmt: skip
-    if found.block is not None:
-        output.write_json(out, found.block.to_dict())
     asked = {
         "kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating,
         "retune": retune,
@@ -68,6 +66,8 @@ def solve(
     told = as_options(found.summary()).replace("--span ", "--op-span ")
     text = "\n".join([told, *(f"  {line}" for line in lines)])
     output.show(text, found.to_dict() | {"commands": lines})
+    if found.block is not None:
+        output.write_json(out, found.block.to_dict())
     raise typer.Exit(1 if found.outcome == "closed" else 0)
 
 

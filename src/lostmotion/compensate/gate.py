@@ -15,14 +15,13 @@ from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import DataError, GateError, ParameterError, Status
 from lostmotion.identify import FitFacts
 from lostmotion.identify.actuators.choice import KindChoice
-from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
+from lostmotion.identify.earned import like_a_slip
 
 # COLOURED: kind and size hold, only the intervals are too narrow. MISFIT: of all kinds this one is the nearest.
 SIZED = (Status.OK, Status.COLOURED, Status.MISFIT)
-SHOWN = (*SIZED, Status.WIDE)  # the kind is seen, its size hardly: enough to ask for a test, or to watch
+SHOWN = (*SIZED, Status.WIDE, Status.FEW_CROSSINGS)  # hardly: enough to ask for a test, or to watch
 PROCESS = (*SHOWN, Status.ONE_SIDED, Status.NOT_SEEN)  # of any other nothing of the model can be used
 SURE = 0.9  # of 102 simulated loops 47 of 52 right kinds had more, the one wrong dead zone had 0.85
-TWICE = 2  # crossings of either break point: one slip of a sticking valve to a side made a dead zone of 100 %
 OPEN_DIAGNOSIS = "cannot tell"
 OVERRIDE = "give accept='<reason>'"
 
@@ -71,10 +70,8 @@ def closed(facts: FitFacts, diagnosis: Said | None = None, *, sized: bool = True
         return Closed(shown, "a linear model", "no lost motion was found: there is nothing to compensate or mend")
     if sized and facts.kinds is not None and facts.kinds.best == kind and facts.kinds.confidence < SURE:
         return _doubtful(kind, facts.kinds)
-    crossed = facts.evidence.crossings
-    alone = facts.closed_loop and facts.evidence.free_moves < NEARLY_EXACT  # nothing but the controller moves OP
-    if sized and alone and crossed is not None and min(crossed) < TWICE:
-        return _seen_once(kind, crossed)
+    if sized and like_a_slip(facts.evidence):  # of a fit saved before there was a status for it
+        return Closed(shown, f"{kind} (status {facts.status.name})", Status.FEW_CROSSINGS.value)
     return None if diagnosis is None else _contradicted(kind, verdict_of(diagnosis))
 
 
@@ -84,12 +81,6 @@ def _doubtful(kind: str, kinds: KindChoice) -> Closed:
         got = f"{100.0 * kinds.confidence:.0f} % that there is a {kind} at all"
     remedy = "record set-point moves, or make a test: `lostmotion design`"
     return Closed(f"a kind that is sure to {100.0 * SURE:.0f} %", got, remedy)
-
-
-def _seen_once(kind: str, crossed: tuple[int, int]) -> Closed:
-    side = "left" if crossed[0] <= crossed[1] else "right"
-    got = f"{min(crossed)} time{'s' * (min(crossed) != 1)} on the {side}: a valve that slips once looks the same"
-    return Closed(f"both ends of the {kind} crossed again", got, "record longer, or make a test: `lostmotion design`")
 
 
 def _contradicted(kind: str, verdict: str) -> Closed | None:

@@ -1,10 +1,15 @@
-"""Executes exported ST in plain Python: a reader of its own for the subset, which knows nothing of the translator."""
+"""Executes exported ST in plain Python: a reader of its own for the subset, which knows nothing of the translator.
+
+Every statement and expression becomes a function of the values of the variables, made of the functions of its parts.
+No text is run as Python: a name is a key of a dictionary, and a function one of those below.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -19,8 +24,8 @@ TOKEN = re.compile(
     re.S,
 )
 LEVELS = (("OR",), ("XOR",), ("AND",), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"), ("*", "/"))
-PYTHON = {"OR": "or", "XOR": "!=", "AND": "and", "=": "==", "<>": "!="}
-CALLS = {"MIN": "_min", "MAX": "_max", "ABS": "abs"}
+Values = dict[str, Any]
+Does = Callable[[Values], Any]  # what a piece of the program gives, or changes, for the values of all variables
 REALS: dict[str, Any] = {"REAL": np.float32, "LREAL": np.float64}
 
 
@@ -54,11 +59,8 @@ class Program:
         self._declarations()
         real = {"REAL", "LREAL"} & {variable.type for variable in self.variables.values()}
         self.real = REALS[real.pop()] if len(real) == 1 else np.float64
-        lines = ["def scan(v):", *self._body(1), "    return None"]
-        space: dict[str, Any] = {"_real": self.real, "_min": _min, "_max": _max}
-        exec(compile("\n".join(lines), "<exported block>", "exec"), space)  # noqa: S102  made of checked tokens only
-        self._scan = space["scan"]
-        self.values: dict[str, Any] = {}
+        self._statements = self._body()
+        self.values: Values = {}
         self.reset()
 
     def reset(self) -> None:
@@ -69,7 +71,7 @@ class Program:
         self, settings: dict[str, float], columns: Sequence[str], rows: npt.ArrayLike, wanted: Sequence[str]
     ) -> FloatArray:
         """Outputs `wanted` (n, len(wanted)) of scans whose inputs `columns` are `rows` (n, len(columns))."""
-        values = self.values
+        values, statements = self.values, self._statements
         for name, value in settings.items():
             values[name] = self._stored(name, value)
         rows = np.asarray(rows, dtype=np.float64)
@@ -78,7 +80,8 @@ class Program:
             for k, row in enumerate(rows):
                 for name, value in zip(columns, row, strict=True):
                     values[name] = self._stored(name, value)
-                self._scan(values)
+                for statement in statements:
+                    statement(values)
                 result[k] = [values[name] for name in wanted]
         return result
 
@@ -118,75 +121,95 @@ class Program:
         value: Any = text == "TRUE" if kind == "BOOL" else int(text) if kind == "DINT" else REALS[kind](text)
         self.variables[name] = Variable(section, kind, value)
 
-    def _body(self, depth: int) -> list[str]:
-        lines = []
-        pad = "    " * depth
+    def _body(self) -> tuple[Does, ...]:
+        statements = []
         while self._peek() not in ("END_FUNCTION_BLOCK", "ELSIF", "ELSE", "END_IF"):
-            if self._peek() == "IF":
-                lines += self._if(depth)
-                continue
-            name = self._variable(self._take())
-            self._take(":=")
-            value = self._expression(0)
-            self._take(";")
-            kind = {"BOOL": "bool", "DINT": "int"}.get(self.variables[name].type, "_real")
-            lines.append(f"{pad}v[{name!r}] = {kind}({value})")
-        return lines or [pad + "pass"]
+            statements.append(self._if() if self._peek() == "IF" else self._assignment())
+        return tuple(statements)
 
-    def _if(self, depth: int) -> list[str]:
-        lines = []
-        pad = "    " * depth
+    def _assignment(self) -> Does:
+        name = self._variable(self._take())
+        self._take(":=")
+        value = self._expression(0)
+        self._take(";")
+        kind: Callable[[Any], Any] = {"BOOL": bool, "DINT": int}.get(self.variables[name].type, self.real)
+
+        def assign(v: Values) -> None:
+            v[name] = kind(value(v))
+
+        return assign
+
+    def _if(self) -> Does:
+        branches: list[tuple[Does, tuple[Does, ...]]] = []
+        otherwise: tuple[Does, ...] = ()
         while (word := self._take()) != "END_IF":
             if word == "ELSE":
-                lines.append(f"{pad}else:")
-            else:
-                lines.append(f"{pad}{'if' if word == 'IF' else 'elif'} {self._expression(0)}:")
-                self._take("THEN")
-            lines += self._body(depth + 1)
+                otherwise = self._body()
+                continue
+            condition = self._expression(0)
+            self._take("THEN")
+            branches.append((condition, self._body()))
         self._take(";")
-        return lines
+
+        def choose(v: Values) -> None:
+            chosen = otherwise
+            for condition, body in branches:
+                if condition(v):
+                    chosen = body
+                    break
+            for statement in chosen:
+                statement(v)
+
+        return choose
 
     def _variable(self, name: str) -> str:
         if name not in self.variables:
             raise DataError.expected("a declared variable", name, "the export is broken")
         return name
 
-    def _expression(self, level: int) -> str:
+    def _expression(self, level: int) -> Does:
         if level == len(LEVELS):
             return self._operand()
-        text = self._expression(level + 1)
+        left = self._expression(level + 1)
         while self._peek() in LEVELS[level]:
             sign = self._take()
-            text = f"({text} {PYTHON.get(sign, sign)} {self._expression(level + 1)})"
-        return text
+            left = BINARY[sign](left, self._expression(level + 1))
+        return left
 
-    def _operand(self) -> str:
+    def _operand(self) -> Does:
         word = self._take()
         if word in ("-", "NOT"):
-            return f"({'-' if word == '-' else 'not '}{self._operand()})"
+            inner = self._operand()
+            return (lambda v: -inner(v)) if word == "-" else (lambda v: not inner(v))
         if word == "(":
-            text = self._expression(0)
+            inner = self._expression(0)
             self._take(")")
-            return f"({text})"
+            return inner
         if word[0].isdigit() or word.startswith(("REAL#", "LREAL#")):
             number = word.partition("#")[2] or word
-            return f"_real({number})" if "." in number else number
+            return _constant(self.real(float(number)) if "." in number else int(number))
         if word in ("TRUE", "FALSE"):
-            return word.capitalize()
-        return self._call(word) if self._peek() == "(" else f"v[{self._variable(word)!r}]"
+            return _constant(word == "TRUE")
+        return self._call(word) if self._peek() == "(" else itemgetter(self._variable(word))
 
-    def _call(self, name: str) -> str:
+    def _call(self, name: str) -> Does:
         to_real = re.fullmatch(r"DINT_TO_L?REAL", name)
-        function = CALLS.get(name) or ("_real" if to_real else "round" if re.fullmatch(r"L?REAL_TO_DINT", name) else "")
-        if not function:
+        known: Callable[..., Any] | None = (
+            self.real if to_real else round if re.fullmatch(r"L?REAL_TO_DINT", name) else CALLS.get(name)
+        )
+        if known is None:
             raise DataError.expected("a known function", name, "the export is broken")
+        function = known
         self._take("(")
-        arguments = [self._expression(0)]
+        given = [self._expression(0)]
         while self._peek() == ",":
             self._take()
-            arguments.append(self._expression(0))
+            given.append(self._expression(0))
         self._take(")")
-        return f"{function}({', '.join(arguments)})"
+        if len(given) != (2 if name in ("MIN", "MAX") else 1):
+            raise DataError.expected(f"{name} of its arguments", str(len(given)), "the export is broken")
+        first, last = given[0], given[-1]
+        return (lambda v: function(first(v), last(v))) if len(given) == 2 else (lambda v: function(first(v)))
 
 
 def _tokens(text: str) -> list[str]:
@@ -207,3 +230,25 @@ def _min(a: Any, b: Any) -> Any:
 
 def _max(a: Any, b: Any) -> Any:
     return b if b > a else a
+
+
+def _constant(value: Any) -> Does:
+    return lambda _: value
+
+
+CALLS: dict[str, Callable[..., Any]] = {"MIN": _min, "MAX": _max, "ABS": abs}
+BINARY: dict[str, Callable[[Does, Does], Does]] = {
+    "OR": lambda a, b: lambda v: a(v) or b(v),
+    "XOR": lambda a, b: lambda v: a(v) != b(v),
+    "AND": lambda a, b: lambda v: a(v) and b(v),
+    "=": lambda a, b: lambda v: a(v) == b(v),
+    "<>": lambda a, b: lambda v: a(v) != b(v),
+    "<": lambda a, b: lambda v: a(v) < b(v),
+    ">": lambda a, b: lambda v: a(v) > b(v),
+    "<=": lambda a, b: lambda v: a(v) <= b(v),
+    ">=": lambda a, b: lambda v: a(v) >= b(v),
+    "+": lambda a, b: lambda v: a(v) + b(v),
+    "-": lambda a, b: lambda v: a(v) - b(v),
+    "*": lambda a, b: lambda v: a(v) * b(v),
+    "/": lambda a, b: lambda v: a(v) / b(v),
+}

@@ -1,8 +1,9 @@
 """The one place where files are written: whole or not at all, never through a link, nothing left over.
 
 Bytes go to a file without a name, which Linux removes by itself when a process dies; it gets its name when all are on
-the disk. Where a file is replaced, it has a second name between two system calls; :func:`sweep` finds it after a kill
-just there. Elsewhere (Windows, some network drives) that second name is there from the beginning.
+the disk. Names are given by one process at a time in a folder. Where a file is replaced, it has a second name between
+two system calls; a kill just there leaves it, and the next write of that file takes it away. Elsewhere (Windows, some
+network drives) that second name is there from the beginning, another each time, and :func:`sweep` finds it.
 """
 
 from __future__ import annotations
@@ -13,18 +14,15 @@ import os
 import secrets
 import stat
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
-
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
+from lostmotion.files.alone import LOCKS, alone, locked
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
 PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
 _NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
 Buffer = bytes | memoryview
@@ -110,22 +108,13 @@ def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = F
         return write_together({place / name: data for name, data in files.items()}, force)
     with _told(place):
         place.parent.mkdir(parents=True, exist_ok=True)
-        beside = place.parent / _second_name(place)
         drafts: list[_Draft] = []
         try:
             for name, data in files.items():
-                drafts.append(_Draft(beside / name, place.parent))
+                drafts.append(_Draft(place / name, place.parent))
                 drafts[-1].fill(data)
-            beside.mkdir()
-            for draft in drafts:
-                draft.name_it(force=False)
-            beside.rename(place)
-        except BaseException:
-            for draft in drafts:
-                draft.take_back()
-            with suppress(OSError):
-                beside.rmdir()
-            raise
+            with _naming(place.parent) as only:
+                _place_folder(place, drafts, only)
         finally:
             for draft in drafts:
                 draft.close()
@@ -151,17 +140,15 @@ def lock_file(path: Path) -> BinaryIO | None:
     FileAccessError
         Another process works with it, or the folder cannot be written.
     """
-    if fcntl is None:
+    if not LOCKS:
         return None
     beside = path.with_name(f".{path.name}.lock")
     with _told(beside):
         number = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, PLAIN)
     stream = os.fdopen(number, "rb")
-    try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+    if not locked(number):
         stream.close()
-        raise FileAccessError(f"expected {path} for this process alone, got another one that works with it") from error
+        raise FileAccessError(f"expected {path} for this process alone, got another one that works with it")
     return stream
 
 
@@ -190,16 +177,22 @@ class _Draft:
             self._stream.flush()
             os.fsync(self._stream.fileno())
 
-    def name_it(self, force: bool) -> None:
-        """Give the bytes their name; without `force` no file of that name is replaced, even one made just now."""
+    def name_it(self, force: bool, only: bool = False) -> None:
+        """Give the bytes their name; without `force` no file of that name is replaced, even one made just now.
+
+        `only`: nobody else names anything in the folder meanwhile.
+        """
         with _told(self.target):
             if self.beside is None:
+                beside = self.target.parent / _second_name(self.target, only)
+                if only:
+                    beside.unlink(missing_ok=True)  # of a process that was killed
                 if not os.path.lexists(self.target):
                     self._link(self.target)
                     self._placed = True
                     return
-                self.beside = self.target.parent / _second_name(self.target)
-                self._link(self.beside)
+                self._link(beside)
+                self.beside = beside
             self._stream.close()
             if os.path.lexists(self.target) and not force:
                 raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
@@ -229,16 +222,48 @@ class _Draft:
 
 def _place(drafts: list[_Draft], force: bool) -> None:
     """Name all drafts; where one fails, those that are new are taken away again."""
-    new = [draft for draft in drafts if not os.path.lexists(draft.target)]
+    folders = sorted({draft.target.parent for draft in drafts})
+    with ExitStack() as stack:
+        waited = [stack.enter_context(_naming(folder)) for folder in folders]
+        new = [draft for draft in drafts if not os.path.lexists(draft.target)]
+        try:
+            for draft in drafts:
+                draft.name_it(force, all(waited))
+        except BaseException:
+            for draft in new:
+                draft.take_back()
+            raise
+    for folder in folders:
+        _settle(folder)
+
+
+def _place_folder(place: Path, drafts: list[_Draft], only: bool) -> None:
+    """Name all drafts in a second folder, which then gets the name of the first."""
+    beside = place.parent / _second_name(place, only)
+    if only and beside.is_dir():  # of a process that was killed
+        _remove(beside)
+    beside.mkdir()
     try:
         for draft in drafts:
-            draft.name_it(force)
+            draft.target = beside / draft.target.name
+            draft.name_it(force=False)
+        beside.rename(place)
     except BaseException:
-        for draft in new:
-            draft.take_back()
+        _remove(beside)
         raise
-    for folder in {draft.target.parent for draft in drafts}:
-        _settle(folder)
+
+
+def _remove(folder: Path) -> None:
+    for path in folder.iterdir():
+        path.unlink()
+    folder.rmdir()
+
+
+@contextmanager
+def _naming(folder: Path) -> Iterator[bool]:
+    """Whether nobody else gives names in the folder meanwhile; false where second names are there for longer."""
+    with alone(folder) as only:
+        yield only and bool(_NAMELESS)
 
 
 def _settle(folder: Path) -> None:
@@ -255,9 +280,9 @@ def _prefix(target: Path) -> str:
     return f".lostmotion-{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:16]}-"
 
 
-def _second_name(target: Path) -> str:
-    """Of one length, so that a name that is just short enough stays so."""
-    return f"{_prefix(target)}{secrets.token_hex(8)}"
+def _second_name(target: Path, only: bool = False) -> str:
+    """Of one length, so that a name that is just short enough stays so; the same each time for the only one."""
+    return f"{_prefix(target)}{'0' * 16 if only else secrets.token_hex(8)}"
 
 
 def _refuse_present(target: Path, mode: int, force: bool) -> None:
@@ -286,11 +311,11 @@ def _told(target: Path, size: int | None = None) -> Iterator[None]:
         yield
     except FileAccessError:
         raise
-    except FileExistsError as error:
-        raise FileAccessError(
-            f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
-        ) from error
     except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) in TAKEN:
+            raise FileAccessError(
+                f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
+            ) from error
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         if getattr(error, "errno", None) in FULL:
             room = "room" if size is None else f"room for {size} bytes"

@@ -114,4 +114,10 @@ def earned(
         return Status.NO_PROCESS
     if fit_percent <= 0.0 and fit_without_drift(data.y, simulated, data.segments) <= 0.0:
         return Status.NOT_REPRODUCED
-    return claimed
+    return Status.FEW_CROSSINGS if like_a_slip(evidence) else claimed
+
+
+def like_a_slip(evidence: Evidence) -> bool:
+    """Whether nothing but the controller moves OP, and hardly through the dead zone: a valve that slips does so."""
+    alone = evidence.closed_loop and evidence.free_moves < NEARLY_EXACT
+    return alone and not evidence.crossed_enough

@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from lostmotion.arrays import FloatArray, IntArray
+
+# From end to end by OP. A valve that sticks loses motion wherever OP turns round, a dead zone at one place only, and
+# that it is always the same place takes several crossings to see. Of 48 simulated records for which a dead zone was
+# likeliest, 32 of the 35 with four or more had one, and 3 of the 13 with fewer.
+FEWEST_CROSSINGS = 4
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -25,9 +34,9 @@ class Evidence:
         Share of the moves of OP that PV does not explain (set-point moves, tests, operators).
     other_kind : (str, float) or None
         Kind that is likelier than the one asked for, and by how much log-likelihood, less what parameters cost.
-    crossings : (int, int) or None
-        Times that OP went from the middle of a dead zone beyond its left and its right break point; None: no dead zone,
-        or a fit saved before they were counted.
+    crossings : int or None
+        Times that OP went through a dead zone from end to end, see :func:`crossings`; None: no dead zone, or a fit
+        saved before they were counted.
     """
 
     gain_over_linear: float
@@ -38,4 +47,33 @@ class Evidence:
     closed_loop: bool = False
     free_moves: float = 1.0
     other_kind: tuple[str, float] | None = None
-    crossings: tuple[int, int] | None = None
+    crossings: int | None = None
+
+    @property
+    def crossed_enough(self) -> bool:
+        """Whether OP went through the dead zone so often that a valve that sticks would have looked different."""
+        return self.crossings is None or self.crossings >= FEWEST_CROSSINGS
+
+
+def crossings(op: FloatArray, segments: IntArray, left: float, right: float) -> int:
+    """How often OP goes from one side of [left, right] to the other, inside each segment; noise at an end counts once.
+
+    Parameters
+    ----------
+    op : ndarray, shape (n,)
+    segments : ndarray, shape (s, 2)
+        First row and the row behind the last.
+    left, right : float
+        In units of OP.
+
+    Examples
+    --------
+    >>> crossings(np.array([-2.0, 0.0, 2.0, 0.9, 2.0, -2.0]), np.array([[0, 6]]), -1.0, 1.0)
+    2
+    """
+    found = 0
+    for start, stop in segments.tolist():
+        side = np.where(op[start:stop] > right, 1, np.where(op[start:stop] < left, -1, 0))
+        outside = side[side != 0]
+        found += int(np.count_nonzero(outside[1:] != outside[:-1]))
+    return found

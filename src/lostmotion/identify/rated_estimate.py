@@ -19,7 +19,11 @@ from lostmotion.identify.named_estimate import NamedEstimate
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL)  # no number is given for the fault, only a bound
-SEEN = (Status.COLOURED, Status.WIDE)  # not as it should be, but the kind is what the record shows
+SEEN = (
+    Status.COLOURED,
+    Status.WIDE,
+    Status.FEW_CROSSINGS,
+)  # not as it should be, but the kind is what the record shows
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 

@@ -150,7 +150,7 @@ def _evidence(saved: Fields) -> Evidence:
     if "other_kind" in saved:
         given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
     if "crossings" in saved:
-        given["crossings"] = saved.made("crossings", "how often either break point was crossed", _crossings)
+        given["crossings"] = saved.made("crossings", "how often the dead zone was crossed", _crossings)
     return replace(found, **given)
 
 
@@ -159,9 +159,11 @@ def _other_kind(pair: object) -> tuple[str, float]:
     return kind_of(str(name)).name, as_number(ahead)
 
 
-def _crossings(pair: object) -> tuple[int, int]:
-    left, right = as_list(pair)
-    return round(as_number(left)), round(as_number(right))
+def _crossings(saved: object) -> int:
+    """Of older files: the end that was crossed less often, there and back."""
+    return (
+        round(2.0 * min(map(as_number, as_list(saved)))) if isinstance(saved, list | tuple) else round(as_number(saved))
+    )
 
 
 def _rivals(rows: object) -> tuple[tuple[float, float, float], ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
-from lostmotion.identify.evidence import Evidence
+from lostmotion.identify.evidence import Evidence, crossings
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import FLOOR, gain_over_linear, per_row
 from lostmotion.identify.likelihood.feedback import feedback
@@ -35,7 +35,7 @@ def weigh(
     if kind.dead_between:
         below, above = (values[name] for name in kind.break_points)
         beyond = int(np.sum(u < below)), int(np.sum(u > above))
-        crossed = crossings(below - u, 0.5 * (above - below)), crossings(u - above, 0.5 * (above - below))
+        crossed = crossings(u, np.asarray(scaled.segments), below, above)
     loop = feedback(scaled)
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
@@ -47,19 +47,6 @@ def weigh(
         free_moves=loop.free,
         crossings=crossed,
     )
-
-
-def crossings(beyond: FloatArray, back: float) -> int:
-    """Times that a signal went above 0 from below -`back`, or began there: noise about 0 counts once.
-
-    Examples
-    --------
-    >>> crossings(np.array([1.0, -0.1, 0.2, -2.0, -0.5, 0.3]), 1.0)
-    2
-    """
-    sides = np.where(beyond > 0.0, 1, np.where(beyond < -back, -1, 0))
-    sides = sides[sides != 0]
-    return int(np.count_nonzero(np.diff(sides, prepend=-1) > 0))
 
 
 def _rivals(fitted: Fitted, scaling: Scaling) -> tuple[tuple[float, float, float], ...]:

@@ -16,7 +16,7 @@ from lostmotion.records import LoopRecord
 GROSS = 20.0  # times the range of 98 % of the samples: no signal of a plant, but a code for a failure
 OUTLIER = 6.0  # median deviations beyond which a residual of the first window is drawn in
 MEDIAN = 1.4826  # standard deviation of normal noise over its median absolute deviation
-GOOD = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE)
+GOOD = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE, Status.FEW_CROSSINGS)
 CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
 CLEAR_WINDOW = 2  # times the first window: from then on a dead zone that is known less well may begin
 UNSEEN_WINDOW = 4  # times the first window: that there is no dead zone is believed later than a dead zone

@@ -1,0 +1,208 @@
+"""`lostmotion online` killed two hundred times on one growing record: no line is lost, changed or torn.
+
+Run: ``PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/hostile_online.py`` (some minutes); prints a table; exit code
+1 where something in capitals came out.
+
+The record grows by pieces that end anywhere. `online` follows it with a state file, with masks (mode, limits of OP, a
+frozen transmitter), and is killed: every other time just before a call that writes its state, another each time, and
+else at any moment. What all starts have said, each line once, is compared byte for byte with what one start says that
+nobody disturbs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+import lostmotion as lm
+from lostmotion.cli import main as command
+from lostmotion.cli import online as _  # noqa: F401  loaded before the forks
+from lostmotion.files.grid import Rows
+from lostmotion.online import service
+from tests.killed import begun, ended
+from tests.killed import threads_of_polars as threads
+
+KILLS = 200
+ROWS_EACH = 60  # that come between two kills
+LOOKS = 0.02  # s between looks at the file, instead of 0.5: more happens between two kills
+LONGEST = 0.5  # s until a start is killed at the latest
+CALLS = 90  # that the start and two saves of the state make
+OPTIONS = (
+    "--orders", "1,0,1", "--noise", "white", "--start-samples", "300", "--report-every", "20", "--trend-every", "200",
+    "--forgetting", "0.9995", "--op-limits", "-5", "5", "--frozen", "12", "--mode", "Mode", "--width-limit", "2.2",
+)  # fmt: skip
+
+
+def record(rows: int) -> bytes:
+    """Rows with stretches in manual, at a limit of OP, with a transmitter that stands, and with bad cells."""
+    random = np.random.default_rng(1)
+    u = np.round(lm.signals.prs(rows, -5.5, 5.5, hold=8, seed=1), 4)
+    u = np.clip(u, -5.0, 5.0)
+    x = np.where(u > 1, u - 1, np.where(u < -1, u + 1, 0.0))
+    y = lm.LinearModel((-0.8,), (0.2,), 1).simulate(x) + 0.05 * random.normal(size=rows)
+    lines = ["t_s,OP,PV,Mode"]
+    for k in range(rows):
+        pv = y[k - k % 700] if k % 700 < 30 else y[k]
+        mode = "MAN" if k % 500 > 480 else "AUT"
+        lines.append(f"{2 * k + 7200 * (k > rows // 2)},{u[k]:.4f},{'Bad' if k % 997 == 500 else f'{pv:.4f}'},{mode}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+class Watch:
+    """Starts of the command on one file and one state, each with a file of its own for what it says."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.starts = folder, 0
+
+    @property
+    def said(self) -> Path:
+        """What the last start has said."""
+        return self.folder / f"said{self.starts:04d}"
+
+    def start(self, *words: str, call: int = 0) -> int:
+        """Process that has begun."""
+        self.starts += 1
+        asked = ["online", str(self.folder / "a.csv"), *OPTIONS, "--state", str(self.folder / "state"), *words]
+
+        def work() -> None:
+            service.POLL = LOOKS
+            command(asked)
+
+        with self.said.open("wb") as out, (self.folder / "errors").open("ab") as error:
+            process: int = begun(work, call, out.fileno(), error.fileno())
+        return process
+
+    def wait(self) -> None:
+        """Until the last start has said something, or 20 s."""
+        until = time.monotonic() + 20.0
+        while not self.said.stat().st_size and time.monotonic() < until:
+            time.sleep(0.01)
+
+    def lines(self) -> tuple[list[bytes], int]:
+        """Whole lines of all starts in order, and how many pieces of lines a kill has left."""
+        whole: list[bytes] = []
+        pieces = 0
+        for number in range(1, self.starts + 1):
+            data = (self.folder / f"said{number:04d}").read_bytes()
+            *lines, rest = data.split(b"\n")
+            whole += lines
+            pieces += bool(rest)
+        return whole, pieces
+
+
+def key(line: bytes) -> tuple[object, ...]:
+    """What makes a line known again."""
+    message = json.loads(line)
+    return message["kind"], message.get("sample"), message.get("line"), message.get("name")
+
+
+def once(lines: list[bytes], tally: Counter[str]) -> list[bytes]:
+    """Each line once, in the order of its first time; what comes again must be the same."""
+    found: dict[tuple[object, ...], bytes] = {}
+    for line in lines:
+        name = key(line)
+        if name[0] == "start":
+            continue
+        if found.setdefault(name, line) != line:
+            tally[f"CHANGED {name}"] += 1
+        tally["lines said"] += 1
+    return list(found.values())
+
+
+def attack(kills: int, random: np.random.Generator, folder: Path) -> Counter[str]:
+    """Kill, start, kill .."""
+    tally: Counter[str] = Counter()
+    data = record((kills + 1) * ROWS_EACH)
+    (folder / "whole").mkdir()
+    (folder / "whole" / "a.csv").write_bytes(data)
+    alone = Watch(folder / "whole")
+    assert ended(alone.start("--no-follow")) in (0, 1)
+    expected = once(alone.lines()[0], Counter())
+    watch = Watch(folder)
+    ends = np.sort(random.choice(len(data), 3 * kills, replace=False))
+    with (folder / "a.csv").open("ab", buffering=0) as growing:
+        growing.write(data[:400])
+        written = 400
+        for kill in range(kills):
+            call = 0 if kill % 2 else 1 + int(random.integers(CALLS))
+            process = watch.start(call=call)
+            if kill % 8 != 7:  # one of eight before it has begun
+                watch.wait()
+            until = time.monotonic() + (float(random.uniform(0.0, LONGEST)) if kill % 2 else 20 * LONGEST)
+            for stop in ends[3 * kill : 3 * kill + 3]:
+                time.sleep(float(random.uniform(0.0, 0.05)))
+                growing.write(data[written : max(stop, written)])
+                written = max(int(stop), written)
+            tally += _killed(process, until)
+        growing.write(data[written:])
+    code = ended(watch.start("--no-follow"))
+    return tally + _compared(watch, expected, code)
+
+
+def _killed(process: int, until: float) -> Counter[str]:
+    """Wait for the end by its own call, and end it at the latest then."""
+    while time.monotonic() < until:
+        done, status = os.waitpid(process, os.WNOHANG)
+        if done:
+            code = os.waitstatus_to_exitcode(status)
+            return Counter({"killed at a call" if code == -signal.SIGKILL else f"ENDED {code}": 1})
+        time.sleep(0.005)
+    os.kill(process, signal.SIGKILL)
+    ended(process)
+    return Counter({"killed at a moment": 1})
+
+
+def _compared(watch: Watch, expected: list[bytes], code: int) -> Counter[str]:
+    tally: Counter[str] = Counter()
+    lines, pieces = watch.lines()
+    found = once(lines, tally)
+    tally["lines that a kill cut, and that came again whole"] = pieces
+    tally["lines of the one start"] = len(expected)
+    tally["the same lines in the same order, byte for byte"] = int(found == expected)
+    tally["OTHER LINES"] = int(found != expected)
+    tally[f"lost {sorted(map(key, set(expected) - set(found)), key=str)[:5]}".upper()] = len({*expected} - {*found})
+    tally["starts that went on from the state"] = sum(b"Goes on after" in line for line in lines)
+    errors = (watch.folder / "errors").read_text()
+    tally[f"SAID ON STANDARD ERROR {errors[:200]!r}"] = bool(errors)
+    left = sorted(path.name for path in watch.folder.iterdir() if path.name.startswith(".lostmotion"))
+    tally[f"LEFT OVER {left}"] = len(left)
+    tally[f"EXIT CODE {code}"] = code not in (0, 1)
+    return +tally
+
+
+def warm() -> None:
+    """Compile the kernels once, for all processes that are forked from this one."""
+    text = [line.split(",") for line in record(800).decode().splitlines()[1:]]
+    op, pv = (np.array([float(row[k]) if row[k] != "Bad" else np.nan for row in text]) for k in (1, 2))
+    monitor = lm.online.OnlineMonitor(lm.RecursiveML(1, 0, 1, dt=2.0, start_samples=300), dt=2.0, report_every=20)
+    monitor.take(Rows(2.0 * np.arange(800), op, pv))
+    lm.online.OnlineMonitor.from_bytes(monitor.to_bytes())
+    assert not threads()
+
+
+def main() -> int:
+    """Print the tally; 1 where something is in capitals."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--kills", type=int, default=KILLS)
+    options.add_argument("--seed", type=int, default=0)
+    given = options.parse_args()
+    warm()
+    with tempfile.TemporaryDirectory() as place:
+        tally = attack(given.kills, np.random.default_rng(given.seed), Path(place))
+    print("| attack | outcome | times |\n|---|---|---|")
+    for said, times in sorted(tally.items()):
+        print(f"| kills of online | {said} | {times} |")
+    return int(any(said[:3].isupper() for said in tally))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
