@@ -24,7 +24,8 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
         rows += part.size - most
     largest = gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max()  # 0 at the end of a record that steps once
     ridge = max(1e-12 * float(largest), np.finfo(float).tiny) * np.eye(most)
-    models, variances = [np.zeros(0)], [gram[0, 0] / rows]
+    models: list[FloatArray] = [np.zeros(0)]
+    variances = [gram[0, 0] / rows]
     for order in range(1, most + 1):
         d = -np.linalg.solve(gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order], gram[1 : order + 1, 0])
         models.append(d)
