@@ -12,9 +12,10 @@ import polars as pl
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.files.dates import dates_in_order
 from lostmotion.files.layout import Layout
-from lostmotion.files.number_cells import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT, LARGEST
+from lostmotion.files.number_cells import BAD_WORDS, DECIMAL_COMMA, DECIMAL_DOT
 from lostmotion.files.text import BLANKS, has_cells, split_line, with_tabs
 from lostmotion.records.modes import holds
+from lostmotion.records.record import LARGEST
 from lostmotion.records.sampling import Bools
 
 
