@@ -324,5 +324,6 @@ def _solved(gram: FloatArray, target: FloatArray, smallest: float) -> FloatArray
 
     Correlations smaller than `smallest` are rounding.
     """
-    scale = np.sqrt(np.diag(gram)) + np.finfo(float).tiny
+    scale = np.sqrt(np.diag(gram))
+    scale[scale == 0.0] = 1.0
     return np.asarray(np.linalg.lstsq(gram / np.outer(scale, scale), target / scale, rcond=smallest)[0] / scale)

@@ -80,7 +80,8 @@ def _left_over(turned: ScaledData) -> tuple[float, float]:
     """
     gram, target, total, samples = arx_products(turned.u, turned, Lags(LAGS, LAGS + 1, 0))
     around_mean = total - target[0] ** 2 / samples
-    scale = np.sqrt(np.maximum(np.diag(gram), 0.0)) + np.finfo(float).tiny  # rounding may leave less than 0
+    scale = np.sqrt(np.maximum(np.diag(gram), 0.0))  # rounding may leave less than 0
+    scale[scale == 0.0] = 1.0
     gram, target = gram / np.outer(scale, scale), target / scale
     whole = gram.copy(), target.copy()
     alone = total - factorise(np.ascontiguousarray(gram[: LAGS + 1, : LAGS + 1]), target[: LAGS + 1].copy())
