@@ -22,20 +22,12 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
-<<<<<<< HEAD
-    largest = gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max()  # 0 at the end of a record that steps once
-    ridge = max(1e-12 * float(largest), float(np.finfo(np.float64).tiny)) * np.eye(most)
-=======
-    largest = float(
-        gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max()
-    )  # 0 at the end of a record that steps once
+    largest = float(gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max())  # 0 behind a single step
     ridge = max(1e-12 * largest, float(np.finfo(float).tiny)) * np.eye(most)
->>>>>>> h19a
     models: list[FloatArray] = [np.zeros(0)]
     variances = [gram[0, 0] / rows]
     for order in range(1, most + 1):
-        inside = gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order]
-        d: FloatArray = -np.linalg.solve(inside, gram[1 : order + 1, 0])
+        d = -np.linalg.solve(gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order], gram[1 : order + 1, 0])
         models.append(np.asarray(d, dtype=np.float64))
         variances.append(max(float(gram[0, 0] + d @ gram[1 : order + 1, 0]) / rows, 1e-300))
     return models, np.array(variances), rows
