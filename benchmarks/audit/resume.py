@@ -126,8 +126,19 @@ def tried(address: str, settings: argparse.Namespace, steps: int, made: random.R
         one.process.kill()
         one.process.wait()
         killed["coordinator"] += 1
+        if finished(address):  # it was killed behind its last transaction: the next one would be a run of its own
+            return killed
     Audit(address, settings.loops, folder).ends()
     return killed
+
+
+def finished(address: str) -> bool:
+    """Whether the run in the store has ended."""
+    try:
+        with Store(address, write=False) as store:
+            return any(run.state is RunState.FINISHED for run in store.runs())
+    except OSError:
+        return False  # killed before there was a store
 
 
 def database(kind: str, server: Any, folder: Path) -> str:

@@ -31,7 +31,7 @@ def batches(loops: Iterable[PlantLoop], workers: int = 1) -> Iterator[tuple[Plan
     Examples
     --------
     >>> [len(one) for one in batches([PlantLoop(f"L{number}", size=1) for number in range(200)])]
-    [64, 64, 64, 8]
+    [50, 50, 50, 50]
     """
     ordered = together(loops)
     most = fair(len(ordered), workers, MOST)

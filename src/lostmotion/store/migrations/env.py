@@ -2,5 +2,6 @@
 
 from alembic import context
 
-context.configure(connection=context.config.attributes["connection"], version_table="schema_version")
-context.run_migrations()
+if __name__ == "env_py":  # as alembic calls it; tests of the documentation import every module
+    context.configure(connection=context.config.attributes["connection"], version_table="schema_version")
+    context.run_migrations()
