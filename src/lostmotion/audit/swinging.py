@@ -14,7 +14,7 @@ from lostmotion.store.rows import AssessmentRow, SpectrumRow
 LEAST_REGULAR = 1.0  # as published: below, zero crossings of the autocorrelation come as they like
 LEAST_POWER = 0.1  # of the variance: a smaller swing is nobody's reason to look
 SAME_PERIOD = 0.05  # relative
-LEAST_LIKE = 0.6  # cosine of the spectra about the oscillation: of one swing 0.8 to 1, of drift beside it 0.4
+LEAST_LIKE = 0.6  # cosine of the spectra about the oscillation; members in simulated plants lie at 0.6 to 1
 LEAST_OVERLAP = 0.5  # of the shorter of two times
 BELOW, ABOVE, BANDS = 0.5, 6.0, 24  # of the frequency: what is compared, in bands as wide as a bin of 96
 PEAK, BESIDE = 1.08, 1.6  # a peak is so far up and down in frequency; what it stands out of, up to so far
