@@ -22,9 +22,7 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
-    largest = float(
-        gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max()
-    )  # 0 behind a single step
+    largest = float(gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max())  # 0 behind a single step
     ridge = max(1e-12 * largest, float(np.finfo(float).tiny)) * np.eye(most)
     models: list[FloatArray] = [np.zeros(0)]
     variances = [gram[0, 0] / rows]
