@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,7 +26,7 @@ CLEAR = row("FIC-2", verdict="none", kind="none", confidence=0.9, excluded_perce
 
 def test_larger_surer_and_weightier_come_first() -> None:
     smaller = replace(STICKS, tag="smaller", size_percent=1.2)
-    unsure = replace(STICKS, tag="unsure", confidence=0.6)
+    unsure = replace(STICKS, tag="unsure", confidence=0.7)
     dear = replace(STICKS, tag="dear")
     swinging = replace(STICKS, tag="swings", regularity=4.0, power=0.8, period=60.0)
     loops = {"dear": PlantLoop("dear", weight=3.0)}
@@ -78,6 +79,18 @@ def test_a_loop_that_cannot_be_told_but_is_suspected_comes_behind_one_that_is_to
     found = ranked([calm, open_, STICKS], {})
     assert [one.tag for one in found] == ["FIC-1", "open", "calm"]
     assert found[2].priority == 0.0
+
+
+def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve() -> None:
+    frozen = row("frozen", verdict="cannot tell", kind="unknown", indices={"stuck": 0.24}, fit_for_use=False)
+    limited = row("limited", verdict="saturation", kind="actuator", limited=0.8)
+    found = {one.tag: one for one in ranked([frozen, limited], {})}
+    assert (found["frozen"].split, found["frozen"].label) == ("sensor", "failure")
+    assert "stood still for 24 % of the time" in found["frozen"].priority_reason
+    assert (found["limited"].split, found["limited"].label) == ("process", "out of specification")
+    assert found["limited"].priority == pytest.approx(24.0)
+    told = replace(STICKS, indices={"stuck": 0.24})
+    assert split_of(told) == "actuator", "the valve is the finding"
 
 
 @given(

@@ -1,9 +1,10 @@
 """Which loops first: technical severity x economic weight x confidence, in numbers and in words.
 
 Technical severity is 0 to 1: `LOST` of it for the size of the lost motion (half at the 2 % of span that is usual for a
-control valve, severity_of), the rest for what the loop does with it: the share of the variance that is a regular swing.
-The weight is that of the loop list over the largest one of the plant. Confidence is the probability of the verdict;
-where none was reached it is the probability of an actuator fault, and counts by `UNTOLD`: a test comes first.
+control valve, severity_of), the rest for what the loop does with it: the share of the variance that is a regular swing,
+or of the time with OP at a limit. The weight is that of the loop list over the largest one of the plant. Confidence is
+the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
+the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved is a fact.
 """
 
 from __future__ import annotations
@@ -21,8 +22,11 @@ USUAL = 2.0  # % of span: a lost motion that counts half
 UNSIZED = 0.5  # of a fault whose size in % of span is not known
 UNTOLD = 0.5
 ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
-WEAK = {"poor": 0.10, "fair": 0.05}  # severity of a class of performance where nothing is found
-LEAST = 0.2  # probability of a fault from which a loop that cannot be told is worth a test
+WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
+SUSPECTED = 0.4  # probability of a fault from which a loop that cannot be told is worth a test: 0.25 is the prior
+LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
+FROZEN = 0.35  # severity of a measurement that stood still
+STUCK_LEAST = 0.02  # share of the time
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
 BAD = 4.0  # % of span, as severity_of has it
 STUCK = 50.0  # % of span: a valve that hardly answers at all
@@ -62,6 +66,10 @@ def _with_priority(row: AssessmentRow, weight: float) -> AssessmentRow:
 
 def split_of(row: AssessmentRow) -> str:
     """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
+    if _stuck(row) is not None:
+        return "sensor"
+    if row.verdict == "saturation":
+        return "process"  # the load or the size of the valve: its motion is not at fault
     return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(row.kind, "cannot tell")
 
 
@@ -69,6 +77,8 @@ def label_of(row: AssessmentRow) -> str:
     """Category of NAMUR NE 107 for the actuator (the sensor, where that is at fault); empty: cannot tell."""
     if row.manual is not None and row.manual >= HAND:
         return "function check"
+    if _stuck(row) is not None:
+        return "failure"
     if row.verdict == "cannot tell":
         return ""
     if row.kind == "sensor":
@@ -85,43 +95,58 @@ def label_of(row: AssessmentRow) -> str:
 
 def swings(row: AssessmentRow) -> bool:
     """Whether the loop swings regularly, as published: regularity above 1."""
-    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > 0.3
+    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
 
 
 def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
     if row.stage is Stage.FAILED:
         return None, f"not judged: {row.error}"
-    if not row.fit_for_use:
+    stuck = _stuck(row)
+    if stuck is None and not row.fit_for_use:
         return None, f"not judged: {'; '.join(row.health) or row.reason}"
-    if row.stage is Stage.SCREENED:
+    if stuck is None and row.stage is Stage.SCREENED:
         return None, f"not assessed: {row.reason}"
-    severity, words = _severity(row)
-    sure = row.confidence if row.verdict != "cannot tell" else UNTOLD * (row.probability or 0.0)
-    priority = 100.0 * severity * weight * (sure or 0.0)
+    worth, words = (FROZEN, [stuck]) if stuck is not None else _worth(row)
+    priority = 100.0 * worth * weight
     return priority, "; ".join([*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words)
 
 
-def _severity(row: AssessmentRow) -> tuple[float, list[str]]:
-    """Technical severity, and what it consists of."""
+def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
+    """Technical severity times confidence, and what it consists of."""
     swing = (row.power or 0.0) if swings(row) else 0.0
+    sure = row.confidence or 0.0
     about_swing = (
         [f"swings every {row.period:.3g} s, {probability(swing)} of the variance"] if swing and row.period else []
     )
     if row.verdict == "cannot tell":
-        suspected = row.probability is not None and row.probability >= LEAST
-        told = f"cannot tell; a fault of the actuator is {probability(row.probability or 0.0)} likely"
-        return (LOST * UNSIZED + (1.0 - LOST) * swing if suspected else 0.0), [told, *about_swing]
+        fault = row.probability or 0.0
+        words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
+        lost = LOST * UNSIZED * fault if fault >= SUSPECTED else 0.0
+        return UNTOLD * (lost + (1.0 - LOST) * swing), [words, *about_swing]
+    if row.verdict == "saturation":
+        at = max(row.limited or 0.0, swing)
+        return (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
     if row.kind == "actuator":
         size = row.size_percent if _of_span(row) else None
         lost = UNSIZED if size is None else size / (size + USUAL)
-        return LOST * lost + (1.0 - LOST) * swing, [_fault(row), *about_swing]
+        return sure * (LOST * lost + (1.0 - LOST) * swing), [_fault(row), *about_swing]
     if row.verdict == "other oscillation":
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row), "upstream or tuning")
-        return ELSEWHERE * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
+        return ELSEWHERE * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
     words = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
-    return weak, [*words, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    return sure * weak, [*words, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+
+
+def _stuck(row: AssessmentRow) -> str | None:
+    """What is said of a measurement that stood still while OP moved; None: it did not, or the valve is the finding."""
+    share = row.indices.get("stuck", 0.0)
+    if share < STUCK_LEAST or (row.kind == "actuator" and row.size is not None):
+        return None
+    return (
+        f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
+    )
 
 
 def _fault(row: AssessmentRow) -> str:

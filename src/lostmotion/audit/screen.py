@@ -96,7 +96,7 @@ def _screened(
     row = replace(
         row, reason=reason, value=value, health=health.findings, fit_for_use=health.fit, performance=performance,
         manual=manual, limited=limited, missing=health.missing, travel=travel, reversals=reversals,
-        variability=variability, harris=one.harris, indices=_indices(one, health, seen), **_of_swing(one.swing),
+        variability=variability, harris=one.harris, indices=_indices(rows, one, health, seen), **_of_swing(one.swing),
     )  # fmt: skip
     return row, _spectrum_row(row, rows, one)
 
@@ -117,13 +117,14 @@ def _of_swing(swing: Swing | None) -> dict[str, Any]:
     return {"period": swing.period, "regularity": swing.regularity, "power": swing.power}
 
 
-def _indices(one: _Loop, health: Health, seen: Seen) -> dict[str, float]:
+def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[str, float]:
     """Further numbers: what the assessment needs of the screen, and what a page shows."""
     found = {
         "acting_rows": float(seen.acting),
         "op_range_percent": seen.op_range,
         "op_turns": seen.turns,
         "stale": health.stale,
+        "stuck": rows.share(rows.stuck & ~rows.stopped & rows.known & ~rows.manual),
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
     }

@@ -54,7 +54,17 @@ class ScreenRows:
     @cached_property
     def standing(self) -> Bools:
         """Nothing was recorded there, or PV stuck."""
-        return np.asarray(stopped(self.record) | stuck(self.record))
+        return np.asarray(self.stopped | self.stuck)
+
+    @cached_property
+    def stopped(self) -> Bools:
+        """The recording stopped: neither OP nor PV moves."""
+        return np.asarray(stopped(self.record))
+
+    @cached_property
+    def stuck(self) -> Bools:
+        """PV stands still, though its noise is seen elsewhere."""
+        return np.asarray(stuck(self.record))
 
     @cached_property
     def modes_known(self) -> bool:
