@@ -88,7 +88,7 @@ def test_the_ranking_has_size_interval_confidence_priority_and_next_step(page):
     words = page.words
     for said in ("3.00 % of span", "2.70 .. 3.30", "93 %", "severity x weight x confidence", "Repack the valve."):
         assert said in words
-    assert "Next command: lostmotion simulate FIC-1.csv" in words
+    assert "Next command: lostmotion simulate data/FIC-1.csv" in words
     assert "new finding" in words
     assert "Group 1: 2 loops, period 10 min" in words
     assert "larger than at first" in words

@@ -134,9 +134,9 @@ def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row), "upstream or tuning")
         return ELSEWHERE * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
-    words = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
+    said = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
-    return sure * weak, [*words, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    return sure * weak, [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
 
 
 def _stuck(row: AssessmentRow) -> str | None:

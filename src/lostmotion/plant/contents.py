@@ -22,6 +22,7 @@ from lostmotion.files.one_tag import one_tag
 from lostmotion.files.opened import MOST_COLUMNS, Opened, opened
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loops_of
+from lostmotion.plant.loop_list import is_loop_list
 from lostmotion.plant.parquet import Kind, is_parquet, names_in, schema_of, values_in
 from lostmotion.plant.unit import Found, Unit
 
@@ -30,6 +31,7 @@ FEW = 1 << 14  # bytes of a text that mostly show its columns
 TEXTS = ("readme", "license", "licence", "copying", "changelog", "notes", "provenance")
 NO_TABLE = "no table, by its name"
 NO_SERIES = "a list of things, not of moments: its rows have names"
+LOOP_LIST = "a list of loops"
 NOT_TWO = "no loop: a table of tags and values without OP and PV of one loop"
 
 
@@ -95,6 +97,8 @@ def _checked_rows(path: Path) -> Table:
 
 def _unit(path: Path, reading: Mapping[str, Any]) -> Unit:
     table = first_rows(path)
+    if is_loop_list(table.names):
+        return Unit((path,), names=tuple(table.names), why=LOOP_LIST)
     schema = schema_of(table.names)
     if schema.kind is not Kind.COLUMNS:
         return _rows_unit(path, reading)

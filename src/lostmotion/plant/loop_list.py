@@ -21,6 +21,7 @@ COLUMNS = (
     "weight", "file", "dt", "time", "remarks",
 )  # fmt: skip
 TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
+_OWN = {"type", "op_low", "op_high", "pv_low", "pv_high", "area", "weight"}  # what no record has
 SHOWN = 10  # errors of one list
 _TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time")
 
@@ -31,6 +32,18 @@ class LoopList:
 
     loops: tuple[PlantLoop, ...]
     notes: tuple[str, ...] = ()
+
+
+def is_loop_list(names: Sequence[str]) -> bool:
+    """Whether columns are those of a loop list: a tag, and most of the others too.
+
+    Examples
+    --------
+    >>> is_loop_list(COLUMNS[:14]), is_loop_list(["tag", "op", "pv", "sp", "mode", "time"])
+    (True, False)
+    """
+    known = {name.strip().lower() for name in names} & set(COLUMNS)
+    return "tag" in known and len(known & _OWN) >= len(_OWN) // 2
 
 
 def read_loop_list(path: Path | str) -> LoopList:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 import shlex
 from datetime import datetime
+from pathlib import Path
 
 from lostmotion.audit.plant_view import FAULTS, RunFacts
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
+from lostmotion.files.paths import is_pattern
 from lostmotion.plant import PlantLoop
+from lostmotion.plant.address import parsed
 from lostmotion.report.diagnosis_text import FINEST, KIND
 from lostmotion.report.digits import digits, plain, span
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
@@ -159,9 +162,23 @@ def next_step(row: AssessmentRow) -> str:
     return row.reason if row.stage is Stage.SCREENED else ""
 
 
+def typed_place(loop: PlantLoop, run: RunFacts) -> str:
+    """Where the data of a loop lie, as a command takes it."""
+    if not loop.where:
+        return shlex.quote(f"{loop.tag}.csv")
+    places = parsed(loop.where)
+    root = Path(run.sources[0]) if len(run.sources) == 1 and ", " not in run.sources[0] else Path()
+    while is_pattern(root):
+        root = root.parent
+    inside = root.parent if root.is_file() else root
+    files = [str(inside / file) for place in places for file in place.files]
+    of_loop = ["--loop", places[0].loop] if places[0].loop else []
+    return shlex.join([*files, *of_loop])
+
+
 def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
     """What to type next about this loop; quoted for a shell."""
-    file = shlex.quote(loop.where or f"{loop.tag}.csv")
+    file = typed_place(loop, run)
     if row.stage is not Stage.ASSESSED and run.store:
         return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
     if row.verdict == "cannot tell":
