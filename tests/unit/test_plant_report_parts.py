@@ -123,7 +123,8 @@ def test_ticks_are_inside_in_order_and_tell_each_other_apart(low, width):
 def test_the_text_tells_health_ranking_groups_news_and_what_to_type():
     text = audit_summary(plant())
     assert text.index("could be judged") < text.index("Where to look first") < text.index("What is new")
-    for said in ("3.00", "2.70 .. 3.30", "likely source FIC-1", "FIC-1: new finding", "lostmotion simulate data/FIC-1.csv"):
+    told = ("3.00", "2.70 .. 3.30", "likely source FIC-1", "FIC-1: new finding", "lostmotion simulate data/FIC-1.csv")
+    for said in told:
         assert said in text
     assert "\x1b" not in audit_summary(plant(("\x1b[31mred", "FIC-2", "FIC-3", "FIC-4", "FIC-5")))
     assert "No loop needs a hand" in audit_summary(replace(plant(), rows=(sound(),)))

@@ -171,7 +171,7 @@ def _write(found: AuditRun, written: ReportOptions, output: OutputOptions) -> No
     if written.table is not None:
         from lostmotion.files.write import write_table
 
-        write_table(found.table(), written.table, output.force)
+        write_table(written.table, found.table(), output.force)
     if written.report is None and written.report_loops is None:
         return
     from lostmotion.report.plant import plant_report
