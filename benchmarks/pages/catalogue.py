@@ -69,6 +69,7 @@ PAGES = (
     Page("wrong-inverse", "benchmarks/wrong_inverse.py", 6),
 )
 BY_HAND = {
+    "audit": "what an audit does; figures with the command that repeats each",
     "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
     "equations": "the paper's equations and where they are in the code",
     "method": "how it works and what was tried; figures of the tries are of that time, others are quoted",
