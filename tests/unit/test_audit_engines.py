@@ -153,6 +153,15 @@ def test_workers_are_counted():
         open_engine("processes", 0)
 
 
+@pytest.fixture
+def heard():
+    """Ctrl-C is heard, also where the tests run in a process that was told not to hear it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
 def test_ctrl_c_ends_the_coordinator_and_not_a_batch(engine):
     """Workers do not hear it; the coordinator ends them."""
     found, _ = outcome(engine, [(1,)])
@@ -162,4 +171,4 @@ def test_ctrl_c_ends_the_coordinator_and_not_a_batch(engine):
     assert outcome(engine, [(1,)])[0] == found
     threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        outcome(engine, ((number,) for number in iter(int, 1)))
+        outcome(engine, ((number,) for number in range(30_000)))  # many seconds of work

@@ -17,6 +17,7 @@ from lostmotion.files.frames import read_bytes
 from lostmotion.files.gathered import ENDINGS
 from lostmotion.files.limits import most_bytes, too_large
 from lostmotion.files.packed import GZIP, WORKBOOK, ZIP, unpacked
+from lostmotion.files.paths import is_file
 
 TAR = b"ustar"
 AT = 257  # bytes before it
@@ -50,6 +51,8 @@ def archived(path: Path) -> Files:
 def _kind(path: Path) -> str:
     """Zip of several files, or tar; empty for any other file."""
     start, inside = b"", b""
+    if not is_file(path):  # a pipe would wait for whoever writes into it
+        return ""
     with suppress(OSError, EOFError, ValueError, zlib.error, zipfile.BadZipFile, RuntimeError):
         with path.open("rb") as stream:
             start = inside = stream.read(HEAD)

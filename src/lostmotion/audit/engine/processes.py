@@ -156,15 +156,15 @@ class Processes:
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """Processes that are started inside do not hear Ctrl-C: the coordinator ends them."""
-    if threading.current_thread() is not threading.main_thread():
+    """Processes that are started inside do not hear Ctrl-C: the coordinator, which hears it afterwards, ends them."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # ignored, it would be lost
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _serve(pipe: Connection) -> None:
