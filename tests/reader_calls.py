@@ -1,7 +1,9 @@
 """Calls that are refused and that no file alone provokes: frames, records, files that grow, readers that are absent."""
 
+import csv
 import gzip
 import io
+import os
 import sys
 from dataclasses import replace
 from datetime import UTC, date, datetime
@@ -12,7 +14,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from lostmotion.files import limits, matlab, read_loop, read_loops, text_lines, workbook
+from lostmotion.files import limits, matlab, packed, read_loop, read_loops, text_lines, workbook
 from lostmotion.files.follow import Follower
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.growing import GrowingFile
@@ -44,12 +46,42 @@ def too_many(folder, patch):
 
 
 def without_memory(folder, patch):
-    def read(raw):
+    def content(*_):
         raise MemoryError
 
-    patch.setattr(pl, "read_parquet", read)
-    (folder / "a.parquet").write_bytes(b"PAR1")
-    read_loop(folder / "a.parquet")
+    patch.setattr(packed, "_content", content)
+    (folder / "a.csv.gz").write_bytes(gzip.compress(rows().encode()))
+    read_loop(folder / "a.csv.gz")
+
+
+def a_pipe(folder):
+    os.mkfifo(folder / "pipe.csv")
+    read_loop(folder / "pipe.csv")
+
+
+def far_dates():
+    times = pl.Series([10**15 + 1000 * row for row in range(N)], dtype=pl.Datetime("ms"))
+    read_loop(pl.DataFrame({"time": times, "OP": OP, "PV": PV}))
+
+
+def two_alike():
+    frame = pytest.importorskip("pandas").DataFrame([[1.0, 2.0], [3.0, 4.0]], columns=["OP", "OP"])
+    read_loop(frame)
+
+
+def few_columns(folder, patch):
+    patch.setenv(limits.MOST_COLUMNS, "2")
+    (folder / "a.csv").write_text(rows())
+    read_loop(folder / "a.csv")
+
+
+def long_cell(folder, patch):
+    before = csv.field_size_limit(20)
+    try:
+        (folder / "a.csv").write_text("t_s,OP,PV," + "x" * 50 + "\n" + "\n".join(f"{k},{k},{k},1" for k in range(N)))
+        read_loop(folder / "a.csv")
+    finally:
+        csv.field_size_limit(before)
 
 
 def resumed(folder, asked=None, stream=False, **change):
@@ -127,6 +159,9 @@ OTHERS = {  # what no file alone provokes
     "loops of one name": lambda folder: read_loops(two_whole(folder)),
     "a setting of one loop for all": lambda folder: read_loops(two_whole(folder), loop="a"),
     "another word for uncertain": lambda _: read_loop(pl.DataFrame({"OP": OP, "PV": PV}), uncertain="drop"),
+    "a pipe": a_pipe,
+    "dates of no calendar": lambda _: far_dates(),
+    "two columns of one name": lambda _: two_alike(),
     "no such file": lambda folder: read_loop(folder / "absent.csv"),
     "a folder": read_loop,
     "a folder for the bytes of a file": read_bytes,
@@ -164,6 +199,8 @@ PATCHED = {
     "too much in an archive": too_many,
     "a limit that is no number": lambda folder, patch: limited(folder, patch, "much"),
     "no memory for it": without_memory,
+    "too many columns": few_columns,
+    "a cell that is too long": long_cell,
     "a file that cannot be read": lambda _, patch: unreadable(patch, read_loop),
     "a file that cannot be followed": lambda _, patch: unreadable(patch, lambda path: GrowingFile(Path(path))),
     "no reader of spreadsheets": without_reader,

@@ -9,7 +9,12 @@ ROOT = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
 FILES = sorted(ROOT.rglob("*.py"))
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS = 350, 60, 12
 # all settings of a design or a study are keywords of one public function; kernels have one loop over all filters
-WIDE = {("design/plan.py", "design"), ("design/request.py", "check"), ("evaluate/study/study.py", "compensation_study")}
+WIDE = {
+    ("design/plan.py", "design"),
+    ("design/request.py", "check"),
+    ("evaluate/study/study.py", "compensation_study"),
+    ("audit/plant_audit.py", "audit"),
+}
 LONG = {("kernels/recursive_ml/advance.py", "advance")}
 
 

@@ -2,6 +2,7 @@ import json
 import math
 from dataclasses import asdict, replace
 from functools import cache
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -95,7 +96,7 @@ def test_a_failure_is_a_row(monkeypatch, error, said):
     def broken(*given):
         raise error
 
-    monkeypatch.setattr("lostmotion.audit.assess.looks", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.assess"), "looks", broken)
     row, trace = assess(LOOP, sticking()[0], looked()[0], SETTINGS)
     assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
 

@@ -1,5 +1,6 @@
 from dataclasses import asdict, replace
 from functools import cache
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -252,6 +253,6 @@ def test_an_unexpected_error_is_a_row(monkeypatch):
     def broken(rows):
         raise ZeroDivisionError("a\nsurprise")
 
-    monkeypatch.setattr("lostmotion.audit.screen.health_of", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.screen"), "health_of", broken)
     row, spectrum = screen(LOOP, base(), UNDATED, UNDATED, AuditSettings())
     assert (row.stage, row.error, spectrum) == (Stage.FAILED, "ZeroDivisionError: a surprise", None)

@@ -88,7 +88,7 @@ def test_span_of_op():
     assert op_span(record).ends == (0.0, 100.0)
     assert op_span(replace(record, op=record.op / 100.0)).ends == (0.0, 1.0)
     assert not op_span(replace(record, op=record.op + 80.0)).known
-    assert op_span(replace(record, op_span=(4.0, 20.0))).note == ""
+    assert op_span(replace(record, op_span=(-5.0, 105.0))).note == ""
 
 
 def test_report_names_the_largest_size():

@@ -183,13 +183,16 @@ def _write(found: AuditRun, written: ReportOptions, output: OutputOptions) -> No
 
 
 def _write_pages(view: PlantView, folder: Path, output: OutputOptions) -> None:
+    from lostmotion.files.writer import write_folder
     from lostmotion.report.plant import loop_report
 
-    folder.mkdir(exist_ok=True)
+    pages: dict[str, bytes] = {}
     for row in view.leading:
         if row.priority:
-            name = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in row.tag)[:100]
-            output.write_text(folder / f"{name}.html", loop_report(view.loop_view(row.tag)))
+            name = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in row.tag)[:100]
+            unique = name if f"{name}.html" not in pages else f"{name}_{len(pages) + 1}"
+            pages[f"{unique}.html"] = loop_report(view.loop_view(row.tag)).encode()
+    write_folder(folder, pages, output.force)
 
 
 def _progress(now: Progress) -> None:

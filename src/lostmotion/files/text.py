@@ -341,11 +341,9 @@ def _ragged(body: list[str], fields: int, delimiter: str, numbers: list[int], so
     for number, line in zip(numbers, body, strict=True):
         found = split_line(line, delimiter)
         if any(field.strip() for field in found[fields:]):
-            return DataError.expected(
-                f"{fields} fields as in the header",
-                f"{len(found)} in line {number} of {source!r}: {line[:60]!r}",
-                "repair the line; with decimal commas, separate columns by ';' or quote the numbers",
-            )
+            got = f"{len(found)} in line {number} of {source!r}: {line[:60]!r}"
+            remedy = "repair the line; with decimal commas, separate columns by ';' or quote the numbers"
+            return DataError.expected(f"{fields} fields as in the header", got, remedy)
     return DataError.expected(
         "delimited text", f"lines that cannot be split in {source!r}", "check the quotes and export it again"
     )

@@ -141,7 +141,7 @@ def checked_range(since: datetime | None, until: datetime | None) -> None:
     """
     for name, moment in (("since", since), ("until", until)):
         if moment is not None and moment.tzinfo is None:
-            raise ParameterError.expected(f"{name} with a time zone", moment, "e.g. datetime(2026, 3, 1, tzinfo=UTC)")
+            raise ParameterError.expected(f"{name} with a time zone", moment, "datetime.now(UTC) has one")
     if since is not None and until is not None and not since < until:
         raise ParameterError.expected("since before until", f"{since} and {until}", "swap them")
 

@@ -74,7 +74,8 @@ def of_other_units(values: FloatArray, span: Span | None) -> bool:
         return False
     low, high, width = float(np.nanmin(values)), float(np.nanmax(values)), span[1] - span[0]
     far = max(span[0] - low, high - span[1]) > limits.FAR_OUTSIDE * width
-    return far or high - low < limits.SMALL_RANGE * width
+    about_zero = float(np.mean(values < span[0])) > limits.OUTSIDE_SHARE  # at the upper end it may be a limit
+    return far or (about_zero and high - low < limits.SMALL_RANGE * width)
 
 
 def _in_runs(flags: Bools) -> Bools:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import hmac
 import secrets
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qsl, quote, urlencode
 
@@ -90,11 +89,8 @@ class Guard:
     def _known(self, headers: dict[str, str]) -> bool:
         if self._bears(headers):
             return True
-        try:
-            cookie = SimpleCookie(headers.get("cookie", "")).get(self.cookie)
-        except CookieError:
-            return False
-        if cookie is None or not _alike(cookie.value, self._session):
+        pairs = (one.strip().partition("=") for one in headers.get("cookie", "").split(";"))
+        if not any(name == self.cookie and _alike(value, self._session) for name, _, value in pairs):
             return False
         self._spent = True
         return True
