@@ -13,6 +13,8 @@ import lostmotion as lm
 from lostmotion.cli import main
 from lostmotion.evaluate import random_faulty_loop
 
+pytestmark = pytest.mark.statistics  # diagnoses of whole records
+
 
 def write(path, loop, start="2026-03-02"):
     times = np.datetime64(start) + np.arange(len(loop.op)).astype("timedelta64[s]")

@@ -30,11 +30,13 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("case", CASES)
 def test_a_result_or_one_line(case):
     lm.identify(*CASES[case], dt=1.0).summary()
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("number", [0, 92, 94, 111])
 def test_odd_records(number):
     u, y, name = odd_record(number)
