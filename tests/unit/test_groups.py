@@ -122,6 +122,13 @@ def test_a_loop_is_carried_along_without_a_period_of_its_own():
     assert groups([spectrum("A", 300.0), spectrum("B", 300.0, share=0.0)], rows) == ()
 
 
+def test_a_loop_in_which_no_period_was_found_can_be_carried_along():
+    both = [spectrum("A", 60.0), spectrum("B", 60.0), spectrum("C", 60.0)]
+    quiet = replace(row("C", 60.0), period=None, regularity=None, power=None)
+    (group,) = groups(both, [valve(row("A", 60.0)), row("B", 60.0), quiet])
+    assert "C" in tags(group)
+
+
 def test_windows_of_a_loop_are_one_suspect():
     starts = [START + k * DAY for k in range(3)]
     spectra = [spectrum(tag, 300.0, start=start) for tag in "AB" for start in starts]

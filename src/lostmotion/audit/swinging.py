@@ -54,8 +54,13 @@ class Swinging:
 
     @property
     def cycles(self) -> float:
-        """Periods in all windows."""
-        return sum((end - start).total_seconds() for start, end in self.times) / self.period
+        """Periods in all windows; 0 where it has none of its own."""
+        return self.seconds / self.period if self.period else 0.0
+
+    @property
+    def seconds(self) -> float:
+        """Length of all windows."""
+        return sum((end - start).total_seconds() for start, end in self.times)
 
     @property
     def times(self) -> tuple[tuple[datetime, datetime], ...]:
@@ -66,7 +71,7 @@ class Swinging:
         """How far the power about a frequency stands out of that beside it, as a ratio; and in its deviations."""
         found = np.mean([_stands_out(one, 1.0 / period) for one in self.spectra], axis=0)
         ratio = float(found[0] / max(found[1], 1e-300))
-        lines = PEAK_WIDTH * self.cycles * self.period / period
+        lines = PEAK_WIDTH * self.seconds / period
         return ratio, (ratio - 1.0) / float(np.sqrt(WINDOW / max(lines, 1e-9)))
 
     def harmonics(self, period: float) -> float:
