@@ -37,6 +37,7 @@ def looked(rows=2000):
     return row, *assess(LOOP, record, row, SETTINGS)
 
 
+@pytest.mark.statistics
 def test_a_fault_is_named_with_its_size_and_everything_told():
     before, row, trace = looked()
     width = sticking()[1]
@@ -58,6 +59,7 @@ def test_a_fault_is_named_with_its_size_and_everything_told():
     assert np.frombuffer(trace.op, "<f4").size == 1200
 
 
+@pytest.mark.statistics
 def test_a_row_is_plain_numbers_only():
     row = looked()[1]
     flat = [row.size, row.low, row.high, row.confidence, row.probability, row.harris, *row.indices.values()]
@@ -66,6 +68,7 @@ def test_a_row_is_plain_numbers_only():
     json.dumps({name: value for name, value in asdict(row).items() if not name.startswith("window")}, allow_nan=False)
 
 
+@pytest.mark.statistics
 def test_the_picture_holds_the_actuator_with_its_interval():
     _, row, trace = looked()
     model = json.loads(trace.model)
@@ -74,6 +77,7 @@ def test_the_picture_holds_the_actuator_with_its_interval():
     assert (low, high) == pytest.approx((row.low, row.high))
 
 
+@pytest.mark.statistics
 def test_the_same_again_to_the_last_digit():
     record, (before, row, trace) = sticking()[0], looked()
     again, picture = assess(LOOP, record, before, SETTINGS)
@@ -81,6 +85,7 @@ def test_the_same_again_to_the_last_digit():
     assert picture == trace
 
 
+@pytest.mark.statistics
 def test_what_cannot_be_diagnosed_is_a_row_with_the_reason():
     record = LoopRecord(np.full(500, 50.0), np.random.default_rng(0).normal(size=500), dt=1.0)
     row, _ = screen(LOOP, record, UNDATED, UNDATED, SETTINGS)
@@ -89,6 +94,7 @@ def test_what_cannot_be_diagnosed_is_a_row_with_the_reason():
     assert found.why
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize(
     ("error", "said"), [(DataError("no\nway"), "no way"), (MemoryError("much"), "MemoryError: much")]
 )
@@ -101,6 +107,7 @@ def test_a_failure_is_a_row(monkeypatch, error, said):
     assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
 
 
+@pytest.mark.statistics
 def test_op_at_its_limit_for_long_is_what_is_wrong():
     record = sticking()[0]
     op = np.where(np.arange(2000) < 1400, 100.0, record.op)
@@ -141,6 +148,7 @@ def test_a_slow_swing_is_thinned():
     assert look.rows == 4 * ROWS
 
 
+@pytest.mark.statistics
 def test_looks_that_disagree_name_no_fault():
     class One:
         def __init__(self, kind, verdict, probability):

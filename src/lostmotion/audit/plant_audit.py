@@ -88,9 +88,9 @@ def audit(
     >>> loop = random_faulty_loop(4, cause="stiction", process="flow")
     >>> record = LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0, op_span=(0.0, 100.0))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = audit({"FIC-101": record}, f"{folder}/plant.db", engine="inline")
-    >>> [(row.tag, row.verdict) for row in found.findings]
-    [('FIC-101', 'stiction')]
+    ...     found = audit({"FIC-101": record}, f"{folder}/plant.db", engine="inline", screen_only=True)
+    >>> [(row.tag, row.verdict, row.reason) for row in found.rows]
+    [('FIC-101', 'cannot tell', 'swings regularly')]
     """
     settings = AuditSettings(
         tolerance, _seconds(window), _moment(since), _moment(until), screen_only=screen_only, cpu_minutes=cpu_minutes
