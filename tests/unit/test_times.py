@@ -4,6 +4,7 @@ import pytest
 
 from lostmotion import files
 from lostmotion.errors import ColumnError, TimeError
+from lostmotion.files.resampled import _rate
 from lostmotion.records import prepare
 from lostmotion.records.compression import compression
 
@@ -555,3 +556,11 @@ def test_a_row_for_each_value_of_each_tag():
     assert "bad quality" in " ".join(records[0].notes)
     with pytest.raises(ColumnError, match="one value of a tag"):
         files.read_loop(pl.concat([long, long.with_columns(pl.col("Value") + 1)]), loop="FIC7")
+
+
+def test_a_step_of_next_to_nothing_is_no_scan():
+    steps = np.ones(60)
+    steps[[3, 7]] = 2.0, 5e-310
+    seconds = np.concatenate([[0.0], np.cumsum(steps)])
+    seconds[8] = seconds[7] + 5e-310
+    assert _rate(seconds, steps, False, None) is None

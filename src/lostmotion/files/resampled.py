@@ -11,6 +11,7 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.files.rates import JITTER, Rate, rounded, scattered, tidy, uniform
 
 LONGEST_HOLE = 20  # usual steps between stored values: over a longer hole nothing is made up
+LEAST_SCAN = 1e-9  # of the longest step: less is no scan, and no number of them can be counted
 SCAN_SHARE = 0.1  # of the steps are one scan long, at least, where the scan is told from the stamps
 SPREAD = 3.0  # scans: the longest tenth of the steps, at least, where a historian left values out
 OWN_SHARE = 0.5  # of the rows hold OP and PV both, at most, where each tag has stamps of its own
@@ -149,6 +150,8 @@ def _rate(lead: FloatArray, steps: FloatArray, own: bool, dt: float | None) -> f
     if regular is not None:
         return regular.step
     scan = float(steps.min())
+    if scan < LEAST_SCAN * float(steps.max()):
+        return None
     multiples = steps / scan
     whole = np.abs(multiples - np.round(multiples)) <= JITTER * np.maximum(multiples, 1.0)
     once = np.round(multiples) == 1
