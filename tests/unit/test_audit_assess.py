@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lostmotion.audit.assess import _another, _pooled, assess, told
+from lostmotion.audit.rank import ranked
 from lostmotion.audit.screen import screen
 from lostmotion.audit.screen_rows import ScreenRows, of_loop
 from lostmotion.audit.settings import AuditSettings
@@ -57,6 +58,17 @@ def test_a_fault_is_named_with_its_size_and_everything_told():
     assert row.seconds > before.seconds
     assert trace.seconds == 2000.0
     assert np.frombuffer(trace.op, "<f4").size == 1200
+
+
+@pytest.mark.statistics
+def test_percentages_of_an_unknown_span_are_told_apart():
+    record = sticking()[0]
+    record = replace(record, op=record.op + 200.0)
+    loop = PlantLoop("FIC-1", loop_type="flow")
+    row, _ = assess(loop, record, screen(loop, record, UNDATED, UNDATED, SETTINGS)[0], SETTINGS)
+    assert row.indices["op_span_known"] == 0.0
+    assert looked()[1].indices["op_span_known"] == 1.0
+    assert "of the OP range seen" in ranked([row], {})[0].priority_reason
 
 
 @pytest.mark.statistics

@@ -17,6 +17,7 @@ from lostmotion.audit.trace import trace_of
 from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.errors import DataError
 from lostmotion.kernels.threads import one_thread
@@ -207,6 +208,7 @@ def _indices(seen: list[Seen], best: Seen) -> dict[str, float]:
         "diagnosed_dt": best.look.record.dt,
         "fit_percent": found.fit.fit_percent,
         "tolerance": found.tolerance,
+        "op_span_known": float(op_span(found.record).known),
         "integrating": float(found.measured.integrating),
     }
     return {name: float(value) for name, value in more.items() if np.isfinite(value)}
