@@ -45,13 +45,18 @@ class Guard:
         Names with port under which the page may be called.
     read_only : bool
         Refuse every request that changes something.
+    once : bool
+        Whether the address is used up by the first browser; False: for everybody who was given the token.
     """
 
-    def __init__(self, app: App, token: str, hosts: Iterable[str], read_only: bool = False) -> None:
+    def __init__(
+        self, app: App, token: str, hosts: Iterable[str], read_only: bool = False, *, once: bool = True
+    ) -> None:
         self._app = app
         self._token = token
         self._hosts = {host.lower() for host in hosts}
         self._read_only = read_only
+        self._once = once
         self._session = secrets.token_urlsafe(32)
         self._spent = False
         self.cookie = "lostmotion_" + "".join(sign for sign in min(self._hosts, default="") if sign.isalnum())
@@ -106,7 +111,7 @@ class Guard:
         if scope["method"] != "GET" or not _alike(given, self._token):
             await _answer(send, 403, "Refused: open the address that was printed when the page was started.")
             return
-        if self._spent:
+        if self._spent and self._once:
             await _answer(send, 403, "This address was used already. Start the page again for a new one.")
             return
         rest = urlencode([(name, value) for name, value in fields if name != "token"])

@@ -173,11 +173,11 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["code"] = _code
+    environment.filters["code"] = with_code
     return environment
 
 
-def _code(text: str) -> Markup:
+def with_code(text: str) -> Markup:
     """Text whose parts between backticks are commands."""
     parts = str(text).split("`")
     if len(parts) % 2 == 0:

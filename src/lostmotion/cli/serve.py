@@ -1,0 +1,159 @@
+"""``lostmotion serve``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from lostmotion.addresses import is_url
+from lostmotion.cli.options import number
+from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
+
+if TYPE_CHECKING:
+    from lostmotion.web.serve import Door
+
+SHORTEST = 20  # characters of a token that is kept in a file: 32 random bytes are 43
+SQLITE = b"SQLite format 3\0"
+
+Sources = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="FILE", help="Records to look at, or the store of an audit (plant.db).", show_default=False),
+]
+Store = Annotated[str | None, number("--store", "Results of an audit: a file, or postgresql://user@host/plant.")]
+Port = Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: one that is free.")]
+Bind = Annotated[str, typer.Option("--bind", help="Address; another than this machine's own needs --token-file.")]
+TokenFile = Annotated[Path | None, number("--token-file", "File with the token that lets people in.")]
+Open = Annotated[bool, typer.Option("--open/--no-open", help="Open the page in the browser.")]
+ReadOnly = Annotated[bool, typer.Option("--read-only", help="Nothing can be dropped, reviewed or started.")]
+Keep = Annotated[Path | None, number("--keep", "Folder for dropped files and results; default: gone at the end.")]
+
+
+def serve(
+    sources: Sources = None,
+    store: Store = None,
+    port: Port = 0,
+    bind: Bind = "127.0.0.1",
+    token_file: TokenFile = None,
+    open_browser: Open = True,
+    read_only: ReadOnly = False,
+    keep: Keep = None,
+) -> None:
+    """Show a plant, its loops and dropped records as a page in the browser, on this machine only.
+
+    Example: lostmotion serve --store plant.db
+
+    The address that is printed lets one browser in; programs come with its token (docs/page.md). Alone it opens a page
+    on which a record is dropped. Files stay on this machine, and are removed at the end unless --keep names a folder.
+
+    Ctrl-C ends it, with exit code 0.
+    """
+    try:
+        _serve(sources or [], store, _door(bind, port, token_file), open_browser, read_only, keep)
+    except LostMotionError as error:
+        from lostmotion.cli.failure import say_error
+
+        say_error(error, False)
+        raise typer.Exit(2) from None
+
+
+def _serve(
+    given: list[str], store: str | None, door: Door, open_browser: bool, read_only: bool, keep: Path | None
+) -> None:
+    from lostmotion.web.browser import open_in_browser
+    from lostmotion.web.desk import Desk
+    from lostmotion.web.page import Page
+    from lostmotion.web.serve import serve as answer
+
+    files, store = _sorted(given, store)
+    if store is not None:
+        _check(store)
+    desk = None if read_only and not files else Desk(keep, files)
+
+    def ready(address: str) -> None:
+        typer.echo(address)
+        sys.stdout.flush()
+        if open_browser:
+            open_in_browser(address)
+
+    try:
+        answer(Page(store, desk, read_only=read_only), door, ready)
+    finally:
+        if desk is not None:
+            desk.close()
+
+
+def _sorted(given: list[str], store: str | None) -> tuple[list[str], str | None]:
+    """Files, and the store if one of them is one."""
+    stores = [one for one in given if _is_store(one)]
+    if len(stores) + (store is not None) > 1:
+        raise ParameterError.expected("one store", f"{len(stores) + (store is not None)}", "start a page for each")
+    files = [one for one in given if one not in stores]
+    missing = [one for one in files if not is_url(one) and not Path(one).exists()]
+    if missing:
+        raise FileAccessError(f"expected a file, got {missing[0]!r}, which does not exist; check the name")
+    return files, store or next(iter(stores), None)
+
+
+def _is_store(given: str) -> bool:
+    if is_url(given):
+        return given.startswith(("postgres", "sqlite"))
+    try:
+        with Path(given).open("rb") as file:
+            return file.read(len(SQLITE)) == SQLITE
+    except OSError:
+        return False
+
+
+def _check(store: str) -> None:
+    """Refuse a store that cannot be shown before a page is opened."""
+    from lostmotion.store.store import Store
+
+    with Store(store, write=False):
+        pass
+
+
+def _door(bind: str, port: int, token_file: Path | None) -> Door:
+    _need_packages()
+    from lostmotion.web.serve import Door, is_local
+
+    if token_file is None and not is_local(bind):
+        raise ParameterError.expected(
+            f"--token-file for {bind}, which other machines reach", "none", "make one, or leave --bind out"
+        )
+    if not is_local(bind):
+        typer.echo(
+            f"{bind} is open to other machines: whoever has the token sees all that is here, and reviews it. Nothing "
+            "is encrypted: whoever reads the network reads the token too. Put it behind a tunnel (ssh -L) or a proxy "
+            "with TLS.",
+            err=True,
+        )
+    return Door(bind, port, None if token_file is None else _token(token_file))
+
+
+def _token(path: Path) -> str:
+    try:
+        token = path.read_text(encoding="utf-8").strip()
+        open_to_others = os.name == "posix" and path.stat().st_mode & 0o077
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileAccessError(f"expected a file with a token, got {path}: {error}; write one into it") from None
+    if open_to_others:
+        raise FileAccessError(f"expected a token that only you can read, got {path}; do: chmod 600 {path}")
+    if len(token) < SHORTEST or not all(sign.isalnum() or sign in "-_" for sign in token):
+        raise ParameterError.expected(
+            f"a token of {SHORTEST} letters, digits, - and _, or more",
+            f"{len(token)} signs",
+            'make one: python -c "import secrets; print(secrets.token_urlsafe())"',
+        )
+    return token
+
+
+def _need_packages() -> None:
+    from importlib.util import find_spec
+
+    missing = [name for name in ("starlette", "uvicorn", "python_multipart", "sqlalchemy") if find_spec(name) is None]
+    if missing:
+        raise DataError.expected("the packages of the page", f"no {missing[0]}", "pip install 'lostmotion[web]'")

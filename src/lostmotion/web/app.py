@@ -1,0 +1,58 @@
+"""The application: routes of all parts, static files, and what is said where something is missing or goes wrong."""
+
+from __future__ import annotations
+
+import logging
+from functools import cache
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import BaseRoute, Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from lostmotion.errors import FileAccessError, LostMotionError, one_line
+from lostmotion.report.plant import stylesheet
+from lostmotion.web import file_pages, monitor_pages, plant_pages, trend_pages
+from lostmotion.web.page import Page, told
+
+PARTS = (plant_pages, file_pages, trend_pages, monitor_pages)
+STATIC = Path(__file__).with_name("static")
+SAID = {
+    404: ("Not found", "There is nothing at this address."),
+    405: ("Not possible", "This address is not asked in this way."),
+}
+
+
+def create_app(page: Page) -> Starlette:
+    """Application without its guard (:class:`lostmotion.web.guard.Guard`), which the server puts around it."""
+
+    def refused(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)  # noqa: S101  registered for it
+        title, text = SAID.get(error.status_code, ("Not possible", ""))
+        return told(page, request, error.status_code, title, text or str(error.detail))
+
+    def wrong(request: Request, error: Exception) -> Response:
+        """An error that says what was expected, got, and what to do."""
+        status = 503 if isinstance(error, FileAccessError) else 400
+        return told(page, request, status, "Not possible", one_line(str(error)))
+
+    def failed(request: Request, error: Exception) -> Response:
+        logging.getLogger("lostmotion.web").error("%s %s", request.method, request.url.path, exc_info=error)
+        return told(page, request, 500, "Something went wrong", "The page failed; where it was started it says why.")
+
+    routes: list[BaseRoute] = [route for part in PARTS for route in part.routes(page)]
+    routes += [Route("/static/report.css", _style), Mount("/static", StaticFiles(directory=STATIC))]
+    handlers = {HTTPException: refused, LostMotionError: wrong, Exception: failed}
+    return Starlette(routes=routes, exception_handlers=handlers)
+
+
+def _style(request: Request) -> Response:  # noqa: ARG001  the signature of a route
+    return Response(_report_style(), media_type="text/css", headers={"cache-control": "private, max-age=60"})
+
+
+@cache
+def _report_style() -> str:
+    return stylesheet()

@@ -1,0 +1,156 @@
+"""The server: own socket, token, limits of a request, and a clean end."""
+
+from __future__ import annotations
+
+import secrets
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+from typing import Any
+
+import uvicorn
+
+from lostmotion.errors import ParameterError
+from lostmotion.web.app import create_app
+from lostmotion.web.guard import Guard
+from lostmotion.web.page import Page
+from lostmotion.web.patience import Patience, PatientProtocol
+
+HEAD_BYTES = 32_768  # of a request before its body
+KEEP_ALIVE = 5  # s
+LAST = 5  # s in which answers may end once the page is stopped
+MOST_CONNECTIONS = 200
+LOCAL = ("127.0.0.1", "::1", "localhost")
+STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name))
+
+
+@dataclass(frozen=True)
+class Door:
+    """Where the page is found, and who is let in.
+
+    Attributes
+    ----------
+    address : str
+        To bind to.
+    port : int
+        0: one that is free.
+    token : str, optional
+        None: one is made, for one browser and for programs. Given: for everybody who has it.
+    """
+
+    address: str = LOCAL[0]
+    port: int = 0
+    token: str | None = None
+
+
+def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
+    """Answer until Ctrl-C or SIGTERM.
+
+    Parameters
+    ----------
+    page : Page
+    door : Door
+    ready : callable
+        Is given the address with the token as soon as the page answers.
+
+    Raises
+    ------
+    ParameterError
+        The port is taken, or the address is none of this machine.
+    """
+    with _bound(door) as bound:
+        hosts = names(door.address, bound.getsockname()[1])
+        token = door.token or secrets.token_urlsafe(32)
+        guarded = Guard(create_app(page), token, hosts, page.read_only, once=door.token is None)
+        server = _Server(_config(Patience(guarded)), lambda: ready(f"http://{hosts[0]}/?token={token}"))
+        server.run([bound])
+
+
+def is_local(address: str) -> bool:
+    """Whether only programs of this machine reach it."""
+    return address in LOCAL or address.startswith("127.")
+
+
+def names(address: str, port: int) -> list[str]:
+    """Names with port under which the page may be called; the first one is printed.
+
+    Examples
+    --------
+    >>> names("127.0.0.1", 8000)
+    ['127.0.0.1:8000', 'localhost:8000']
+    """
+    everywhere = address in ("0.0.0.0", "::", "")  # noqa: S104  compared, not bound
+    known = [socket.gethostname(), socket.getfqdn()] if not is_local(address) else []
+    known = known if everywhere else [_bracketed(address), *known]
+    known += ["localhost"] if is_local(address) or everywhere else []
+    known += ["127.0.0.1"] if everywhere else []
+    ported = [f"{name}:{port}" for name in dict.fromkeys(known)]
+    return ported + [name.rpartition(":")[0] for name in ported if port == 80]  # browsers leave the usual one out
+
+
+def _bracketed(address: str) -> str:
+    return f"[{address}]" if ":" in address else address
+
+
+@contextmanager
+def _bound(door: Door) -> Iterator[socket.socket]:
+    family = socket.AF_INET6 if ":" in door.address else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as made:
+        if hasattr(signal, "SIGKILL"):  # on Windows the option would let two servers share a port
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            made.bind((door.address, door.port))
+        except (OSError, OverflowError) as error:
+            what = f"{_bracketed(door.address)}:{door.port}"
+            said = getattr(error, "strerror", None) or str(error)
+            raise ParameterError.expected(
+                f"an address that can be served, as {what}", said.lower(), "give another --port, or 0 for a free one"
+            ) from None
+        yield made
+
+
+def _config(app: Any) -> uvicorn.Config:
+    return uvicorn.Config(
+        app,
+        http=PatientProtocol,
+        ws="none",
+        lifespan="off",
+        log_config=None,
+        access_log=False,
+        proxy_headers=False,
+        server_header=False,
+        h11_max_incomplete_event_size=HEAD_BYTES,
+        limit_concurrency=MOST_CONNECTIONS,
+        timeout_keep_alive=KEEP_ALIVE,
+        timeout_graceful_shutdown=LAST,
+    )
+
+
+class _Server(uvicorn.Server):
+    """Says when it answers, and ends by a signal as by its own will: the command then ends with 0."""
+
+    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._ready = ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._ready()
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Without raising them again at the end, as uvicorn does."""
+        before = {number: signal.signal(number, self._stop) for number in STOPPING}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def _stop(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002  the signature of a handler
+        self.force_exit = self.should_exit
+        self.should_exit = True

@@ -1,0 +1,12 @@
+"""Trends: stretches of a record as JSON and as SVG."""
+
+from __future__ import annotations
+
+from starlette.routing import Route
+
+from lostmotion.web.page import Page
+
+
+def routes(page: Page) -> list[Route]:  # noqa: ARG001
+    """Routes of this part."""
+    return []
