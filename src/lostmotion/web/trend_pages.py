@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from functools import lru_cache
 from typing import Any
+from urllib.parse import quote
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -72,10 +73,16 @@ def routes(page: Page) -> list[Route]:
         made = slot(source, request.url.path, request.query_params, with_actuator=True)
         part = request.query_params.get("part") == "1"
         stored = trend_charts(source.trace) if source.trace is not None and made.state != "ready" else ()
-        template = "trend.html.j2" if part else "trend_page.html.j2"
-        return answer(page, request, template, trend=made, name=source.name, stored=stored)
+        template = "trend_pieces.html.j2" if part else "trend_page.html.j2"
+        return answer(page, request, template, trend=made, name=source.name, stored=stored, back=_back(source.key))
 
     return [Route("/api/v1/trend", as_json), Route("/trend", whole)]
+
+
+def _back(key: str) -> str:
+    """Page of the file or loop."""
+    kind, _, name = key.partition(":")
+    return f"/files/{quote(name, safe='')}" if kind == "file" else f"/loops/{quote(name, safe='')}"
 
 
 def _json(found: dict[str, Any]) -> Response:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from urllib.parse import urlencode
 
 from markupsafe import Markup
@@ -19,6 +20,7 @@ from lostmotion.web.trend_sources import Source
 from lostmotion.web.trend_svg import charts, plane, signal_names
 
 WIDTH = 900  # pixels of a picture that does not know its screen
+VENDOR = Path(__file__).with_name("static") / "vendor" / "uPlot.iife.min.js"  # by `make web`; SVG without it
 LEAST = 8  # rows of the narrowest zoom
 PARTS = 12  # rows of the table
 MOST_STRETCHES = 12  # that are listed in words
@@ -50,6 +52,8 @@ class Slot:
     stretches : tuple of str
         What is shaded, in words.
     plane, actuator : Markup
+    by_canvas : bool
+        uPlot is there to draw it.
     """
 
     source: str
@@ -66,8 +70,9 @@ class Slot:
     names: Mapping[str, str] = field(default_factory=dict)
     table: tuple[tuple[str, ...], list[tuple[str, ...]]] = ((), [])
     stretches: tuple[str, ...] = ()
-    plane: Markup = Markup("")
-    actuator: Markup = Markup("")
+    plane: Markup = field(default_factory=Markup)
+    actuator: Markup = field(default_factory=Markup)
+    by_canvas: bool = False
 
 
 def slot(source: Source, path: str, query: QueryParams, with_actuator: bool = False) -> Slot:
@@ -114,6 +119,7 @@ def slot(source: Source, path: str, query: QueryParams, with_actuator: bool = Fa
         stretches=tuple(_stretches(found["shaded"], columns)),
         plane=plane(columns, start, stop, row, trace),
         actuator=actuator_chart(trace, op_unit) if with_actuator and trace is not None else Markup(""),
+        by_canvas=VENDOR.is_file(),
     )
 
 

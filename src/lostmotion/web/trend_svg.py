@@ -85,8 +85,8 @@ def plane(columns: Columns, start: int, stop: int, row: AssessmentRow | None, tr
     if known.sum() < 2:
         return Markup("")
     seconds = op.size * step * columns.dt
-    packed = [np.where(known, values, np.nan).astype("<f4").tobytes() for values in (pv, op)]
+    above, across = (np.where(known, values, np.nan).astype("<f4").tobytes() for values in (pv, op))
     tag, model = str(columns.facts["tag"]), "" if trace is None else trace.model
-    shown = TraceRow(tag, UNDATED, start * columns.dt, seconds, b"", *packed, model=model)
+    shown = TraceRow(tag, UNDATED, start * columns.dt, seconds, b"", above, across, model)
     whole = replace(row or AssessmentRow(tag, UNDATED, UNDATED), dt=step * columns.dt)
     return plane_chart(shown, whole, columns.facts["pv_unit"], columns.facts["op_unit"])
