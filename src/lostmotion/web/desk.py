@@ -1,9 +1,86 @@
-"""Where dropped files lie, and what was done with them."""
+"""The desk of a page: a folder for dropped files and what was found in them, and the jobs that find it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import secrets
+import shutil
+import tempfile
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import IO, Any
+
+from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.files.gathered import gathered, grouped
+from lostmotion.files.results import write_json
+from lostmotion.files.writer import lock_file
+from lostmotion.web.item import ABOUT, Item, clean_label, present
+from lostmotion.web.jobs import Job, Jobs
+from lostmotion.web.task import BLOCK, DROPPED, EXPORT, FIT, LOOK, RESULT, STUDY, ZIP, Task, failure
+
+AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
+WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What may be dropped.
+
+    Attributes
+    ----------
+    file_bytes : int
+        Of one file.
+    files : int
+        Dropped files altogether; the oldest goes when another one comes.
+    all_bytes : int
+        Of them and what was found in them.
+    """
+
+    file_bytes: int = 500_000_000
+    files: int = 50
+    all_bytes: int = 4_000_000_000
+
+
+class Draft:
+    """A file that is being dropped."""
+
+    def __init__(self, folder: Path, most: int) -> None:
+        self.folder, self.size, self._most = folder, 0, most
+        self._stream: IO[bytes] = (folder / DROPPED).open("xb")
+
+    def write(self, data: bytes | bytearray) -> None:
+        """Next piece.
+
+        Raises
+        ------
+        ParameterError
+            The file is larger than one may be.
+        """
+        self.size += len(data)
+        if self.size > self._most:
+            raise too_large(self._most)
+        try:
+            self._stream.write(data)
+        except OSError as error:
+            raise FileAccessError(f"expected room for the file, got {error.strerror}; free some") from error
+
+    def close(self) -> None:
+        """Nothing more comes."""
+        self._stream.close()
+
+    def drop(self) -> None:
+        """It is not wanted."""
+        self.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def too_large(most: int) -> ParameterError:
+    """Error of a file that is larger than one may be."""
+    return ParameterError.expected(
+        f"a file of at most {most / 1e6:g} MB", "more", "cut the export, or open it by its path: lostmotion serve FILE"
+    )
 
 
 class Desk:
@@ -14,11 +91,208 @@ class Desk:
     keep : Path, optional
         Folder that stays; None: a temporary one, which :meth:`close` removes.
     files : sequence of str
-        Files that are opened where they are, from the command line.
+        Files, folders and patterns that are opened where they are.
+    limits : Limits
+    jobs_seconds : float, optional
+        Limit of one job; None: the usual one.
+
+    Raises
+    ------
+    FileAccessError
+        A file is not there; the folder cannot be written, or another page works with it.
     """
 
-    def __init__(self, keep: Path | None = None, files: Sequence[str] = ()) -> None:
-        self.keep, self.files = keep, tuple(files)
+    def __init__(
+        self,
+        keep: Path | None = None,
+        files: Sequence[str] = (),
+        limits: Limits | None = None,
+        jobs_seconds: float | None = None,
+    ) -> None:
+        self.limits = limits or Limits()
+        opened = _opened(files)
+        self.kept = keep is not None
+        self.records = _folder(keep)
+        self._locked = lock_file(self.records / "desk")
+        self._lock = threading.RLock()
+        self._items: dict[str, Item] = {item.id: item for item in present(self.records)}
+        self.jobs = Jobs(self._ended) if jobs_seconds is None else Jobs(self._ended, jobs_seconds)
+        known = {item.sources for item in self.items() if not item.dropped}
+        for place, (label, sources) in enumerate(opened):
+            if sources not in known:
+                item = self._add(secrets.token_hex(8), label, sources, dropped=False)
+                if place < AT_ONCE:
+                    self.read(item)
 
     def close(self) -> None:
         """End what runs, and remove what is not kept."""
+        self.jobs.close()
+        if self._locked is not None:
+            self._locked.close()
+        if not self.kept:
+            shutil.rmtree(self.records, ignore_errors=True)
+
+    def items(self) -> list[Item]:
+        """Files, newest first; loops of a file are with :meth:`loops`."""
+        with self._lock:
+            found = [item for item in self._items.values() if not item.parent]
+        return sorted(found, key=lambda item: item.came, reverse=True)
+
+    def loops(self, item: Item) -> list[Item]:
+        """Loops of a file with several, in their order."""
+        with self._lock:
+            return [one for one in self._items.values() if one.parent == item.id]
+
+    def item(self, number: str) -> Item | None:
+        """Item by its id; None: there is none."""
+        with self._lock:
+            return self._items.get(number)
+
+    def draft(self) -> tuple[str, Draft]:
+        """Id and file for something that is being dropped; the oldest goes where there are too many."""
+        number = secrets.token_hex(8)
+        self._make_room()
+        folder = self.records / number
+        folder.mkdir(mode=0o700)
+        return number, Draft(folder, self.limits.file_bytes)
+
+    def dropped(self, number: str, draft: Draft, label: str) -> Item:
+        """Item of what was dropped; its job is begun.
+
+        Raises
+        ------
+        ParameterError
+            Nothing came.
+        """
+        draft.close()
+        if not draft.size:
+            draft.drop()
+            raise ParameterError.expected("a file with a record", "an empty one", "choose another")
+        item = self._add(number, clean_label(label), (str(draft.folder / DROPPED),))
+        self.read(item)
+        return item
+
+    def open(self, sources: Sequence[str], label: str, asked: Mapping[str, Any] | None = None) -> Item:
+        """Item of files that stay where they are, with settings of :func:`lostmotion.read_loop`; its job is begun."""
+        item = self._add(secrets.token_hex(8), clean_label(label), tuple(sources), dropped=False, asked=asked or {})
+        self.read(item)
+        return item
+
+    def read(self, item: Item) -> Job:
+        """Read, check and diagnose, from the beginning."""
+        self.jobs.cancel_of({item.id})
+        for name in (LOOK, RESULT, STUDY, BLOCK, FIT, EXPORT, ZIP):
+            (item.folder / name).unlink(missing_ok=True)
+        return self.start(item, "read")
+
+    def start(self, item: Item, kind: str, given: Mapping[str, Any] | None = None) -> Job:
+        """Begin a job: "read", "study" (the way to a block), "block" (its code)."""
+        (item.folder / WRITES[kind]).unlink(missing_ok=True)
+        tag = item.loop or Path(item.label).stem.removesuffix(".csv") or item.label
+        task = Task(kind, str(item.folder), item.sources, item.label, tag, dict(item.asked), dict(given or {}))
+        return self.jobs.submit(item.id, asdict(task))
+
+    def change(self, item: Item, asked: Mapping[str, Any]) -> Job:
+        """Read it with other settings; loops that were told apart before are told anew."""
+        for one in self.loops(item):
+            self.remove(one)
+        changed = replace(item, asked=dict(asked))
+        self._put(changed)
+        return self.read(changed)
+
+    def remove(self, item: Item) -> None:
+        """Take it, and the loops of it, from the desk; files that were only opened stay where they are."""
+        family = [item, *self.loops(item)]
+        self.jobs.cancel_of({one.id for one in family})
+        with self._lock:
+            for one in family:
+                self._items.pop(one.id, None)
+        for one in family:
+            shutil.rmtree(one.folder, ignore_errors=True)
+
+    def state(self, item: Item) -> str:
+        """How it stands: "waiting", "running", "failed", "done", "several" (loops), or "new" (nothing was done yet)."""
+        job = self.jobs.of(item.id)
+        if job is not None and job.open:
+            return job.state
+        result = item.result
+        if result is not None:
+            return "failed" if "error" in result else "done"
+        look = item.look
+        if look is not None and look.get("loops"):
+            return "several"
+        return "new"
+
+    def _add(
+        self,
+        number: str,
+        label: str,
+        sources: tuple[str, ...],
+        dropped: bool = True,
+        asked: Mapping[str, Any] | None = None,
+        parent: str = "",
+    ) -> Item:
+        came = datetime.now(UTC).isoformat()
+        folder = self.records / number
+        folder.mkdir(mode=0o700, exist_ok=True)
+        item = Item(number, folder, label, sources, dropped, came, dict(asked or {}), parent)
+        self._put(item)
+        return item
+
+    def _put(self, item: Item) -> None:
+        write_json(item.folder / ABOUT, item.about(), force=True)
+        with self._lock:
+            self._items[item.id] = item
+
+    def _ended(self, job: Job, said: Mapping[str, Any]) -> None:
+        """A job is over: why it died is its result; a file of several loops becomes one item for each."""
+        item = self.item(job.item)
+        if item is None:
+            return
+        if job.state in ("died", "cancelled"):
+            write_json(item.folder / WRITES[job.kind], {"error": failure(job.said)}, force=True)
+        loops = said.get("loops")
+        if job.state != "done" or not isinstance(loops, list):
+            return
+        for place, loop in enumerate(loops):
+            asked = {**item.asked, "loop": str(loop)}
+            one = self._add(secrets.token_hex(8), item.label, item.sources, item.dropped, asked, item.id)
+            if place < AT_ONCE:
+                self.start(one, "read")
+
+    def _make_room(self) -> None:
+        """Let the oldest go until another file fits."""
+        while True:
+            dropped = [item for item in self.items() if item.dropped]
+            used = sum(_bytes(one.folder) for item in dropped for one in (item, *self.loops(item)))
+            full = len(dropped) >= self.limits.files or used + self.limits.file_bytes > self.limits.all_bytes
+            if not dropped or not full:
+                return
+            self.remove(dropped[-1])
+
+
+def _folder(keep: Path | None) -> Path:
+    if keep is None:
+        return Path(tempfile.mkdtemp(prefix="lostmotion-page-"))  # for its owner alone
+    try:
+        keep.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        said = (error.strerror or str(error)).lower()
+        raise FileAccessError(
+            f"expected a folder to keep files in, got {str(keep)!r}: {said}; choose another"
+        ) from None
+    return keep.absolute()
+
+
+def _opened(files: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
+    """Label and paths of each record: files of one tag each are one together."""
+    for file in files:
+        if gathered(file) is None and not Path(file).exists():
+            raise FileAccessError(f"expected a file, got {file!r}, which is not there; check the path")
+    paths = list(dict.fromkeys(path.absolute() for file in files for path in (gathered(file) or (Path(file),))))
+    groups = [one if isinstance(one, tuple) else (one,) for one in grouped(paths)]
+    return [(clean_label(group[0].name), tuple(str(path) for path in group)) for group in groups]
+
+
+def _bytes(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())

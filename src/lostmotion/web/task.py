@@ -1,0 +1,72 @@
+"""A job of a page as it is handed to the worker, and the files that hold what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lostmotion.errors import DataError, FileAccessError
+from lostmotion.files.results import read_json
+
+LOOK, RESULT, STUDY, BLOCK, FIT, EXPORT = (f"{n}.json" for n in ("look", "result", "study", "block", "fit", "export"))
+RECORD, ZIP = "record", "block.zip"
+DROPPED = "dropped-file"  # name of what was dropped, wherever it came from; messages show its label instead
+READING = ("op", "pv", "sp", "position", "time", "mode", "dt", "loop", "op_span", "pv_span", "automatic", "manual",
+           "quality", "uncertain")  # fmt: skip
+JUDGING = ("loop_type", "integrating", "tolerance")
+
+
+@dataclass(frozen=True)
+class Task:
+    """One job as it is handed to the worker.
+
+    Attributes
+    ----------
+    kind : {"read", "study", "block"}
+    folder : str
+        Where results go.
+    sources : tuple of str
+        Paths of the data.
+    label : str
+        What people call the file.
+    tag : str
+        Name of the loop, where the data do not tell it.
+    asked : mapping
+        Settings of READING and JUDGING that were chosen.
+    given : mapping
+        What the kind of job wants besides.
+    """
+
+    kind: str
+    folder: str
+    sources: tuple[str, ...] = ()
+    label: str = ""
+    tag: str = ""
+    asked: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def place(self) -> Path:
+        """Folder of the results."""
+        return Path(self.folder)
+
+    def chosen(self, names: tuple[str, ...]) -> dict[str, Any]:
+        """Settings of these names that were chosen."""
+        return {name: value for name, value in self.asked.items() if name in names and value is not None}
+
+
+def failure(text: str) -> dict[str, Any]:
+    """The same of what is no error of the library."""
+    return {"text": text, "parts": [], "ways": [], "type": "failure"}
+
+
+def outcome_of(folder: Path, name: str) -> dict[str, Any] | None:
+    """What a task wrote; None: nothing yet, or something that cannot be read."""
+    if not (folder / name).is_file():
+        return None
+    try:
+        return read_json(folder / name, "a result", "do it again")
+    except (DataError, FileAccessError):
+        return None
