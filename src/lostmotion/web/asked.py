@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 from urllib.parse import parse_qsl
@@ -24,6 +25,9 @@ TITLE = {
     "uncertain": "Uncertain values", "retune": "Retune", "span": "Span of OP", "gain": "Gain of the process",
     "method": "Method", "tolerance": "Tolerance",
 }  # fmt: skip
+VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|[\w.+-]*\w"
+SETTING = re.compile(rf"(?<![\w-])({'|'.join(TITLE)})=({VALUE})?(?!=)")
+BARE = re.compile(r"(?<= )op_span(?= )")
 LOOP_TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
 LONGEST = 300  # characters of a text
 
@@ -114,6 +118,27 @@ def way_words(way: Mapping[str, Any]) -> str:
         title = name.upper() if name in ("op", "pv", "sp") else TITLE.get(name, name)
         said.append(f"{title}: {shown}")
     return "; ".join(said)
+
+
+def in_fields(text: str) -> str:
+    """Words of the library about its settings, in those of the page's fields.
+
+    Examples
+    --------
+    >>> in_fields("name it with op='<column>'"), in_fields("pass dt=<seconds>, or time=False")
+    ('name it with “OP, output of the controller”', 'pass “Sampling time, s”, or “Time”: do not read it')
+    >>> in_fields("The OP span was taken as 0 .. 100; give op_span where it is not.")
+    'The OP span was taken as 0 .. 100; give “Span of OP” where it is not.'
+    """
+    return BARE.sub("“Span of OP”", SETTING.sub(_in_field, text))
+
+
+def _in_field(found: re.Match[str]) -> str:
+    name, value = found[1], (found[2] or "").strip("'\"")
+    title = f"“{TITLE[name]}”"
+    if not value or value[0] in "<(":
+        return title
+    return f"{title}: {'do not read it' if value == 'False' else value}"
 
 
 def study_given(form: Mapping[str, str], before: Mapping[str, Any]) -> dict[str, Any]:

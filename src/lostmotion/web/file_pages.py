@@ -14,11 +14,11 @@ from starlette.routing import Route
 
 from lostmotion.files.results import read_json
 from lostmotion.report.plant import loop_report
-from lostmotion.web.asked import fields, number, settings_of, study_given, way_of
+from lostmotion.web.asked import fields, in_fields, number, settings_of, study_given, way_of
 from lostmotion.web.desk import Desk
 from lostmotion.web.file_views import as_json, file_context, files_context
 from lostmotion.web.item import Item
-from lostmotion.web.page import Page, answer
+from lostmotion.web.page import Page, answer, environment
 from lostmotion.web.task import BLOCK
 from lostmotion.web.upload import received
 
@@ -31,6 +31,7 @@ def routes(page: Page) -> list[Route]:
     desk = page.desk
     if desk is None:
         return []
+    environment().filters["fields"] = in_fields
 
     def listed(request: Request) -> Response:
         desk.jobs.warm()

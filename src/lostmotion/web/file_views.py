@@ -11,7 +11,7 @@ from lostmotion.export.dialects import TARGETS
 from lostmotion.export.names import LONGEST
 from lostmotion.report.plant import loop_page, loop_section
 from lostmotion.report.plant.words import headline
-from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, TITLE, way_words
+from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, way_words
 from lostmotion.web.desk import Desk
 from lostmotion.web.item import Item
 from lostmotion.web.jobs import Job
@@ -25,7 +25,6 @@ WORDS = {
     "waiting": "waits", "running": "at work", "failed": "not done", "done": "done", "several": "several loops",
     "new": "not begun",
 }  # fmt: skip
-SETTING = re.compile(r"\b(" + "|".join(("dt", *ROLES, "loop", "automatic", "op_span")) + r")=")
 
 
 def files_context(desk: Desk) -> dict[str, Any]:
@@ -109,7 +108,7 @@ def column_form(item: Item, parts: list[str]) -> dict[str, Any]:
         "loop_type": asked.get("loop_type", ""),
         "loop_types": LOOP_TYPES,
         "integrating": "" if integrating is None else "yes" if integrating else "no",
-        "named": sorted(set(SETTING.findall(parts[2]))) if len(parts) > 2 else [],
+        "named": sorted({found[1] for found in SETTING.finditer(parts[2])}) if len(parts) > 2 else [],
     }
 
 
@@ -171,6 +170,7 @@ def as_json(desk: Desk, item: Item) -> dict[str, Any]:
         "url": f"/files/{item.id}",
         "state": desk.state(item),
         "job": None if job is None else job.to_dict(),
+        "looked": item.look is not None,
         "verdict": result["diagnosis"]["verdict"] if there else None,
         "error": result.get("error"),
         "loops": [one.id for one in desk.loops(item)],

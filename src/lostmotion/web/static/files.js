@@ -85,7 +85,7 @@
         continue;
       }
       const job = found.job;
-      if (!job || !job.open) return location.reload();
+      if (!job || !job.open || (found.looked && !section.dataset.looked)) return location.reload();
       bar.value = job.share;
       const now = [...items].findIndex((one) => one.textContent.trim().startsWith(job.phase) && job.phase);
       items.forEach((one, place) => {
