@@ -38,8 +38,8 @@ def stored_loop(
     rows, loop = store.windows(run.number, tag), store.loop(tag)
     if not rows or loop is None:
         return None
-    past = [(made.number, row) for made, row in store.history(tag, MOST) if made.number <= run.number]
-    assessed = [row for _, row in reversed(past) if row.stage is Stage.ASSESSED]
+    past = [(made.number, row) for made, row in reversed(store.history(tag, MOST)) if made.number <= run.number]
+    assessed = [row for _, row in past if row.stage is Stage.ASSESSED]
     growth = growth_words(history(assessed)) if assessed else ""
     view = PlantView(
         run=facts,
@@ -49,5 +49,6 @@ def stored_loop(
         traces=tuple(store.traces(run.number, tag)),
         history=tuple(size_point(number, row) for number, row in past),
         growth={tag: growth},
+        reviews={tag: str(said[-1].state) for said in [store.reviews(tag)] if said},
     )
     return view.loop_view(tag)
