@@ -188,8 +188,7 @@ class Desk:
     def start(self, item: Item, kind: str, given: Mapping[str, Any] | None = None) -> Job:
         """Begin a job: "read", "study" (the way to a block), "block" (its code)."""
         (item.folder / WRITES[kind]).unlink(missing_ok=True)
-        tag = item.loop or Path(item.label).stem.removesuffix(".csv") or item.label
-        task = Task(kind, str(item.folder), item.sources, item.label, tag, dict(item.asked), dict(given or {}))
+        task = Task(kind, str(item.folder), item.sources, item.label, item.stem, dict(item.asked), dict(given or {}))
         return self.jobs.submit(item.id, asdict(task))
 
     def change(self, item: Item, asked: Mapping[str, Any]) -> Job:

@@ -61,6 +61,11 @@ class Item:
         return self.loop or self.label
 
     @property
+    def stem(self) -> str:
+        """The same without endings."""
+        return self.loop or self.label.split(".", maxsplit=1)[0] or self.label
+
+    @property
     def record_path(self) -> Path | None:
         """Folder of the record that was read (:mod:`lostmotion.web.kept_record`); None: not yet."""
         folder = self.folder / RECORD

@@ -124,13 +124,18 @@ def _told(
     raise EOFError
 
 
+def command() -> list[str]:
+    """Give the command line: this Python with a module of ours; no text from outside is part of it."""
+    return [sys.executable, "-P", "-m", "lostmotion.web.work"]
+
+
 def _started() -> subprocess.Popen[str]:
-    """Start this Python with a module of ours, in a session of its own: Ctrl-C is for the page, which then ends it."""
+    """Start the process, in a session of its own: Ctrl-C is for the page, which then ends it."""
     paths = os.pathsep.join(path for path in sys.path if path and Path(path).is_absolute())
     usual = {MOST_GIB: GIB} | _QUIET
     environment = {**usual, **os.environ, "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"}
-    return subprocess.Popen(
-        [sys.executable, "-P", "-m", "lostmotion.web.work"],
+    return subprocess.Popen(  # noqa: S603  this Python and a module of ours
+        command(),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=environment,
