@@ -4,13 +4,14 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 export PYTHONPATH :=
 
-.PHONY: setup demo test lint types imports unit nojit plc pages clean
+.PHONY: setup demo test lint types imports unit nojit plc web pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "expected Python 3.11 or newer, got " + sys.version.split()[0] + "; set PYTHON=python3.x")'
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	-command -v npm >/dev/null && $(MAKE) --no-print-directory web
 	touch $@
 
 demo: $(STAMP)
@@ -46,10 +47,29 @@ plc: .venv-plc/.installed
 	.venv-plc/bin/python tests/plc/build.py
 	touch $@
 
+# What the page draws with and is checked by, from npm: uPlot into the package (git-ignored), axe-core for the tests.
+# Without them trends are drawn as SVG, and the check of accessibility is skipped, saying so.
+VENDOR := src/lostmotion/web/static/vendor
+UPLOT_SHA512 := 2883159c6ebccefbb95d751b0b82d010f9e1c0ec41b8bc96d401eda66e882935c89a46cb824332fa369b8cb8122cc6ac36e186cd09bf7a9ded3a4c93c6989023
+AXE_SHA512 := 1477dafa598d8d065f273d6af302aa203c02e83131707b7fa648cd41bd3d6b734f8c22a0dab86ee6a6f64b8afbe804b214d36db85a2826965edfb3a0b9d546b5
+
+web: $(VENDOR)/uPlot.iife.min.js .cache/web/axe.min.js
+
+$(VENDOR)/uPlot.iife.min.js:
+	mkdir -p .cache/web $(VENDOR)
+	cd .cache/web && npm pack --silent uplot@1.6.32 && echo "$(UPLOT_SHA512)  uplot-1.6.32.tgz" | sha512sum --check --quiet
+	tar -xzf .cache/web/uplot-1.6.32.tgz -C $(VENDOR) --strip-components 1 package/LICENSE
+	tar -xzmf .cache/web/uplot-1.6.32.tgz -C $(VENDOR) --strip-components 2 package/dist/uPlot.min.css package/dist/uPlot.iife.min.js
+
+.cache/web/axe.min.js:
+	mkdir -p .cache/web
+	cd .cache/web && npm pack --silent axe-core@4.14.1 && echo "$(AXE_SHA512)  axe-core-4.14.1.tgz" | sha512sum --check --quiet
+	tar -xzmf .cache/web/axe-core-4.14.1.tgz -C .cache/web --strip-components 1 package/axe.min.js
+
 # Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
 pages: $(STAMP) plc
 	$(BIN)/python -m benchmarks.pages $(PAGES)
 
 clean:
-	rm -rf .cache .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

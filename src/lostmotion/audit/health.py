@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from lostmotion.audit.plant_view import PlantView
+from lostmotion.plant import Unread
+from lostmotion.store.overview import Judged
 from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.run_rows import UnreadRow
 
 EXAMPLES = 3  # tags that are named with a reason
 _NUMBER = re.compile(r"\d[\d.,]*(?:e[+-]?\d+)?")
@@ -82,26 +86,32 @@ class Health:
 
 def health_of(view: PlantView) -> Health:
     """Health of a run."""
-    rows = view.leading
+    return health_of_rows(view.leading, set(view.by_tag), view.unread)
+
+
+def health_of_rows(
+    rows: Sequence[AssessmentRow | Judged], tags: set[str], unread: Sequence[Unread | UnreadRow]
+) -> Health:
+    """The same from one row a loop, the tags of all loops, and what gave no loop."""
     stages = Counter(row.stage for row in rows)
     seen = {row.tag for row in rows}
     open_rows = [row for row in rows if row.stage is not Stage.ASSESSED or row.verdict == "cannot tell"]
     return Health(
-        loops=len(view.by_tag),
+        loops=len(tags),
         assessed=stages[Stage.ASSESSED],
         screened=stages[Stage.SCREENED],
         failed=stages[Stage.FAILED],
         cannot_tell=sum(row.stage is Stage.ASSESSED and row.verdict == "cannot tell" for row in rows),
         unfit=sum(not row.fit_for_use for row in rows),
-        without_row=len(set(view.by_tag) - seen),
+        without_row=len(tags - seen),
         not_judged=_reasons((row.tag, why_not(row)) for row in open_rows),
         data=_reasons((row.tag, text) for row in rows for text in row.health),
-        files=len(view.unread),
-        files_failed=sum(one.failed for one in view.unread),
+        files=len(unread),
+        files_failed=sum(one.failed for one in unread),
     )
 
 
-def why_not(row: AssessmentRow) -> str:
+def why_not(row: AssessmentRow | Judged) -> str:
     """Why a loop was not judged, in words."""
     if row.stage is Stage.FAILED:
         return f"failed: {row.error or 'no reason was kept'}"
@@ -110,12 +120,17 @@ def why_not(row: AssessmentRow) -> str:
     return f"cannot tell: {row.why or 'no cause is probable enough'}"
 
 
+@lru_cache(maxsize=4096)
+def _form(text: str) -> str:
+    return _NUMBER.sub("..", text)
+
+
 def _reasons(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
     """Reasons that differ in their numbers only are one."""
     tags: dict[str, list[str]] = defaultdict(list)
     texts: dict[str, set[str]] = defaultdict(set)
     for tag, text in pairs:
-        form = _NUMBER.sub("..", text)
+        form = _form(text)
         tags[form].append(tag)
         texts[form].add(text)
     found = [Reason(texts[form].pop() if len(texts[form]) == 1 else form, tuple(mine)) for form, mine in tags.items()]

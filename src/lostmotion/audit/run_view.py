@@ -27,19 +27,18 @@ def view_of(run: AuditRun, pages: int = PAGES) -> PlantView:
     leading = leading_rows(run.rows)
     told = [row.tag for row in leading if row.priority][:pages]
     with Store(run.store, write=False) as store:
-        runs = {one.number: one for one in store.runs()}
         past = {tag: [pair for pair in store.history(tag) if pair[0].number <= run.run.number] for tag in told}
         reviews = {tag: said[-1] for tag in told if (said := store.reviews(tag))}
         before = store.last_run(run.run.number)
     histories = {tag: run.loop(tag) for tag in told}
     growth = {tag: words for tag, one in histories.items() if (words := growth_words(one))}
     return PlantView(
-        run=_facts(run, runs, before),
+        run=run_facts(run.run, before, run.store, sum(one.seconds for one in run.rows)),
         loops=run.loops,
         rows=run.rows,
         groups=run.groups,
         traces=run.traces(told),
-        history=tuple(_point(made.number, row) for pairs in past.values() for made, row in pairs),
+        history=tuple(size_point(made.number, row) for pairs in past.values() for made, row in pairs),
         previous=run.previous,
         unread=run.unread,
         growth=growth,
@@ -67,10 +66,9 @@ def _day(moment: datetime) -> str:
     return moment.date().isoformat()
 
 
-def _facts(run: AuditRun, runs: dict[int, RunRow], before: RunRow | None) -> RunFacts:
-    row = run.run
+def run_facts(row: RunRow, before: RunRow | None, store: str, spent: float | None = None) -> RunFacts:
+    """What is said of a run; `spent` is its processor time in seconds."""
     settings = {name: value for name, value in json.loads(row.settings).items() if value not in (None, False)}
-    spent = sum(one.seconds for one in run.rows)
     return RunFacts(
         number=row.number,
         plant=Path(row.source).name or row.source,
@@ -81,12 +79,13 @@ def _facts(run: AuditRun, runs: dict[int, RunRow], before: RunRow | None) -> Run
         settings=tuple((name.replace("_", " "), str(value)) for name, value in settings.items()),
         cpu_seconds=spent,
         complete=row.state is RunState.FINISHED,
-        store=without_password(run.store) if is_url(run.store) else run.store,
-        previous=None if before is None else runs[before.number].began,
+        store=without_password(store) if is_url(store) else store,
+        previous=None if before is None else before.began,
     )
 
 
-def _point(number: int, row: AssessmentRow) -> SizePoint:
+def size_point(number: int, row: AssessmentRow) -> SizePoint:
+    """What a run says of the size of one loop in one window."""
     ends = ends_percent(row)
     low, high = ends if ends is not None else (None, None)
     size = row.size_percent if row.kind == "actuator" else None

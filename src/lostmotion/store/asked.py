@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy.engine import Connection, Engine
 
 from lostmotion.store import queries
 from lostmotion.store.news import New, news
-from lostmotion.store.queries import Filter, Lines
+from lostmotion.store.overview import Columns, Judged, judged, leading
+from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
-from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow
 from lostmotion.store.said import told
 
 
@@ -32,6 +34,11 @@ class Asked:
         with self._reading() as connection:
             return queries.runs(connection, limit)
 
+    def run(self, number: int) -> RunRow | None:
+        """A run by its number."""
+        with self._reading() as connection:
+            return queries.one_run(connection, number)
+
     def last_run(self, before: int | None = None) -> RunRow | None:
         """The newest finished run (before another one); without one the newest that has begun."""
         with self._reading() as connection:
@@ -47,6 +54,31 @@ class Asked:
         """
         with self._reading() as connection:
             return queries.lines(connection, run, chosen or Filter(), **how)
+
+    def leading(self, run: int, faults: Sequence[str]) -> tuple[Columns, Columns]:
+        """One narrow line a loop, of its window that says most, and all loops, as columns."""
+        with self._reading() as connection:
+            return leading(connection, run, faults)
+
+    def judged(self, run: int, faults: Sequence[str]) -> list[Judged]:
+        """Whether each loop was judged, and what is said of its data."""
+        with self._reading() as connection:
+            return list(judged(connection, run, faults))
+
+    def at(self, run: int, keys: Sequence[tuple[int, datetime]]) -> tuple[Line, ...]:
+        """Lines of some loops (by number) and windows, in this order."""
+        with self._reading() as connection:
+            return queries.at(connection, run, keys)
+
+    def states(self) -> dict[int, ReviewState]:
+        """Last review of every loop that was reviewed, by number."""
+        with self._reading() as connection:
+            return queries.last_reviews(connection)
+
+    def windows(self, run: int, tag: str) -> list[AssessmentRow]:
+        """All windows of a loop in a run."""
+        with self._reading() as connection:
+            return queries.windows(connection, run, tag)
 
     def counts(self, run: int) -> dict[str, dict[str, int]]:
         """Rows by verdict, severity, label, split and stage: how many of each word."""

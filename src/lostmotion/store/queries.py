@@ -88,6 +88,12 @@ def runs(connection: Connection, limit: int | None = None) -> list[RunRow]:
     return [run_row(values) for values in connection.execute(asked).mappings()]
 
 
+def one_run(connection: Connection, number: int) -> RunRow | None:
+    """A run by its number."""
+    found = connection.execute(sa.select(run).where(run.c.id == number)).mappings().first()
+    return None if found is None else run_row(found)
+
+
 def last_run(connection: Connection, before: int | None = None) -> RunRow | None:
     """The newest finished run (before another one); without one the newest that has begun."""
     asked = sa.select(run).order_by(run.c.id.desc()).limit(1)
@@ -189,9 +195,10 @@ def loop_row(values: Any) -> LoopRow:
     return decoded(LoopRow, {one.column: values[f"loop_{one.column}"] for one in coded(LoopRow)})
 
 
-def last_reviews(connection: Connection, loops: Sequence[int]) -> dict[int, ReviewState]:
-    """State of each loop that was reviewed."""
-    asked = sa.select(review.c.loop_id, review.c.state).where(review.c.loop_id.in_(loops)).order_by(review.c.id)
+def last_reviews(connection: Connection, loops: Sequence[int] | None = None) -> dict[int, ReviewState]:
+    """State of each loop that was reviewed; None: of all."""
+    asked = sa.select(review.c.loop_id, review.c.state).order_by(review.c.id)
+    asked = asked if loops is None else asked.where(review.c.loop_id.in_(loops))
     return {loop_id: ReviewState(state) for loop_id, state in connection.execute(asked)}
 
 
@@ -239,6 +246,13 @@ def history(connection: Connection, tag: str, limit: int | None = None) -> list[
         (run_row({column.name: values[f"of_run_{column.name}"] for column in run.columns}), assessment_row(values))
         for values in connection.execute(asked).mappings()
     ]
+
+
+def windows(connection: Connection, number: int, tag: str) -> list[AssessmentRow]:
+    """Windows of a loop in a run, in their order."""
+    asked = sa.select(loop.c.tag, assessment).join_from(assessment, loop, loop.c.id == assessment.c.loop_id)
+    asked = asked.where((assessment.c.run_id == number) & (loop.c.tag == tag)).order_by(assessment.c.window_start)
+    return [assessment_row(values) for values in connection.execute(asked).mappings()]
 
 
 def one_loop(connection: Connection, tag: str) -> LoopRow | None:

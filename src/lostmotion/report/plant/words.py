@@ -164,16 +164,20 @@ def next_step(row: AssessmentRow) -> str:
 
 def typed_place(loop: PlantLoop, run: RunFacts) -> str:
     """Where the data of a loop lie, as a command takes it."""
+    files, name = files_of(loop, run)
+    return shlex.join([*files, *(["--loop", name] if name else [])]) if files else shlex.quote(f"{loop.tag}.csv")
+
+
+def files_of(loop: PlantLoop, run: RunFacts) -> tuple[list[str], str]:
+    """Files of a loop as they are found from where the audit ran, and what it is called in them."""
     if not loop.where:
-        return shlex.quote(f"{loop.tag}.csv")
+        return [], ""
     places = parsed(loop.where)
     root = Path(run.sources[0]) if len(run.sources) == 1 and ", " not in run.sources[0] else Path()
     while is_pattern(root):
         root = root.parent
     inside = root.parent if root.is_file() else root
-    files = [str(inside / file) for place in places for file in place.files]
-    of_loop = ["--loop", places[0].loop] if places[0].loop else []
-    return shlex.join([*files, *of_loop])
+    return [str(inside / file) for place in places for file in place.files], places[0].loop
 
 
 def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:

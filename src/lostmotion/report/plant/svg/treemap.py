@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -65,13 +65,17 @@ def treemap(
     wide, high : int
         Pixels for which the layout is made; it is stretched to the width there is.
     """
-    areas = tiles_by_area(rows, loops, address)
+    return drawn(tiles_by_area(rows, loops, address), len(rows), wide, high)
+
+
+def drawn(areas: Sequence[tuple[str, Sequence[Tile]]], loops: int, wide: int = 1200, high: int = 420) -> Markup:
+    """Areas with their tiles, largest first; `loops` is how many there are in all of them."""
     if not areas:
         return Markup("")
     weights = [sum(tile.weight for tile in tiles) for _, tiles in areas]
     boxes = squarified(weights, (0.0, 0.0, float(wide), float(high)))
     parts = [_area(name, tiles, box, wide, high) for (name, tiles), box in zip(areas, boxes, strict=True)]
-    said = f"{len(rows)} loops in {len(areas)} areas; the size of a tile is its priority. The ranking has the numbers."
+    said = f"{loops} loops in {len(areas)} areas; the size of a tile is its priority. The ranking has the numbers."
     return element(
         "svg", element("title", "Treemap by area and priority"), element("desc", said), *parts,
         class_="treemap", role="group", aria_label=f"Treemap by area and priority. {said}", width="100%", height=high,
@@ -82,32 +86,64 @@ def tiles_by_area(
     rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop], address: Callable[[str], str]
 ) -> list[tuple[str, list[Tile]]]:
     """Tiles of every area, largest first; areas beyond MOST_AREAS together."""
-    own = {row.tag for row in [row for row in rows if row.priority][:MOST_LOOPS]}
-    tiles: dict[str, list[Tile]] = defaultdict(list)
-    rest: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
-    known = _shown_areas(rows, loops)
+    own = [row for row in rows if row.priority][:MOST_LOOPS]
+    tags = {row.tag for row in own}
+    weights: dict[str, float] = defaultdict(float)
+    rest: dict[tuple[str, str], int] = defaultdict(int)
     for row in rows:
-        area = loops[row.tag].area or "no area given"
-        area = area if area in known else "other areas"
-        if row.tag in own:
-            words = f"{row.tag}: {headline(row)}; priority {row.priority:.0f}"
-            tiles[area].append(Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, address(row.tag)))
-        else:
-            rest[area][row.label] += 1
-    for area, counts in rest.items():
-        for label, count in counts.items():
-            said = f"{area}: {count} loops {label or 'without a label'}, priority low or none"
-            tiles[area].append(Tile(max(OTHERS * count**0.5, 0.5 * LEAST), str(count), said, label))
+        area = loops[row.tag].area
+        weights[area] += (row.priority or 0.0) + 0.01
+        rest[area, row.label] += row.tag not in tags
+    return arranged(own, loops, rest, weights, address)
+
+
+def arranged(
+    own: Sequence[AssessmentRow],
+    loops: Mapping[str, PlantLoop],
+    rest: Mapping[tuple[str, str], int],
+    weights: Mapping[str, float],
+    address: Callable[[str], str],
+    others: Callable[[str, str], str] | None = None,
+) -> list[tuple[str, list[Tile]]]:
+    """Tiles of every area, largest first.
+
+    Parameters
+    ----------
+    own : sequence of AssessmentRow
+        Loops with a tile of their own.
+    loops : mapping of str to PlantLoop
+        Of these, by tag.
+    rest : mapping of (str, str) to int
+        How many others there are, by area and label.
+    weights : mapping of str to float
+        By area: those with the least are drawn together.
+    address : callable
+        Address of a loop; "" where there is none.
+    others : callable, optional
+        Address of the rest of an area with a label.
+    """
+    known = set(sorted(weights, key=lambda area: -weights[area])[:MOST_AREAS])
+    tiles: dict[str, list[Tile]] = defaultdict(list)
+    for row in own:
+        words = f"{row.tag}: {headline(row)}; priority {row.priority:.0f}"
+        tile = Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, address(row.tag))
+        tiles[_named(loops[row.tag].area, known)].append(tile)
+    counts: dict[tuple[str, str], int] = defaultdict(int)
+    links: dict[tuple[str, str], str] = {}
+    for (area, label), count in rest.items():
+        counts[_named(area, known), label] += count
+        links[_named(area, known), label] = others(area, label) if others and area in known else ""
+    for (name, label), count in counts.items():
+        if count:
+            said = f"{name}: {count} loops {label or 'without a label'}, priority low or none"
+            weight = max(OTHERS * count**0.5, 0.5 * LEAST)
+            tiles[name].append(Tile(weight, str(count), said, label, links[name, label]))
     found = [(area, sorted(inside, key=lambda tile: -tile.weight)) for area, inside in tiles.items()]
     return sorted(found, key=lambda pair: -sum(tile.weight for tile in pair[1]))
 
 
-def _shown_areas(rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop]) -> set[str]:
-    """Those with the highest priorities."""
-    total: dict[str, float] = defaultdict(float)
-    for row in rows:
-        total[loops[row.tag].area or "no area given"] += (row.priority or 0.0) + 0.01
-    return set(sorted(total, key=lambda area: -total[area])[:MOST_AREAS])
+def _named(area: str, known: Container[str]) -> str:
+    return area or "no area given" if area in known else "other areas"
 
 
 def squarified(weights: Sequence[float], box: Box) -> list[Box]:

@@ -1,0 +1,216 @@
+"""A run as the plant page shows it: a narrow table of its loops in memory, and what is counted from it, once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import cached_property
+
+import polars as pl
+from markupsafe import Markup
+
+from lostmotion.audit.audit_run import as_loop
+from lostmotion.audit.health import Health, health_of_rows
+from lostmotion.audit.plant_view import CLEARED, FAULTS, RunFacts
+from lostmotion.audit.run_view import run_facts
+from lostmotion.report.plant.pages import NARROW, Count, counted
+from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
+from lostmotion.report.plant.words import LETTER
+from lostmotion.store.news import New
+from lostmotion.store.overview import OF_LOOP, OF_ROW
+from lostmotion.store.queries import Line
+from lostmotion.store.rows import GroupRow, Stage
+from lostmotion.store.run_rows import ReviewState, RunRow, UnreadRow
+from lostmotion.store.store import Store
+from lostmotion.web.plant_query import NO_AREA, NO_LABEL, SORTS, Query
+
+TEXTS = frozenset(("verdict", "label", "split", "stage"))
+TYPES = {name: pl.String if name in TEXTS else pl.Float64 for name in OF_ROW}
+ORDER = ("found", "worse", "other", "better", "gone")  # of what is new
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One page of the ranking.
+
+    Attributes
+    ----------
+    total : int
+        Loops that the query leaves.
+    first : int
+        Place of the first line among them, from 1.
+    lines : tuple of Line
+    """
+
+    total: int
+    first: int
+    lines: tuple[Line, ...]
+
+
+class Overview:
+    """One run.
+
+    Parameters
+    ----------
+    store : Store
+    run : RunRow
+    """
+
+    def __init__(self, store: Store, run: RunRow) -> None:
+        self.store, self.run = store, run
+        rows, loops = store.leading(run.number, FAULTS)
+        made = pl.DataFrame(rows, schema={"loop_id": pl.Int64, "window_start": None, **TYPES})
+        named = pl.DataFrame(loops, schema={"loop_id": pl.Int64, **dict.fromkeys(OF_LOOP, pl.String)})
+        self.frame = _ranked(made.join(named, on="loop_id", how="left"))
+
+    @cached_property
+    def before(self) -> RunRow | None:
+        """The finished run before."""
+        return self.store.last_run(self.run.number)
+
+    @cached_property
+    def facts(self) -> RunFacts:
+        """What is said of the run."""
+        return run_facts(self.run, self.before, self.store.name)
+
+    @cached_property
+    def unread(self) -> list[UnreadRow]:
+        """What of the source gave no loop."""
+        return self.store.unread(self.run.number)
+
+    @cached_property
+    def health(self) -> Health:
+        """What could be judged."""
+        rows = self.store.judged(self.run.number, FAULTS)
+        return health_of_rows(rows, set(self.frame["tag"].to_list()), self.unread)
+
+    @cached_property
+    def groups(self) -> tuple[GroupRow, ...]:
+        """Loops that swing together."""
+        return self.store.groups(self.run.number)
+
+    @cached_property
+    def news(self) -> list[New]:
+        """What is new since the run before: what was found first, in each the most urgent first."""
+        if self.before is None:
+            return []
+        found = self.store.news(self.run.number, self.before.number)
+        place = dict(self.frame.select("tag", "rank").iter_rows())
+        return sorted(found, key=lambda one: (ORDER.index(one.what), place.get(one.tag, len(place))))
+
+    @cached_property
+    def new_tags(self) -> frozenset[str]:
+        """Loops with a new or a worse finding."""
+        return frozenset(one.tag for one in self.news if one.what in ("found", "worse", "other"))
+
+    def words(self, column: str) -> dict[str, int]:
+        """How many loops have which word, the most frequent first."""
+        found = self.frame[column].value_counts(sort=True)
+        return {str(word): int(count) for word, count in found.iter_rows()}
+
+    @cached_property
+    def counts(self) -> tuple[tuple[str, str, tuple[Count, ...]], ...]:
+        """Title, name in the address, counts with bars."""
+        kinds = (("Verdict", "verdict", "said"), ("NE 107", "label", "label"), ("Cause in", "split", "split"))
+        return tuple((title, name, tuple(_counts(self.words(column), name))) for title, name, column in kinds)
+
+    @cached_property
+    def choices(self) -> dict[str, list[str]]:
+        """What can be chosen in each filter."""
+        areas, types = sorted(self.words("area")), sorted(one for one in self.words("type") if one)
+        return {
+            "area": [one or NO_AREA for one in areas],
+            "type": types,
+            **{name: [one.name for one in found] for _, name, found in self.counts},
+            "review": [str(state) for state in ReviewState],
+        }
+
+    @cached_property
+    def treemaps(self) -> tuple[Markup, Markup]:
+        """For a screen, and for a telephone."""
+        query = Query(run=self.run.number)
+        own = self.frame.filter(pl.col("priority") > 0.0).head(MOST_LOOPS)
+        rest = self.frame.join(own.select("loop_id"), on="loop_id", how="anti").group_by("area", "label").len()
+        weight = self.frame.group_by("area").agg((pl.col("priority").fill_null(0.0) + 0.01).sum())
+        lines = self.at(own)
+        areas = arranged(
+            [line.row for line in lines],
+            {line.loop.tag: as_loop(line.loop) for line in lines},
+            {(area, label): count for area, label, count in rest.sort("area", "label").iter_rows()},
+            dict(weight.sort("area").iter_rows()),
+            query.loop,
+            lambda area, label: query.link(area=area or NO_AREA, label=label or NO_LABEL),
+        )
+        return drawn(areas, len(self.frame)), drawn(areas, len(self.frame), *NARROW)
+
+    def complete(self) -> None:
+        """Make everything that is made once."""
+        for name in ("choices", "treemaps", "new_tags", "health", "groups"):
+            getattr(self, name)
+
+    def shown(self, query: Query) -> Shown:
+        """Page of the ranking that is asked for; one beyond the last is the last."""
+        found = self.chosen(query)
+        last = max((len(found) - 1) // query.per, 0)
+        first = min(query.page - 1, last) * query.per
+        return Shown(len(found), first + 1, self.at(found.slice(first, query.per)))
+
+    def chosen(self, query: Query) -> pl.DataFrame:
+        """Lines that a query leaves, in its order."""
+        found = self.frame.filter(*self._conditions(query))
+        column, falling = SORTS[query.sort]
+        if column == "rank" and not query.turned:
+            return found
+        return found.sort(column, descending=falling != query.turned, nulls_last=True, maintain_order=True)
+
+    def at(self, lines: pl.DataFrame) -> tuple[Line, ...]:
+        """Whole rows of some lines."""
+        found = lines.select("loop_id", "window_start")
+        return self.store.at(self.run.number, [(number, _moment(start)) for number, start in found.iter_rows()])
+
+    def _conditions(self, query: Query) -> list[pl.Expr]:
+        asked = {"area": query.area, "type": query.type, "said": query.verdict, "label": query.label,
+                 "split": query.split}  # fmt: skip
+        found = [
+            pl.col(name) == ("" if wanted in (NO_AREA, NO_LABEL) else wanted)
+            for name, wanted in asked.items()
+            if wanted
+        ]
+        if query.text:
+            found.append(pl.col("search").str.contains(query.text.casefold(), literal=True))
+        if query.new:
+            found.append(pl.col("tag").is_in(list(self.new_tags)))
+        if query.review:
+            found.append(self._reviewed(query.review))
+        return found
+
+    def _reviewed(self, state: str) -> pl.Expr:
+        states = self.store.states()
+        if state == ReviewState.NEW:
+            return ~pl.col("loop_id").is_in([number for number, one in states.items() if one != state])
+        return pl.col("loop_id").is_in([number for number, one in states.items() if one == state])
+
+
+def _moment(start: str | datetime) -> datetime:
+    """SQLite has texts without a zone."""
+    moment = datetime.fromisoformat(start) if isinstance(start, str) else start
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
+    """In the order of the report: by priority, else faults before what cannot be told before what is cleared."""
+    assessed, failed = pl.col("stage") == Stage.ASSESSED, pl.col("stage") == Stage.FAILED
+    kind = pl.when(pl.col("verdict").is_in(FAULTS)).then(0).when(pl.col("verdict").is_in(CLEARED)).then(2).otherwise(1)
+    said = pl.when(assessed).then("verdict").when(failed).then(pl.lit("failed")).otherwise(pl.lit("not assessed"))
+    added = frame.with_columns(
+        said.alias("said"), (kind + 3 * failed.cast(pl.Int32)).alias("place"),
+        pl.col("priority").fill_null(-1.0).alias("urgent"), pl.col("size_percent").fill_null(0.0).alias("sized"),
+    )  # fmt: skip
+    ordered = added.sort("urgent", "place", "sized", "tag", descending=[True, False, True, False])
+    return ordered.drop("urgent", "place", "sized").with_row_index("rank")
+
+
+def _counts(words: Mapping[str, int], name: str) -> list[Count]:
+    named = {word or NO_LABEL if name == "label" else word: count for word, count in words.items()}
+    return [replace(one, letter=LETTER.get(one.name, "?") if name == "label" else "") for one in counted(named)]

@@ -1,0 +1,89 @@
+"""The store behind the page: runs as overviews that are kept, one loop, reviews."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import OrderedDict
+
+from lostmotion.audit.plant_view import LoopView
+from lostmotion.audit.stored_loop import stored_loop
+from lostmotion.store.run_rows import ReviewState, RunRow, RunState
+from lostmotion.store.store import Store
+from lostmotion.web.overview import Overview
+
+KEPT = 3  # overviews: 26,000 loops are some 10 MB each
+YOUNG = 5.0  # s for which a run that is at work is not looked at again
+
+
+class Plant:
+    """Results of audits.
+
+    Parameters
+    ----------
+    address : str
+        Of the store.
+
+    Raises
+    ------
+    FileAccessError
+        No store, or one of another version.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        self.store = Store(address, write=False)
+        self._kept: OrderedDict[tuple[object, ...], Overview] = OrderedDict()
+        self._made: dict[int, tuple[float, tuple[object, ...]]] = {}
+        self._lock = threading.Lock()
+
+    def runs(self) -> list[RunRow]:
+        """Runs, the newest first."""
+        return self.store.runs()
+
+    def warm(self) -> None:
+        """Make the overview of the last run before anybody asks, beside what else is done."""
+        threading.Thread(target=self._warm, daemon=True, name="overview of the last run").start()
+
+    def _warm(self) -> None:
+        overview = self.overview(0)
+        if overview is not None:
+            overview.complete()
+
+    def overview(self, number: int) -> Overview | None:
+        """A run; 0: the last one. None: there is none."""
+        run = self.store.last_run() if not number else self.store.run(number)
+        if run is None:
+            return None
+        with self._lock:  # who comes second waits for the first, and does not do it again
+            key = self._key(run)
+            if key not in self._kept:
+                self._kept[key] = Overview(self.store, run)
+            self._kept.move_to_end(key)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+            return self._kept[key]
+
+    def _key(self, run: RunRow) -> tuple[object, ...]:
+        """What an overview is kept by: a finished run changes no more, one at work with each beat of its heart."""
+        key = (run.number, run.state, run.ended if run.state is RunState.FINISHED else run.heartbeat)
+        made, known = self._made.get(run.number, (0.0, key))
+        if known in self._kept and known[1] == run.state and time.monotonic() - made < YOUNG:
+            return known
+        self._made = {run.number: (time.monotonic(), key)}
+        return key
+
+    def loop(self, overview: Overview, tag: str) -> LoopView | None:
+        """What a run and those before say of a loop; None: the run does not know it."""
+        return stored_loop(self.store, overview.run, tag, overview.facts, overview.groups)
+
+    def review(self, tag: str, state: ReviewState, who: str, note: str) -> None:
+        """Put a decision down.
+
+        Raises
+        ------
+        ParameterError
+            No such loop.
+        """
+        with Store(self.address) as store:
+            store.review(tag, state, who, note)

@@ -1,0 +1,120 @@
+"""Where the columns of a trend come from: a dropped file, or a loop of the plant whose data are read again."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lostmotion.errors import DataError, FileAccessError
+from lostmotion.store.rows import AssessmentRow, TraceRow
+from lostmotion.store.store import Store
+from lostmotion.web.kept_record import ABOUT, kept_record
+from lostmotion.web.loop_records import LoopRecords, Read
+from lostmotion.web.records import Columns, keep, kept
+
+if TYPE_CHECKING:
+    from lostmotion.web.page import Page
+
+OPENED = 16  # columns that stay open
+
+
+@dataclass(frozen=True)
+class Source:
+    """Columns of a loop, if they are there.
+
+    Attributes
+    ----------
+    key : str
+        "file:ID" or "loop:TAG".
+    name : str
+        What people call it.
+    state : {"ready", "reading", "gone"}
+    why : str
+        Why they are not there.
+    columns : Columns, optional
+    row : AssessmentRow, optional
+        What is known of the loop.
+    trace : TraceRow, optional
+        Its stored picture, with the identified actuator.
+    """
+
+    key: str
+    name: str
+    state: str
+    why: str = ""
+    columns: Columns | None = None
+    row: AssessmentRow | None = None
+    trace: TraceRow | None = None
+
+
+class Sources:
+    """All of a page.
+
+    Parameters
+    ----------
+    page : Page
+    """
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        self._loops = LoopRecords()
+        self._opened: OrderedDict[Path, Columns] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def of(self, key: str, run: int | None = None) -> Source | None:
+        """A source; None: there is none of that name."""
+        kind, _, name = key.partition(":")
+        find = {"file": self._file, "loop": self._loop}.get(kind)
+        return None if find is None else find(key, name, run)
+
+    def _file(self, key: str, name: str, run: int | None) -> Source | None:  # noqa: ARG002  as of a loop
+        item = None if self._page.desk is None else self._page.desk.item(name)
+        if item is None:
+            return None
+        place = item.record_path
+        if place is None:
+            return Source(key, item.name, "gone", "The file has not been read.")
+        view = item.view
+        row, trace = (None, None) if view is None else (view.row, view.trace)
+        stamp = (place / ABOUT).stat().st_mtime_ns
+        own = item.folder / f"columns-{stamp}"
+        columns = self._open(own, lambda: keep(kept_record(place), own))
+        return Source(key, item.name, "ready", columns=columns, row=row, trace=trace)
+
+    def _loop(self, key: str, tag: str, run: int | None) -> Source | None:
+        if self._page.store is None:
+            return None
+        with Store(self._page.store, write=False) as store:
+            past = [pair for pair in store.history(tag) if run is None or pair[0].number == run]
+            loop = store.loop(tag)
+            if loop is None or not past:
+                return None
+            made = past[0][0]
+            row = max((one for of, one in past if of.number == made.number), key=lambda one: one.priority or 0.0)
+            traces = store.traces(made.number, tag)
+        trace = next((one for one in traces if one.window_start == row.window_start), next(iter(traces), None))
+        read = self._loops.ask(Read(self._page.store, made.number, made.source, tag))
+        if isinstance(read, str) or read is None:
+            why = read or "The data of the loop are being read."
+            return Source(key, tag, "gone" if read else "reading", why, row=row, trace=trace)
+        return Source(key, tag, "ready", columns=self._open(read), row=row, trace=trace)
+
+    def _open(self, folder: Path, make: Callable[[], None] | None = None) -> Columns:
+        """Columns of a folder, which is made if it is not there."""
+        with self._lock:
+            if folder in self._opened:
+                self._opened.move_to_end(folder)
+                return self._opened[folder]
+            if make is not None and not folder.is_dir():
+                make()
+            try:
+                self._opened[folder] = kept(folder)
+            except DataError as error:
+                raise FileAccessError(f"{error}") from error
+            while len(self._opened) > OPENED:
+                self._opened.popitem(last=False)
+            return self._opened[folder]
