@@ -29,6 +29,10 @@ Bind = Annotated[str, typer.Option("--bind", help="Address; another than this ma
 TokenFile = Annotated[Path | None, number("--token-file", "File with the token that lets people in.")]
 Open = Annotated[bool, typer.Option("--open/--no-open", help="Open the page in the browser.")]
 ReadOnly = Annotated[bool, typer.Option("--read-only", help="Nothing can be dropped, reviewed or started.")]
+Monitors = Annotated[
+    list[str] | None,
+    number("--monitor", "JSON lines of `lostmotion online`, or the file of its --state; as often as there are some."),
+]
 Keep = Annotated[Path | None, number("--keep", "Folder for dropped files and results; default: gone at the end.")]
 
 
@@ -41,6 +45,7 @@ def serve(
     open_browser: Open = True,
     read_only: ReadOnly = False,
     keep: Keep = None,
+    monitor: Monitors = None,
 ) -> None:
     """Show a plant, its loops and dropped records as a page in the browser, on this machine only.
 
@@ -52,7 +57,7 @@ def serve(
     Ctrl-C ends it, with exit code 0.
     """
     try:
-        _serve(sources or [], store, _door(bind, port, token_file), open_browser, read_only, keep)
+        _serve(sources or [], store, _door(bind, port, token_file), open_browser, read_only, keep, tuple(monitor or ()))
     except LostMotionError as error:
         from lostmotion.cli.failure import say_error
 
@@ -61,8 +66,9 @@ def serve(
 
 
 def _serve(
-    given: list[str], store: str | None, door: Door, open_browser: bool, read_only: bool, keep: Path | None
-) -> None:
+    given: list[str], store: str | None, door: Door, open_browser: bool, read_only: bool, keep: Path | None,
+    monitors: tuple[str, ...],
+) -> None:  # fmt: skip
     from lostmotion.web.browser import open_in_browser
     from lostmotion.web.desk import Desk
     from lostmotion.web.page import Page
@@ -80,7 +86,7 @@ def _serve(
             open_in_browser(address)
 
     try:
-        answer(Page(store, desk, read_only=read_only), door, ready)
+        answer(Page(store, desk, monitors, read_only), door, ready)
     finally:
         if desk is not None:
             desk.close()

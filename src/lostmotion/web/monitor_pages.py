@@ -2,11 +2,121 @@
 
 from __future__ import annotations
 
+import asyncio
+import json
+from collections.abc import AsyncIterator, Sequence
+from functools import lru_cache
+from typing import Any
+
+from anyio.to_thread import run_sync
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from lostmotion.web.page import Page
+from lostmotion.web.monitor import Said, Watched
+from lostmotion.web.monitor_svg import width_chart
+from lostmotion.web.page import Page, answer, told
+
+EVERY = 1.0  # s between looks at the files while somebody listens
+BEAT = 15.0  # s of silence after which a comment is sent: a client that is gone is noticed then at the latest
+MOST_CLIENTS = 20  # that listen
+WAITING = 32  # news that wait for a client; one that is further behind is sent away and asks anew
+LONGEST = 300.0  # s of one stream: browsers come again by themselves, and forgotten ones end
 
 
-def routes(page: Page) -> list[Route]:  # noqa: ARG001
+class Board:
+    """The monitors of a page, and who listens to them."""
+
+    def __init__(self, paths: Sequence[str]) -> None:
+        self.watched = [Watched(path) for path in paths]
+        self._listening: set[asyncio.Queue[str | None]] = set()
+        self._task: asyncio.Task[None] | None = None
+
+    def look(self) -> list[Said]:
+        """What all of them say."""
+        return [one.look() for one in self.watched]
+
+    @property
+    def full(self) -> bool:
+        """Nobody more can listen."""
+        return len(self._listening) >= MOST_CLIENTS
+
+    async def news(self) -> AsyncIterator[str]:
+        """Server-sent events: number and latest state of each monitor that says something new."""
+        mine: asyncio.Queue[str | None] = asyncio.Queue(WAITING)
+        self._listening.add(mine)
+        if self._task is None or self._task.done():
+            self._task = asyncio.create_task(self._watch())
+        try:
+            yield "retry: 2000\n\n"
+            async with asyncio.timeout(LONGEST):
+                while True:
+                    try:
+                        async with asyncio.timeout(BEAT):
+                            news = await mine.get()
+                    except TimeoutError:
+                        yield ": still here\n\n"
+                        continue
+                    if news is None:
+                        return
+                    yield news
+        except TimeoutError:
+            return
+        finally:
+            self._listening.discard(mine)
+
+    async def _watch(self) -> None:
+        """Look at the files as long as somebody listens."""
+        before = [one.version for one in await run_sync(self.look)]
+        while self._listening:
+            await asyncio.sleep(EVERY)
+            said = await run_sync(self.look)
+            for number, one in enumerate(said):
+                if one.version != before[number]:
+                    self._tell(number, one)
+            before = [one.version for one in said]
+
+    def _tell(self, number: int, said: Said) -> None:
+        data = {"monitor": number, "name": said.name, "status": said.status, "version": said.version}
+        text = f"event: changed\ndata: {json.dumps(data)}\n\n"
+        for one in tuple(self._listening):
+            if one.full():
+                self._listening.discard(one)
+                one.get_nowait()
+                one.put_nowait(None)
+            else:
+                one.put_nowait(text)
+
+
+@lru_cache(maxsize=8)
+def board(paths: tuple[str, ...]) -> Board:
+    """Board of these files."""
+    return Board(paths)
+
+
+def routes(page: Page) -> list[Route]:
     """Routes of this part."""
-    return []
+
+    def monitors(request: Request) -> Response:
+        said = board(page.monitors).look()
+        part = request.query_params.get("part", "")
+        if part.isascii() and part.isdigit() and int(part) < len(said):
+            return answer(page, request, "monitor.html.j2", **_shown(int(part), said[int(part)]))
+        if part:
+            return told(page, request, 404, "Not found", "There is no such monitor.")
+        return answer(page, request, "monitors.html.j2", monitors=[_shown(*pair) for pair in enumerate(said)])
+
+    def as_json(request: Request) -> Response:  # noqa: ARG001  the signature of a route
+        return JSONResponse({"monitors": [said.to_dict() for said in board(page.monitors).look()]})
+
+    async def events(request: Request) -> Response:
+        mine = board(page.monitors)
+        if mine.full:
+            return told(page, request, 503, "Too many listeners", f"At most {MOST_CLIENTS} can listen at once.")
+        return StreamingResponse(mine.news(), media_type="text/event-stream")
+
+    return [Route("/monitors", monitors), Route("/monitors/events", events), Route("/api/v1/monitors", as_json)]
+
+
+def _shown(number: int, said: Said) -> dict[str, Any]:
+    return {"number": number, "said": said, "chart": width_chart(said.points)}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.store.rows import AssessmentRow, TraceRow
 from lostmotion.store.store import Store
+from lostmotion.web.jobs import OPEN
 from lostmotion.web.kept_record import ABOUT, kept_record
 from lostmotion.web.loop_records import LoopRecords, Read
 from lostmotion.web.records import Columns, keep, kept
@@ -72,12 +73,15 @@ class Sources:
         return None if find is None else find(key, name, run)
 
     def _file(self, key: str, name: str, run: int | None) -> Source | None:  # noqa: ARG002  as of a loop
-        item = None if self._page.desk is None else self._page.desk.item(name)
-        if item is None:
+        desk = self._page.desk
+        item = None if desk is None else desk.item(name)
+        if desk is None or item is None:
             return None
         place = item.record_path
+        if place is None and desk.state(item) in OPEN:
+            return Source(key, item.name, "reading", "The file is being read.")
         if place is None:
-            return Source(key, item.name, "gone", "The file has not been read.")
+            return Source(key, item.name, "gone", "No record was read from the file.")
         view = item.view
         row, trace = (None, None) if view is None else (view.row, view.trace)
         stamp = (place / ABOUT).stat().st_mtime_ns
