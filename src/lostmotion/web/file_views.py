@@ -25,6 +25,7 @@ PHASES = {
     "study": ("reading", "diagnosing", "simulating"),
     "block": ("writing the block", "replaying the written code"),
 }
+PATIENCE = 25.0  # s of a job, after which the page says why it may take long
 WORDS = {
     "waiting": "waits", "running": "at work", "failed": "not done", "done": "done", "several": "several loops",
     "new": "not begun",
@@ -97,12 +98,14 @@ def job_words(desk: Desk, job: Job) -> dict[str, Any]:
     now = phases.index(job.phase) if job.phase in phases else 0
     ahead = desk.jobs.ahead(job)
     waits = f"waits for {ahead} other job{'s'[: ahead > 1]}" if ahead else "waits for its turn"
+    known = job.to_dict()
+    long = " (the first time after an installation takes minutes)" if (known["seconds"] or 0.0) > PATIENCE else ""
     return {
-        **job.to_dict(),
+        **known,
         "phases": [
             (name, "done" if place < now else "now" if place == now else "next") for place, name in enumerate(phases)
         ],
-        "words": waits if job.state == "waiting" else f"{job.phase or 'starting'} ..",
+        "words": waits if job.state == "waiting" else f"{job.phase or 'starting'} ..{long}",
     }
 
 
@@ -187,7 +190,7 @@ def as_json(desk: Desk, item: Item) -> dict[str, Any]:
         "came": item.came,
         "url": f"/files/{item.id}",
         "state": desk.state(item),
-        "job": None if job is None else job.to_dict(),
+        "job": None if job is None else {**job.to_dict(), "words": job_words(desk, job)["words"]},
         "looked": item.look is not None,
         "verdict": result["diagnosis"]["verdict"] if there else None,
         "error": result.get("error"),
