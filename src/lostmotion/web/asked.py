@@ -142,8 +142,21 @@ def _in_field(found: re.Match[str]) -> str:
 
 
 def study_given(form: Mapping[str, str], before: Mapping[str, Any]) -> dict[str, Any]:
-    """What the study is given by its form, on top of what it was given before."""
-    given = dict(before)
+    """What the study is given by its form: numbers that it has fields for, all else as before.
+
+    A reason to go on counts for the gate that was read when it was typed: it is kept for "use" (settings that this very
+    study asks for), never for another study.
+
+    Examples
+    --------
+    >>> before = {"kp": 1.0, "ki": 0.5, "accept": "changed in May"}
+    >>> study_given({"kp": "2", "ki": ""}, before), study_given({"accept": "now"}, before)
+    ({'kp': 2.0}, {'kp': 1.0, 'ki': 0.5, 'accept': 'now'})
+    """
+    fresh = ("kp", "ki", "gain", "span") if "kp" in form else ()
+    given = {name: value for name, value in before.items() if name not in fresh}
+    if not form.get("use"):
+        given.pop("accept", None)
     given |= {name: value for name in ("kp", "ki", "gain") if (value := number(form, name)) is not None}
     span = [number(form, "low"), number(form, "high")]
     if span[0] is not None and span[1] is not None:

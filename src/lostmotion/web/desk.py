@@ -18,7 +18,7 @@ from lostmotion.files.results import write_json
 from lostmotion.files.writer import lock_file
 from lostmotion.web.item import ABOUT, Item, clean_label, present
 from lostmotion.web.jobs import Job, Jobs
-from lostmotion.web.task import BLOCK, DROPPED, EXPORT, FIT, LOOK, RESULT, STUDY, ZIP, Task, failure
+from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure
 
 AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
 WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}
@@ -173,16 +173,31 @@ class Desk:
         return item
 
     def open(self, sources: Sequence[str], label: str, asked: Mapping[str, Any] | None = None) -> Item:
-        """Item of files that stay where they are, with settings of :func:`lostmotion.read_loop`; its job is begun."""
-        item = self._add(secrets.token_hex(8), clean_label(label), tuple(sources), dropped=False, asked=asked or {})
+        """Item of files that stay where they are; its job is begun.
+
+        Parameters
+        ----------
+        sources : sequence of str
+            Paths.
+        label : str
+            What people call it.
+        asked : mapping
+            Settings of :func:`lostmotion.read_loop`; a time column called "none" is none, as in a loop list.
+        """
+        known = {name: False if (name, one) == ("time", "none") else one for name, one in (asked or {}).items()}
+        paths = tuple(str(Path(one).absolute()) for one in sources)
+        item = self._add(secrets.token_hex(8), clean_label(label), paths, dropped=False, asked=known)
         self.read(item)
         return item
 
     def read(self, item: Item) -> Job:
         """Read, check and diagnose, from the beginning."""
         self.jobs.cancel_of({item.id})
-        for name in (LOOK, RESULT, STUDY, BLOCK, FIT, EXPORT, ZIP):
-            (item.folder / name).unlink(missing_ok=True)
+        for place in item.folder.iterdir():
+            if place.is_dir():
+                shutil.rmtree(place, ignore_errors=True)
+            elif place.name not in (ABOUT, DROPPED):
+                place.unlink(missing_ok=True)
         return self.start(item, "read")
 
     def start(self, item: Item, kind: str, given: Mapping[str, Any] | None = None) -> Job:

@@ -16,10 +16,11 @@ from lostmotion.files.results import read_json
 from lostmotion.report.plant import loop_report
 from lostmotion.web.asked import fields, in_fields, number, settings_of, study_given, way_of
 from lostmotion.web.desk import Desk
-from lostmotion.web.file_views import as_json, file_context, files_context
+from lostmotion.web.file_views import as_json, columns_context, file_context, files_context
 from lostmotion.web.item import Item
 from lostmotion.web.page import Page, answer, environment
 from lostmotion.web.task import BLOCK
+from lostmotion.web.trend_pages import trend_slot
 from lostmotion.web.upload import received
 
 Handler = Callable[[Request, Desk, Item], Response]
@@ -46,10 +47,11 @@ def routes(page: Page) -> list[Route]:
 
     def shown(request: Request) -> Response:
         item = found(desk, request)
-        return answer(page, request, "file.html.j2", **file_context(desk, item))
+        trend = None if item.record_path is None else trend_slot(page, request, f"file:{item.id}")
+        return answer(page, request, "file.html.j2", **file_context(desk, item, trend))
 
     def columns(request: Request) -> Response:
-        return answer(page, request, "file_columns.html.j2", **file_context(desk, found(desk, request)))
+        return answer(page, request, "file_columns.html.j2", **columns_context(found(desk, request)))
 
     def listed_json(request: Request) -> Response:  # noqa: ARG001  the signature of a route
         return JSONResponse([as_json(desk, item) for item in desk.items()])

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
+
+from markupsafe import Markup
 
 from lostmotion.audit.plant_view import FAULTS
 from lostmotion.export.dialects import TARGETS
 from lostmotion.export.names import LONGEST
-from lostmotion.report.plant import loop_page, loop_section
+from lostmotion.report.plant import LoopPage, LoopView, loop_page
 from lostmotion.report.plant.words import headline
 from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, way_words
 from lostmotion.web.desk import Desk
 from lostmotion.web.item import Item
 from lostmotion.web.jobs import Job
+from lostmotion.web.trend_slot import Slot
 
 PHASES = {
     "read": ("reading", "checking", "diagnosing"),
     "study": ("reading", "diagnosing", "simulating"),
     "block": ("writing the block", "replaying the written code"),
 }
+PATIENCE = 25.0  # s of a job, after which the page says why it may take long
 WORDS = {
     "waiting": "waits", "running": "at work", "failed": "not done", "done": "done", "several": "several loops",
     "new": "not begun",
@@ -51,19 +56,25 @@ def line(desk: Desk, item: Item) -> dict[str, str]:
     return {"name": item.name, "url": f"/files/{item.id}", "state": state, "word": WORDS[state], "said": said}
 
 
-def file_context(desk: Desk, item: Item) -> dict[str, Any]:
+def columns_context(item: Item) -> dict[str, Any]:
+    """Page of the columns alone."""
+    return {"item": item, "form": column_form(item, [])}
+
+
+def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str, Any]:
     """Page of one file or loop, whatever its state."""
     state, job = desk.state(item), desk.jobs.of(item.id)
     result, view = item.result or {}, item.view
-    shown = None if view is None else loop_section(loop_page(view), 1)
     working = job if job is not None and job.open else None
+    there = view is not None and (state == "done" or (working is not None and working.kind != "read"))
     error = result.get("error")
     return {
         "item": item,
         "parent": desk.item(item.parent) if item.parent else None,
         "state": state,
         "job": None if working is None else job_words(desk, working),
-        "section": shown if state == "done" or (working is not None and working.kind != "read") else None,
+        "section": _loop_page(view, trend) if there and view is not None else None,
+        "trend": trend,
         "result": result,
         "error": error,
         "ways": [way_words(way) for way in (error or {}).get("ways", [])],
@@ -73,18 +84,28 @@ def file_context(desk: Desk, item: Item) -> dict[str, Any]:
     }
 
 
+def _loop_page(view: LoopView, trend: Slot | None) -> LoopPage:
+    """Pieces of the page; where the trend can be zoomed it has the pictures."""
+    page = loop_page(view)
+    if trend is None or trend.state != "ready":
+        return page
+    return replace(page, trend=(), trend_rows=[], plane=Markup(""), actuator=Markup(""))
+
+
 def job_words(desk: Desk, job: Job) -> dict[str, Any]:
     """A job as the page shows it."""
     phases = PHASES[job.kind]
     now = phases.index(job.phase) if job.phase in phases else 0
     ahead = desk.jobs.ahead(job)
     waits = f"waits for {ahead} other job{'s'[: ahead > 1]}" if ahead else "waits for its turn"
+    known = job.to_dict()
+    long = " (the first time after an installation takes minutes)" if (known["seconds"] or 0.0) > PATIENCE else ""
     return {
-        **job.to_dict(),
+        **known,
         "phases": [
             (name, "done" if place < now else "now" if place == now else "next") for place, name in enumerate(phases)
         ],
-        "words": waits if job.state == "waiting" else f"{job.phase or 'starting'} ..",
+        "words": waits if job.state == "waiting" else f"{job.phase or 'starting'} ..{long}",
     }
 
 
@@ -169,7 +190,7 @@ def as_json(desk: Desk, item: Item) -> dict[str, Any]:
         "came": item.came,
         "url": f"/files/{item.id}",
         "state": desk.state(item),
-        "job": None if job is None else job.to_dict(),
+        "job": None if job is None else {**job.to_dict(), "words": job_words(desk, job)["words"]},
         "looked": item.look is not None,
         "verdict": result["diagnosis"]["verdict"] if there else None,
         "error": result.get("error"),

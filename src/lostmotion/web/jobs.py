@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import threading
 import time
@@ -127,11 +128,11 @@ class Jobs:
                 return False
             running = job.state == "running"
             self._known[number] = replace(job, state="cancelled", said=CANCELLED)
-            if not running:
+            if running:
+                self._worker.kill(CANCELLED)  # before another one can be begun
+            else:
                 self._row.remove(number)
                 self._tasks.pop(number, None)
-        if running:
-            self._worker.kill(CANCELLED)
         return True
 
     def cancel_of(self, items: set[str]) -> None:
@@ -207,7 +208,13 @@ class Jobs:
         if over is None or self._closed:
             return
         if self._ended is not None:
-            self._ended(over, said)  # before it is called over: who waits finds everything
+            try:
+                self._ended(over, said)  # before it is called over: who waits finds everything
+            except Exception:  # the next job must be done, whatever became of this one
+                logging.getLogger("lostmotion.web").exception("a job could not be put on the desk")
+                over = replace(
+                    over, state="died", said="Its result could not be kept; the page says why where it runs."
+                )
         with self._changed:
             if number in self._known:
                 self._known[number] = replace(over, share=1.0 if over.state == "done" else over.share)

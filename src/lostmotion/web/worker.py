@@ -74,24 +74,30 @@ class Worker:
         if self._tasks >= MOST_TASKS:
             self.kill("")
         self._why = ""
-        self.warm()
+        try:
+            self.warm()
+        except OSError as error:
+            raise WorkerDiedError(f"No process could be started for it: {error.strerror}.") from error
         process = self._process
-        assert process is not None  # noqa: S101  just started
+        if process is None:
+            raise WorkerDiedError(self._why)
         self._tasks += 1
-        late = threading.Timer(seconds, self.kill, [f"It took longer than {seconds:g} s, and was stopped."])
+        late = threading.Timer(seconds, self.kill, [f"It took longer than {seconds:g} s, and was stopped.", process])
         late.daemon = True
         late.start()
         try:
             return _told(process, task, hear)
         except (OSError, ValueError, EOFError) as error:
-            self.kill(self._why)
+            self.kill(self._why, process)
             raise WorkerDiedError(self._why or _reason(process.returncode)) from error
         finally:
             late.cancel()
 
-    def kill(self, why: str) -> None:
-        """End the process and whatever it has started."""
+    def kill(self, why: str, only: subprocess.Popen[str] | None = None) -> None:
+        """End the process and whatever it has started; `only`: if it is this one still."""
         with self._lock:
+            if only is not None and self._process is not only:
+                return
             process, self._process, self._why = self._process, None, why
         if process is None:
             return

@@ -91,7 +91,7 @@
       items.forEach((one, place) => {
         if (now >= 0) one.className = place < now ? "done" : place === now ? "now" : "next";
       });
-      const text = job.state === "waiting" ? "waits for its turn" : `${job.phase} .. ${job.said}`;
+      const text = `${job.words} ${job.said}`;
       if (text !== told) said.textContent = told = text;
     }
   }
