@@ -1,4 +1,4 @@
-"""A small store for tests of the page: the plant of tests.plant_rows in two runs, with data for one of its loops."""
+"""A small store for tests of the page: the plant of tests.plant_rows in two runs, with data for its loops if wanted."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from tests.plant_rows import END, START, plant, sound, trace
 TAGS = ("FIC-1", "FIC-2", "FIC-3", "FIC-4", "FIC-5")
 
 
-def plant_store(folder, tags=TAGS, views=None):
+def plant_store(folder, tags=TAGS, view=None, data=True):
     """Address of a store whose last run is `plant(tags)`; the run before found nothing in its first two loops."""
-    source = folder / "plant"
-    source.mkdir(exist_ok=True)
-    write_record(source / "record.csv")
-    address, view = str(folder / "plant.db"), views or plant(tags)
+    source, address, view = folder / "plant", str(folder / "plant.db"), view or plant(tags)
+    if data:
+        source.mkdir()
+        write_record(source / "record.csv")
     loops = [LoopRow(one.tag, one.area, one.loop_type, where="record.csv", weight=one.weight) for one in view.loops]
     with Store(address) as store:
         for number in (1, 2):

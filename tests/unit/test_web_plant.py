@@ -38,7 +38,7 @@ class Site:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    return Site(Page(plant_store(tmp_path_factory.mktemp("store"))))
+    return Site(Page(plant_store(tmp_path_factory.mktemp("store"), data=False)))
 
 
 def ranked(text):
@@ -116,7 +116,7 @@ def test_the_page_of_a_loop_has_verdict_evidence_and_downloads(site):
 
 
 def test_a_review_is_put_down_and_shown(tmp_path):
-    site = Site(Page(plant_store(tmp_path)))
+    site = Site(Page(plant_store(tmp_path, data=False)))
     said = {"state": "work order", "who": "Ada <b>", "note": "4711"}
     answer = site.ask("/loops/FIC-1/review?run=2", "POST", data=said)
     assert (answer.status_code, answer.headers["location"]) == (303, "/loops/FIC-1?run=2#review")
@@ -164,7 +164,7 @@ def test_json_has_the_names_of_the_rows(site):
 
 
 def test_json_of_reviews(tmp_path):
-    site = Site(Page(plant_store(tmp_path)))
+    site = Site(Page(plant_store(tmp_path, data=False)))
     given = {"tag": "FIC-2", "state": "rejected", "who": "Ada"}
     answer = site.ask("/api/v1/reviews", "POST", content=json.dumps(given))
     assert answer.status_code == 201
@@ -191,7 +191,9 @@ def test_errors_of_the_interface_are_json(site, path):
 @pytest.mark.parametrize("tag", ["a/b", "..", "a//b", "./x", "50 % ?#&", "µ/é", *HOSTILE])
 def test_any_tag_has_a_page(tmp_path, tag):
     view = plant((tag, *TAGS[1:]))
-    site = Site(Page(plant_store(tmp_path, (tag, *TAGS[1:]), replace(view, rows=(finding(tag), *view.rows[:2])))))
+    site = Site(
+        Page(plant_store(tmp_path, (tag, *TAGS[1:]), replace(view, rows=(finding(tag), *view.rows[:2])), data=False))
+    )
     for path in (loop_address(tag), loop_address(tag, "?run=2"), "/", "/plant/groups"):
         text = site.text(path)
         page = Tags()

@@ -40,6 +40,7 @@ def stored_loop(
         return None
     past = [(made.number, row) for made, row in reversed(store.history(tag, MOST)) if made.number <= run.number]
     assessed = [row for _, row in past if row.stage is Stage.ASSESSED]
+    reviews = store.reviews(tag)
     growth = growth_words(history(assessed)) if assessed else ""
     view = PlantView(
         run=facts,
@@ -49,6 +50,6 @@ def stored_loop(
         traces=tuple(store.traces(run.number, tag)),
         history=tuple(size_point(number, row) for number, row in past),
         growth={tag: growth},
-        reviews={tag: str(said[-1].state) for said in [store.reviews(tag)] if said},
+        reviews={tag: str(reviews[-1].state)} if reviews else {},
     )
     return view.loop_view(tag)
