@@ -263,7 +263,7 @@ class Desk:
         item = self.item(job.item)
         if item is None:
             return
-        if job.state in ("died", "cancelled"):
+        if job.state == "died":
             write_json(item.folder / WRITES[job.kind], {"error": failure(job.said)}, force=True)
         loops = said.get("loops")
         if job.state != "done" or not isinstance(loops, list):
