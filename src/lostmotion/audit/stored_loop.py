@@ -38,8 +38,9 @@ def stored_loop(
     rows, loop = store.windows(run.number, tag), store.loop(tag)
     if not rows or loop is None:
         return None
-    past = [(made.number, row) for made, row in store.history(tag, MOST) if made.number <= run.number]
-    assessed = [row for _, row in reversed(past) if row.stage is Stage.ASSESSED]
+    past = [(made.number, row) for made, row in reversed(store.history(tag, MOST)) if made.number <= run.number]
+    assessed = [row for _, row in past if row.stage is Stage.ASSESSED]
+    reviews = store.reviews(tag)
     growth = growth_words(history(assessed)) if assessed else ""
     view = PlantView(
         run=facts,
@@ -49,5 +50,6 @@ def stored_loop(
         traces=tuple(store.traces(run.number, tag)),
         history=tuple(size_point(number, row) for number, row in past),
         growth={tag: growth},
+        reviews={tag: str(reviews[-1].state)} if reviews else {},
     )
     return view.loop_view(tag)

@@ -21,6 +21,7 @@ from lostmotion.web.overview import Overview
 from lostmotion.web.page import Page, answer, told
 from lostmotion.web.plant import Plant
 from lostmotion.web.plant_query import Query, loop_address
+from lostmotion.web.trend_pages import trend_slot
 
 MOST_FORM = 16_384  # bytes of a form
 MOST_WHO, MOST_NOTE = 100, 2000  # characters
@@ -40,7 +41,9 @@ def routes(page: Page, plant: Plant) -> list[Route]:
         if known is None:
             return _unknown(page, request)
         query, overview, view = known
-        return answer(page, request, "loop_page.html.j2", **_context(page, plant, overview, query, view))
+        trend = trend_slot(page, request, f"loop:{view.row.tag}", overview.run.number)
+        context = _context(page, plant, overview, query, view)
+        return answer(page, request, "loop_page.html.j2", trend=trend, **context)
 
     def report(request: Request) -> Response:
         known = found(request)
@@ -139,7 +142,6 @@ def _context(page: Page, plant: Plant, overview: Overview, query: Query, view: L
         "study_address": loop_address(tag, words, "study") if page.desk is not None else "",
         "report_address": loop_address(tag, words, "report.html"),
         "json_address": "/api/v1" + loop_address(tag, words),
-        "trend": None,
     }
 
 

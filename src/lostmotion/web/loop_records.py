@@ -8,6 +8,7 @@ import shutil
 import tempfile
 import threading
 import time
+import weakref
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -55,14 +56,15 @@ class LoopRecords:
     """Reads at most two loops at a time; what was read stays until the page ends, or others need the room."""
 
     def __init__(self) -> None:
-        self._home = tempfile.TemporaryDirectory(prefix="lostmotion-loops-", ignore_cleanup_errors=True)
+        self._home = tempfile.mkdtemp(prefix="lostmotion-loops-")
+        weakref.finalize(self, shutil.rmtree, self._home, ignore_errors=True)  # at the end of the page, at the latest
         self._at_work: dict[str, tuple[BaseProcess, float]] = {}
         self._failed: dict[str, tuple[str, float]] = {}
         self._lock = threading.Lock()
 
     def ask(self, read: Read) -> Path | str | None:
         """Folder of the columns; why there are none; None: they are being read, ask again."""
-        folder = Path(self._home.name) / read.name
+        folder = Path(self._home) / read.name
         with self._lock:
             if folder.is_dir():
                 self._at_work.pop(read.name, None)
@@ -86,7 +88,7 @@ class LoopRecords:
             process.kill()
         process.join()
         del self._at_work[name]
-        home = Path(self._home.name)
+        home = Path(self._home)
         if (home / name).is_dir():
             return None  # ready since it was looked for; the next question finds it
         said = home / f"{name}.txt"
@@ -100,12 +102,12 @@ class LoopRecords:
             return
         self._make_room()
         context = multiprocessing.get_context("spawn")
-        process = context.Process(target=read_again, args=(read, self._home.name), daemon=True)
+        process = context.Process(target=read_again, args=(read, self._home), daemon=True)
         process.start()
         self._at_work[read.name] = process, time.monotonic()
 
     def _make_room(self) -> None:
-        folders = sorted((one for one in Path(self._home.name).iterdir() if one.is_dir()), key=_age)
+        folders = sorted((one for one in Path(self._home).iterdir() if one.is_dir()), key=_age)
         sizes = [sum(file.stat().st_size for file in folder.iterdir()) for folder in folders]
         while folders and sum(sizes) > MOST_BYTES:
             shutil.rmtree(folders.pop(0), ignore_errors=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
 
@@ -14,7 +14,7 @@ from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.health import Health, health_of_rows
 from lostmotion.audit.plant_view import CLEARED, FAULTS, RunFacts
 from lostmotion.audit.run_view import run_facts
-from lostmotion.report.plant.pages import NARROW, Count, counted
+from lostmotion.report.plant.pages import NARROW
 from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
 from lostmotion.report.plant.words import LETTER
 from lostmotion.store.news import New
@@ -110,10 +110,10 @@ class Overview:
         return {str(word): int(count) for word, count in found.iter_rows()}
 
     @cached_property
-    def counts(self) -> tuple[tuple[str, str, tuple[Count, ...]], ...]:
-        """Title, name in the address, counts with bars."""
+    def counts(self) -> tuple[tuple[str, str, tuple[tuple[str, int, str], ...]], ...]:
+        """Title, name in the address; word, count and letter of each, the most frequent first."""
         kinds = (("Verdict", "verdict", "said"), ("NE 107", "label", "label"), ("Cause in", "split", "split"))
-        return tuple((title, name, tuple(_counts(self.words(column), name))) for title, name, column in kinds)
+        return tuple((title, name, _counts(self.words(column), name)) for title, name, column in kinds)
 
     @cached_property
     def choices(self) -> dict[str, list[str]]:
@@ -122,7 +122,7 @@ class Overview:
         return {
             "area": [one or NO_AREA for one in areas],
             "type": types,
-            **{name: [one.name for one in found] for _, name, found in self.counts},
+            **{name: [one[0] for one in found] for _, name, found in self.counts},
             "review": [str(state) for state in ReviewState],
         }
 
@@ -211,6 +211,7 @@ def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
     return ordered.drop("urgent", "place", "sized").with_row_index("rank")
 
 
-def _counts(words: Mapping[str, int], name: str) -> list[Count]:
-    named = {word or NO_LABEL if name == "label" else word: count for word, count in words.items()}
-    return [replace(one, letter=LETTER.get(one.name, "?") if name == "label" else "") for one in counted(named)]
+def _counts(words: Mapping[str, int], name: str) -> tuple[tuple[str, int, str], ...]:
+    if name != "label":
+        return tuple((word, count, "") for word, count in words.items())
+    return tuple((word or NO_LABEL, count, LETTER.get(word, "?")) for word, count in words.items())

@@ -11,6 +11,7 @@ from lostmotion.audit.stored_loop import stored_loop
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
 from lostmotion.store.store import Store
 from lostmotion.web.overview import Overview
+from lostmotion.web.page import environment
 
 KEPT = 3  # overviews: 26,000 loops are some 10 MB each
 YOUNG = 5.0  # s for which a run that is at work is not looked at again
@@ -42,13 +43,12 @@ class Plant:
         return self.store.runs()
 
     def warm(self) -> None:
-        """Make the overview of the last run before anybody asks, beside what else is done."""
-        threading.Thread(target=self._warm, daemon=True, name="overview of the last run").start()
-
-    def _warm(self) -> None:
+        """Make the overview of the last run before anybody asks: the page is there at once when its address is."""
         overview = self.overview(0)
         if overview is not None:
             overview.complete()
+            for name in ("plant_page.html.j2", "loop_page.html.j2"):
+                environment().get_template(name)
 
     def overview(self, number: int) -> Overview | None:
         """A run; 0: the last one. None: there is none."""

@@ -22,7 +22,7 @@ from lostmotion.web.plant_query import SORTS, Query
 
 SHORT = 10  # lines of a table on the page of the plant; the page of each has all
 HEADS = (  # of the ranking: text, name of the order
-    ("#", "priority"), ("Loop", "tag"), ("Area, type", "area"), ("Verdict", "verdict"),
+    ("#", ""), ("Loop", "tag"), ("Area, type", "area"), ("Verdict", "verdict"),
     ("Size with 95 % interval", "size"), ("Sure", "sure"), ("Priority, why", "priority"), ("What to do next", ""),
 )  # fmt: skip
 ORDERS = {
@@ -176,7 +176,6 @@ def heads(query: Query) -> list[Head | str]:
             continue
         same = query.sort == name
         falling = (SORTS[name][1] or name == "priority") != query.turned  # the rank rises where the priority falls
-        falling = not falling if text == "#" else falling
         said = ("descending" if falling else "ascending") if same else ""
         found.append(Head(text, query.link(sort=name, turned=same and not query.turned), said))
     return found

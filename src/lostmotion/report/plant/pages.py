@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -156,14 +156,12 @@ def _counts(rows: Sequence[AssessmentRow]) -> list[tuple[str, list[Count]]]:
         ("Cause in", Counter("nothing found" if row.split == "none" else row.split for row in rows)),
         ("Performance", Counter(row.performance for row in rows)),
     ]
-    return [(title, counted(found)) for title, found in kinds if found]
+    return [(title, _counted(found)) for title, found in kinds if found]
 
 
-def counted(found: Mapping[str, int]) -> list[Count]:
-    """Names with their counts and bars, the most frequent first."""
-    most = max(found.values(), default=0)
-    ordered = sorted(found.items(), key=lambda pair: -pair[1])
-    return [Count(name, count, count_bar(count, most)) for name, count in ordered]
+def _counted(found: Counter[str]) -> list[Count]:
+    most = max(found.values())
+    return [Count(name, count, count_bar(count, most)) for name, count in found.most_common()]
 
 
 @cache
