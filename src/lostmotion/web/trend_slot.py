@@ -52,6 +52,8 @@ class Slot:
     stretches : tuple of str
         What is shaded, in words.
     plane, actuator : Markup
+    sized : bool
+        A size was found: it stands as a band in `plane`.
     by_canvas : bool
         uPlot is there to draw it.
     """
@@ -72,6 +74,7 @@ class Slot:
     stretches: tuple[str, ...] = ()
     plane: Markup = field(default_factory=Markup)
     actuator: Markup = field(default_factory=Markup)
+    sized: bool = False
     by_canvas: bool = False
 
 
@@ -119,6 +122,7 @@ def slot(source: Source, path: str, query: QueryParams, with_actuator: bool = Fa
         stretches=tuple(_stretches(found["shaded"], columns)),
         plane=plane(columns, start, stop, row, trace),
         actuator=actuator_chart(trace, op_unit) if with_actuator and trace is not None else Markup(""),
+        sized=row is not None and row.size is not None,
         by_canvas=VENDOR.is_file(),
     )
 

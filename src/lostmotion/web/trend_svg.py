@@ -30,7 +30,8 @@ def time_axis(columns: Columns, start: int, stop: int) -> dict[str, Any]:
     _, scale, unit = next(one for one in UNITS if (stop - start) * columns.dt >= one[0])
     moment = columns.moment(start)
     since = moment_words(moment) or ("the start" if not start else f"{seconds_words(start * columns.dt)}")
-    return {"from": start * columns.dt, "scale": scale, "name": f"{unit} since {since}"}
+    gap = np.searchsorted(columns.gaps, start, "right") < np.searchsorted(columns.gaps, stop)
+    return {"from": start * columns.dt, "scale": scale, "name": f"{unit}{' of data' if gap else ''} since {since}"}
 
 
 def signal_names(columns: Columns) -> dict[str, str]:

@@ -23,14 +23,16 @@
       groups.forEach((names, place) => {
         const values = [across, ...names.map((name) => data[name])];
         if (this.plots[place]) this.update(this.plots[place], values, data);
-        else this.plots[place] = this.make(names, values, data, wide, place ? 190 : 250);
+        else this.plots[place] = this.make(names, values, data, wide, place);
       });
     }
     update(plot, values, data) {
       plot.batch(() => { plot.setData(values, false); this.ranges(plot, values, data); });
       plot.redraw(false, true);
     }
+    title(plot, data) { if (plot.axes[0].label) plot.axes[0].label = data.axis.name; }
     ranges(plot, values, data) {
+      this.title(plot, data);
       plot.setScale("x", { min: 0, max: this.length(data) });
       plot.setScale("y", this.extent(values));
     }
@@ -42,13 +44,13 @@
       const spare = 0.05 * (high - low) || 0.05 * Math.max(Math.abs(low), 1);
       return { min: low - spare, max: high + spare };
     }
-    make(names, values, data, width, height) {
+    make(names, values, data, width, place) {
       const text = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "12px system-ui, sans-serif";
       const axis = { stroke: text, grid, ticks: grid, font, labelFont: font, labelSize: 20 };
       const plot = new uPlot({
-        width, height, legend: { show: false }, cursor: { show: false }, select: { show: false },
+        width, height: place ? 190 : 230, legend: { show: false }, cursor: { show: false }, select: { show: false },
         scales: { x: { time: false, auto: false }, y: { auto: false } },
-        axes: [{ ...axis, label: data.axis.name, values: null }, { ...axis, size: 62, label: names.map((name) => data.names[name]).reverse().join(", ") }],
+        axes: [{ ...axis, size: place ? 50 : 26, ...(place ? { label: data.axis.name, labelSize: 18 } : {}) }, { ...axis, size: 62, label: names.map((name) => data.names[name]).reverse().join(", ") }],
         series: [{}, ...names.map((name) => ({ stroke: css(COLOURS[name]), width: 1.4, dash: name === "sp" ? [6, 4] : undefined, points: { show: false }, spanGaps: false }))],
         hooks: { drawAxes: [(made) => this.shade(made)] },
       }, values, this.place);
