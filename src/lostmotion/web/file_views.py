@@ -14,7 +14,7 @@ from lostmotion.export.dialects import TARGETS
 from lostmotion.export.names import LONGEST
 from lostmotion.report.plant import LoopPage, LoopView, loop_page
 from lostmotion.report.plant.words import headline
-from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, way_words
+from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, in_fields, way_words
 from lostmotion.web.desk import Desk
 from lostmotion.web.item import Item
 from lostmotion.web.jobs import Job
@@ -88,6 +88,7 @@ def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str,
 def _loop_page(view: LoopView, trend: Slot | None) -> LoopPage:
     """Pieces of the page; where the trend can be zoomed it has the pictures."""
     page = loop_page(view)
+    page = replace(page, notes=tuple(map(in_fields, page.notes)), advice=tuple(map(in_fields, page.advice)))
     if trend is None or trend.state != "ready":
         return page
     return replace(page, trend=(), trend_rows=[], plane=Markup(""), actuator=Markup(""))
