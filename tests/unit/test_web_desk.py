@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import stat
 import sys
 
@@ -117,15 +118,23 @@ def test_other_settings_are_another_result(desk):
     assert (item.folder / "dropped-file").exists()
 
 
-def test_what_is_cancelled_or_killed_says_so(desk):
+def test_what_is_cancelled_leaves_no_trace(desk):
     item = drop(desk, b"slow")
     desk.jobs.cancel_of({item.id})
     after = drop(desk)
     over(desk, after)
     assert desk.state(after) == "done"
-    if item.result is not None:  # it had been begun
-        assert item.result["error"]["text"] == "Cancelled."
-    assert desk.state(item) in ("failed", "new")
+    assert (desk.state(item), item.result) == ("new", None)
+
+
+def test_a_killed_worker_is_the_result_of_its_file(desk):
+    item = drop(desk, b"slow")
+    while desk.jobs.of(item.id).share != 0.5:
+        pass
+    os.kill(desk.jobs.worker, signal.SIGKILL)
+    over(desk, item)
+    assert desk.state(item) == "failed"
+    assert "SIGKILL" in item.result["error"]["text"]
 
 
 def test_a_file_that_is_too_large_is_refused_while_it_comes():

@@ -11,8 +11,9 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import DataError
 from lostmotion.web.kept_record import keep_record, kept_record
-from lostmotion.web.task import DROPPED, LOOK, RECORD, RESULT, STUDY, Task, outcome_of
+from lostmotion.web.task import BRIEF, DROPPED, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, Task, outcome_of
 from lostmotion.web.tasks import do
+from lostmotion.web.view_json import view_of_json
 
 
 def read(folder, data, label="FIC-1.csv", **asked):
@@ -138,3 +139,18 @@ def test_from_a_record_to_the_code_of_its_block(tmp_path):
     _, _, result = read(tmp_path, f"t_s,OP,PV,SP\n{lines}\n")
     assert result["diagnosis"]["verdict"] == "backlash"
     assert result["fit"]["parameters"]
+    assert outcome_of(tmp_path, BRIEF)["words"].startswith("Backlash")
+    assert view_of_json(result["view"]).row.verdict == "backlash"
+    few = {"runs": 2, "draws": 2}
+    do(Task("study", str(tmp_path), given=few), lambda *news: None)
+    study = outcome_of(tmp_path, STUDY)
+    assert (study["outcome"], study["steps"][-1]["name"]) == ("closed", "simulate")
+    do(Task("block", str(tmp_path), given={"to": "st", "name": "FY_1", "date": "2026-01-31"}), lambda *news: None)
+    assert "error" in outcome_of(tmp_path, EXPORT)
+    do(Task("study", str(tmp_path), given={**few, "accept": "changed in May"}), lambda *news: None)
+    assert outcome_of(tmp_path, STUDY)["outcome"] == "block"
+    do(Task("block", str(tmp_path), given={"to": "st", "name": "FY_1", "date": "2026-01-31"}), lambda *news: None)
+    assert outcome_of(tmp_path, EXPORT)["file"] == "FY_1_st.zip"
+    with zipfile.ZipFile(tmp_path / ZIP) as archive:
+        assert len(archive.namelist()) == 3
+        assert b"changed in May" in archive.read("FY_1/FY_1.st")

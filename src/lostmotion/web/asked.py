@@ -20,13 +20,15 @@ ROLES = ("op", "pv", "sp", "mode", "time", "position")
 TITLE = {
     "op": "OP, output of the controller", "pv": "PV, measurement", "sp": "SP, set point", "mode": "Mode of the loop",
     "time": "Time", "position": "Position of the valve", "dt": "Sampling time, s", "loop": "Loop",
-    "op_span": "Span of OP", "pv_span": "Span of PV", "automatic": "Automatic is", "manual": "Manual is",
-    "quality": "Quality columns", "loop_type": "PV measures", "integrating": "Process integrates",
+    "op_span": "Span of OP", "pv_span": "Span of PV", "automatic": "Words for automatic in the mode",
+    "manual": "Manual is",
+    "quality": "Quality columns", "loop_type": "PV measures", "integrating": "The process integrates (a level)",
     "uncertain": "Uncertain values", "retune": "Retune", "span": "Span of OP", "gain": "Gain of the process",
     "method": "Method", "tolerance": "Tolerance",
 }  # fmt: skip
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|[\w.+-]*\w"
 SETTING = re.compile(rf"(?<![\w-])({'|'.join(TITLE)})=({VALUE})?(?!=)")
+PLAIN = {"False": "do not read it", "True": "yes"}
 BARE = re.compile(r"(?<= )op_span(?= )")
 LOOP_TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
 LONGEST = 300  # characters of a text
@@ -138,7 +140,7 @@ def _in_field(found: re.Match[str]) -> str:
     title = f"“{TITLE[name]}”"
     if not value or value[0] in "<(":
         return title
-    return f"{title}: {'do not read it' if value == 'False' else value}"
+    return f"{title}: {PLAIN.get(value, value)}"
 
 
 def study_given(form: Mapping[str, str], before: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from lostmotion.files.results import write_json
 from lostmotion.files.writer import lock_file
 from lostmotion.web.item import ABOUT, Item, clean_label, present
 from lostmotion.web.jobs import Job, Jobs
-from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure
+from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
 
 AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
 WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}
@@ -229,9 +229,9 @@ class Desk:
         job = self.jobs.of(item.id)
         if job is not None and job.open:
             return job.state
-        result = item.result
-        if result is not None:
-            return "failed" if "error" in result else "done"
+        brief = item.brief
+        if brief is not None:
+            return "failed" if brief["failed"] else "done"
         look = item.look
         if look is not None and look.get("loops"):
             return "several"
@@ -263,8 +263,8 @@ class Desk:
         item = self.item(job.item)
         if item is None:
             return
-        if job.state in ("died", "cancelled"):
-            write_json(item.folder / WRITES[job.kind], {"error": failure(job.said)}, force=True)
+        if job.state == "died":
+            _keep_death(item, job)
         loops = said.get("loops")
         if job.state != "done" or not isinstance(loops, list):
             return
@@ -283,6 +283,15 @@ class Desk:
             if not dropped or not full:
                 return
             self.remove(dropped[-1])
+
+
+def _keep_death(item: Item, job: Job) -> None:
+    """Why a job died is its result."""
+    result = {"error": failure(job.said)}
+    if job.kind == "read":
+        keep_result(item.folder, result)
+    else:
+        write_json(item.folder / WRITES[job.kind], result, force=True)
 
 
 def _folder(keep: Path | None) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -13,8 +14,7 @@ from lostmotion.audit.plant_view import FAULTS
 from lostmotion.export.dialects import TARGETS
 from lostmotion.export.names import LONGEST
 from lostmotion.report.plant import LoopPage, LoopView, loop_page
-from lostmotion.report.plant.words import headline
-from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, way_words
+from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, in_fields, way_words
 from lostmotion.web.desk import Desk
 from lostmotion.web.item import Item
 from lostmotion.web.jobs import Job
@@ -45,12 +45,10 @@ def files_context(desk: Desk) -> dict[str, Any]:
 
 def line(desk: Desk, item: Item) -> dict[str, str]:
     """One file or loop in a list."""
-    state, view = desk.state(item), item.view
+    state, brief = desk.state(item), item.brief
     said = WORDS[state]
-    if state == "done" and view is not None:
-        said = headline(view.row)
-    elif state == "failed":
-        said = str((item.result or {}).get("error", {}).get("text", ""))
+    if state in ("done", "failed") and brief is not None:
+        said = in_fields(str(brief["words"] or brief["verdict"] or said))
     elif state == "several":
         said = f"{len((item.look or {}).get('loops', []))} loops"
     return {"name": item.name, "url": f"/files/{item.id}", "state": state, "word": WORDS[state], "said": said}
@@ -58,7 +56,7 @@ def line(desk: Desk, item: Item) -> dict[str, str]:
 
 def columns_context(item: Item) -> dict[str, Any]:
     """Page of the columns alone."""
-    return {"item": item, "form": column_form(item, [])}
+    return {"item": item, "form": column_form(item)}
 
 
 def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str, Any]:
@@ -73,13 +71,14 @@ def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str,
         "parent": desk.item(item.parent) if item.parent else None,
         "state": state,
         "job": None if working is None else job_words(desk, working),
+        "cancelled": job is not None and job.state == "cancelled",
         "section": _loop_page(view, trend) if there and view is not None else None,
         "trend": trend,
         "result": result,
         "error": error,
         "ways": [way_words(way) for way in (error or {}).get("ways", [])],
         "lines": [line(desk, one) for one in desk.loops(item)],
-        "form": column_form(item, (error or {}).get("parts", [])),
+        "form": column_form(item, (error or {}).get("parts", []), result.get("check", {}).get("modes", [])),
         "block": block_context(item, view.row.verdict if view is not None else ""),
     }
 
@@ -87,6 +86,7 @@ def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str,
 def _loop_page(view: LoopView, trend: Slot | None) -> LoopPage:
     """Pieces of the page; where the trend can be zoomed it has the pictures."""
     page = loop_page(view)
+    page = replace(page, notes=tuple(map(in_fields, page.notes)), advice=tuple(map(in_fields, page.advice)))
     if trend is None or trend.state != "ready":
         return page
     return replace(page, trend=(), trend_rows=[], plane=Markup(""), actuator=Markup(""))
@@ -109,8 +109,8 @@ def job_words(desk: Desk, job: Job) -> dict[str, Any]:
     }
 
 
-def column_form(item: Item, parts: list[str]) -> dict[str, Any]:
-    """Selects with the columns that there are, what was found, and which fields an error names."""
+def column_form(item: Item, parts: Sequence[str] = (), modes: Sequence[str] = ()) -> dict[str, Any]:
+    """Selects with the columns that there are, what was found, which fields an error names, and the words of modes."""
     look = item.look or {"columns": [], "rows": [], "roles": {}, "more": 0}
     asked, roles = item.asked, look["roles"]
     of_column = {column: role for role, column in roles.items()}
@@ -126,6 +126,7 @@ def column_form(item: Item, parts: list[str]) -> dict[str, Any]:
         "low": span[0],
         "high": span[1],
         "automatic": ", ".join(_listed(asked.get("automatic"))),
+        "modes": f"found: {', '.join(modes)}" if modes else "AUTO, CAS ..",
         "loop_type": asked.get("loop_type", ""),
         "loop_types": LOOP_TYPES,
         "integrating": "" if integrating is None else "yes" if integrating else "no",
@@ -181,8 +182,8 @@ def block_name(text: str) -> str:
 
 def as_json(desk: Desk, item: Item) -> dict[str, Any]:
     """State of an item for programs."""
-    job, result = desk.jobs.of(item.id), item.result or {}
-    there = "diagnosis" in result
+    job, brief = desk.jobs.of(item.id), item.brief or {}
+    verdict = brief.get("verdict")
     return {
         "id": item.id,
         "label": item.label,
@@ -192,8 +193,8 @@ def as_json(desk: Desk, item: Item) -> dict[str, Any]:
         "state": desk.state(item),
         "job": None if job is None else {**job.to_dict(), "words": job_words(desk, job)["words"]},
         "looked": item.look is not None,
-        "verdict": result["diagnosis"]["verdict"] if there else None,
-        "error": result.get("error"),
+        "verdict": verdict,
+        "said": brief.get("words"),
         "loops": [one.id for one in desk.loops(item)],
-        "diagnosis": f"/files/{item.id}/diagnosis.json" if there else None,
+        "diagnosis": f"/files/{item.id}/diagnosis.json" if verdict is not None else None,
     }

@@ -9,7 +9,7 @@ from typing import Any
 
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.errors import DataError, one_line
-from lostmotion.web.task import EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, outcome_of
+from lostmotion.web.task import BRIEF, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, brief_of, failure, outcome_of
 from lostmotion.web.view_json import view_of_json
 
 ABOUT = "about.json"
@@ -80,6 +80,15 @@ class Item:
     def result(self) -> dict[str, Any] | None:
         """Check, diagnosis and fit, or the error; None: nothing yet."""
         return outcome_of(self.folder, RESULT)
+
+    @property
+    def brief(self) -> dict[str, Any] | None:
+        """What a list shows of the result: "failed", "verdict", "words"; None: nothing yet."""
+        if not (self.folder / RESULT).is_file():
+            return None
+        return outcome_of(self.folder, BRIEF) or brief_of(
+            self.result or {"error": failure("Its result cannot be read.")}
+        )
 
     @property
     def study(self) -> dict[str, Any] | None:

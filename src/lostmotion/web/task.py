@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.errors import DataError, FileAccessError
-from lostmotion.files.results import read_json
+from lostmotion.files.results import read_json, write_json
 
 LOOK, RESULT, STUDY, BLOCK, FIT, EXPORT = (f"{n}.json" for n in ("look", "result", "study", "block", "fit", "export"))
+BRIEF = "brief.json"  # of the result: what a list shows of it
 RECORD, ZIP = "record", "block.zip"
 DROPPED = "dropped-file"  # name of what was dropped, wherever it came from; messages show its label instead
 READING = ("op", "pv", "sp", "position", "time", "mode", "dt", "loop", "op_span", "pv_span", "automatic", "manual",
@@ -58,8 +59,21 @@ class Task:
 
 
 def failure(text: str) -> dict[str, Any]:
-    """The same of what is no error of the library."""
+    """Error of a result that is none of the library."""
     return {"text": text, "parts": [], "ways": [], "type": "failure"}
+
+
+def brief_of(result: Mapping[str, Any], words: str = "") -> dict[str, Any]:
+    """What a list shows of a result: lists of hundreds of loops do not read all of each."""
+    error = result.get("error")
+    verdict = None if error or "diagnosis" not in result else result["diagnosis"]["verdict"]
+    return {"failed": error is not None, "verdict": verdict, "words": str(error["text"]) if error else words}
+
+
+def keep_result(folder: Path, result: Mapping[str, Any], words: str = "") -> None:
+    """Write a result of reading and diagnosing; it is there as soon as its file is."""
+    write_json(folder / BRIEF, brief_of(result, words), force=True)
+    write_json(folder / RESULT, result, force=True)
 
 
 def outcome_of(folder: Path, name: str) -> dict[str, Any] | None:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 from numpy.linalg import LinAlgError
 
 import lostmotion as lm
@@ -25,7 +26,8 @@ from lostmotion.files.writer import write_bytes
 from lostmotion.records import LoopRecord
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.report.fit_text import UNEARNED, dynamics, finding, parameter_rows, sentence
-from lostmotion.report.plant import diagnosis_view
+from lostmotion.report.plant import LoopView, diagnosis_view
+from lostmotion.report.plant.words import headline
 from lostmotion.report.solution_text import outcome
 from lostmotion.report.study_text import HEAD, ROWS, case_cells
 from lostmotion.web.kept_record import keep_record, kept_record
@@ -44,10 +46,12 @@ from lostmotion.web.task import (
     ZIP,
     Task,
     failure,
+    keep_result,
 )
 from lostmotion.web.view_json import plain, view_to_json
 
 REPLAYED = 10_000  # scans
+MOST_MODES = 12  # words that are shown
 
 Tell = Callable[[str, float, str], None]
 
@@ -91,7 +95,10 @@ def said(error: Exception, label: str = "") -> dict[str, Any]:
     return {"text": shown[0], "parts": shown[1:] if parts[0] else [], "ways": plain(ways), "type": type(error).__name__}
 
 
-def _write(task: Task, name: str, data: Mapping[str, Any]) -> None:
+def _write(task: Task, name: str, data: Mapping[str, Any], words: str = "") -> None:
+    if name == RESULT:
+        keep_result(task.place, plain(data), words)
+        return
     write_json(task.place / name, plain(data), force=True)
 
 
@@ -116,7 +123,8 @@ def _read(task: Task, tell: Tell) -> dict[str, Any]:
         _write(task, RESULT, {**found, "error": said(error, task.label)})
         return {}
     tell("writing", 0.95, "")
-    _write(task, RESULT, found | _diagnosed(diagnosis, task.label))
+    view = diagnosis_view(diagnosis, task.label)
+    _write(task, RESULT, found | _diagnosed(diagnosis, view), headline(view.row))
     return {}
 
 
@@ -151,15 +159,16 @@ def _check(found: CheckedRecord, record: LoopRecord) -> dict[str, Any]:
         "usable": found.usable,
         "said": found.prepared.refusal or share,
         "findings": findings,
+        "modes": [] if record.mode is None else [str(one) for one in np.unique(record.mode)[:MOST_MODES] if one],
         "notes": list(dict.fromkeys((*found.report.notes, *found.prepared.notes))),
     }
 
 
-def _diagnosed(diagnosis: Diagnosis, label: str) -> dict[str, Any]:
+def _diagnosed(diagnosis: Diagnosis, view: LoopView) -> dict[str, Any]:
     fit = diagnosis.fit
     return {
         "diagnosis": diagnosis.to_dict(),
-        "view": view_to_json(diagnosis_view(diagnosis, label)),
+        "view": view_to_json(view),
         "summary": diagnosis.summary(),
         "fit": {
             "status": fit.status.name,
