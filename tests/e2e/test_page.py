@@ -1,4 +1,4 @@
-"""The page in a real browser, served by the real command: plant, loop, file, trend, monitors; by keyboard, when it dies."""
+"""The page in a browser, served by the real command: plant, loop, file, trend, monitors; by keyboard, when it dies."""
 
 from __future__ import annotations
 
