@@ -148,3 +148,40 @@ async def test_cookies_that_are_none_are_no_error() -> None:
     async with client() as browser:
         for cookie in ("=", "a", "\x01", "lostmotion_1270018000=", "x=" + "y" * 9000):
             assert (await browser.get("/", headers={"cookie": cookie.encode("latin-1")})).status_code == 403
+
+
+LED = {"accept": "text/html,*/*", "sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate",
+       "sec-fetch-dest": "document"}  # fmt: skip
+
+
+async def test_who_is_led_here_gets_the_cookie_and_a_page_that_leads_on() -> None:
+    async with client() as browser:
+        answer = await browser.get(f'/plant?area=A"<&token={TOKEN}', headers=LED)
+        assert (answer.status_code, "SameSite=Strict" in answer.headers["set-cookie"]) == (200, True)
+        assert 'content="0; url=/plant?area=A%22%3C"' in answer.text
+        assert "secret" not in answer.text
+
+
+async def test_a_link_from_elsewhere_leads_on_without_the_cookie_and_ends_there() -> None:
+    async with client() as browser:
+        answer = await browser.get("/plant?a=1&b=2", headers=LED)
+        assert (answer.status_code, "set-cookie" in answer.headers) == (200, False)
+        assert 'url=/plant?a=1&amp;b=2"' in answer.text
+        again = await browser.get("/plant?a=1&b=2", headers={**LED, "sec-fetch-site": "same-origin"})
+        assert again.status_code == 403
+
+
+@pytest.mark.parametrize("name", ["sec-fetch-mode", "sec-fetch-dest"])
+async def test_what_is_no_page_of_a_browser_is_not_led_on(name: str) -> None:
+    async with client() as browser:
+        assert (await browser.get("/", headers={**LED, name: "no-cors"})).status_code == 403
+        assert (await browser.post("/", headers=LED)).status_code == 403
+
+
+async def test_a_token_of_a_file_lets_in_everybody_who_has_it() -> None:
+    async with client(once=False) as browser:
+        for _ in range(2):
+            assert (await browser.get(f"/?token={TOKEN}")).status_code == 303
+            assert (await browser.get("/")).status_code == 200
+            browser.cookies.clear()
+        assert (await browser.get("/?token=other")).status_code == 403

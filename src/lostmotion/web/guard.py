@@ -10,6 +10,7 @@ from __future__ import annotations
 import hmac
 import secrets
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from html import escape
 from typing import Any
 from urllib.parse import parse_qsl, quote, urlencode
 
@@ -75,7 +76,7 @@ class Guard:
         if self._known(headers):
             await self._app(scope, receive, _with_headers(send))
             return
-        await self._let_in(scope, send)
+        await self._let_in(scope, headers, send)
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         """Why a request is refused whoever makes it; None: it is not."""
@@ -104,22 +105,49 @@ class Guard:
         kind, _, given = headers.get("authorization", "").partition(" ")
         return kind.lower() == "bearer" and _alike(given.strip(), self._token)
 
-    async def _let_in(self, scope: Scope, send: Send) -> None:
-        """Make the cookie of the token, or refuse."""
+    async def _let_in(self, scope: Scope, headers: dict[str, str], send: Send) -> None:
+        """Make the cookie of the token, or refuse.
+
+        A browser that is led here (by a link in a mail, by the file that opened it) brings no strict cookie, not even
+        through a redirect; from a page of this server it does. So it is given one that leads on. It holds nothing, and
+        where there is no cookie the way ends behind it.
+        """
         fields = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
         given = dict(fields).get("token", "")
+        if not given and scope["method"] == "GET" and _from_elsewhere(headers):
+            await _lead_on(send, _where(scope, fields))
+            return
         if scope["method"] != "GET" or not _alike(given, self._token):
             await _answer(send, 403, "Refused: open the address that was printed when the page was started.")
             return
         if self._spent and self._once:
             await _answer(send, 403, "This address was used already. Start the page again for a new one.")
             return
-        rest = urlencode([(name, value) for name, value in fields if name != "token"])
-        path = "/" + scope["path"].lstrip("/\\")  # "//other.host" would lead elsewhere
-        where = quote(path) + (f"?{rest}" if rest else "")
+        where = _where(scope, fields)
         cookie = f"{self.cookie}={self._session}; HttpOnly; SameSite=Strict; Path=/"
         secure = "; Secure" if scope["scheme"] == "https" else ""
-        await _answer(send, 303, "", {"location": where, "set-cookie": cookie + secure})
+        if _by_itself(headers):
+            await _answer(send, 303, "", {"location": where, "set-cookie": cookie + secure})
+        else:
+            await _lead_on(send, where, {"set-cookie": cookie + secure})
+
+
+def _where(scope: Scope, fields: list[tuple[str, str]]) -> str:
+    """Address of the request without its token."""
+    rest = urlencode([(name, value) for name, value in fields if name != "token"])
+    path = "/" + scope["path"].lstrip("/\\")  # "//other.host" would lead elsewhere
+    return quote(path) + (f"?{rest}" if rest else "")
+
+
+def _by_itself(headers: dict[str, str]) -> bool:
+    """Whether nothing else has led here: an address that was typed, or no browser at all."""
+    return headers.get("sec-fetch-site") in ("none", "same-origin") or "text/html" not in headers.get("accept", "")
+
+
+def _from_elsewhere(headers: dict[str, str]) -> bool:
+    """Whether a browser shows the page because another one leads to it."""
+    other = headers.get("sec-fetch-site") in ("cross-site", "same-site")
+    return other and headers.get("sec-fetch-mode") == "navigate" and headers.get("sec-fetch-dest") == "document"
 
 
 def _headers(scope: Scope) -> dict[str, str]:
@@ -148,6 +176,17 @@ def _with_headers(send: Send) -> Send:
         await send(message)
 
     return sent
+
+
+async def _lead_on(send: Send, where: str, headers: dict[str, str] | None = None) -> None:
+    """A page that leads to another one of this server."""
+    to = escape(where)
+    text = (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url={to}">'
+        f'<link rel="icon" href="data:,"><title>lostmotion</title><p><a href="{to}">Go on</a></p></html>'
+    )
+    told = {"content-type": "text/html; charset=utf-8", "cache-control": "no-store", **(headers or {})}
+    await _answer(send, 200, text, told)
 
 
 async def _answer(send: Send, status: int, text: str, headers: dict[str, str] | None = None) -> None:
