@@ -6,14 +6,14 @@ import ipaddress
 from typing import Any
 from urllib.parse import urlparse
 
-from asyncua import Client
-from asyncua.ua import UaError
+from asyncua.client.client import Client
+from asyncua.ua.uaerrors import UaError
 
 from lostmotion.addresses import without_password
 from lostmotion.errors import FileAccessError, ParameterError
 
 REQUEST = 4.0  # s for the answer to one request
-WATCH = 1.0  # s between looks whether the server is still there
+WATCH = 2.0  # s between looks whether the server is still there
 
 
 async def connected(address: str, identity: Any = None, trust: Any = None, insecure: bool = False) -> Client:  # noqa: ARG001
