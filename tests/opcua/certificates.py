@@ -1,6 +1,6 @@
 """Certificates of servers, right and wrong in every way that matters."""
 
-import datetime
+import datetime as dt
 import ipaddress
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 URI = "urn:lostmotion:tests:plant"
 HOSTS = ("127.0.0.1", "localhost")
-DAY = datetime.timedelta(days=1)
+DAY = dt.timedelta(days=1)
 KEYS: dict[tuple[str, int], rsa.RSAPrivateKey] = {}  # making one takes a while: one for each name
 
 
@@ -35,7 +35,7 @@ def pair(
     digest=None, use=True, extended=None,
 ):  # fmt: skip
     """Certificate with `uri` and `hosts`, in force from and to these days from now, signed by itself or `issuer`."""
-    key, now = key_of(name, bits), datetime.datetime.now(datetime.UTC)
+    key, now = key_of(name, bits), dt.datetime.now(dt.UTC)
     subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
     names = ([x509.UniformResourceIdentifier(uri)] if uri else []) + [_host(host) for host in hosts]
     built = (
@@ -60,7 +60,7 @@ def pair(
 
 def revocation(issuer, *serials, days=(-1, 30)):
     """Revocation list of an authority, DER."""
-    now = datetime.datetime.now(datetime.UTC)
+    now = dt.datetime.now(dt.UTC)
     built = x509.CertificateRevocationListBuilder().issuer_name(issuer.certificate.subject)
     built = built.last_update(now + days[0] * DAY).next_update(now + days[1] * DAY)
     for serial in serials:

@@ -50,7 +50,7 @@ class NodeServer:
         self._answers = queue.Queue()
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
-                ["node", str(HERE / "server.js")],
+                [shutil.which("node"), str(HERE / "server.js")],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True, env=environment,
             )  # fmt: skip
         threading.Thread(target=self._listen, args=(self.process,), daemon=True).start()

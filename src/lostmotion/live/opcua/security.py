@@ -164,7 +164,7 @@ async def _give_user(client: Client, user: User | None) -> None:
 
 
 def _said(endpoints: Iterable[ua.EndpointDescription]) -> tuple[Any, ...]:
-    """What has to be the same before and in a session (OPC 10000-4, 5.7.2), in a fixed order; the rest may be left out."""
+    """What has to be the same before and in a session (OPC 10000-4, 5.7.2), sorted; the rest may be left out."""
     return tuple(sorted(_of_endpoint(one) for one in endpoints))
 
 
