@@ -32,7 +32,7 @@ def key_of(name: str, bits: int = 2048) -> rsa.RSAPrivateKey:
 
 def pair(
     folder, name="server", uri=URI, hosts=HOSTS, days=(-1, 30), issuer=None, ca=False, bits=2048,
-    digest=None, use=True, extended=None,
+    use=True, extended=None,
 ):  # fmt: skip
     """Certificate with `uri` and `hosts`, in force from and to these days from now, signed by itself or `issuer`."""
     key, now = key_of(name, bits), dt.datetime.now(dt.UTC)
@@ -54,7 +54,7 @@ def pair(
         built = built.add_extension(_usage(use, ca), critical=True)
     kinds = [extended] if extended else [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
     built = built.add_extension(x509.ExtendedKeyUsage(kinds), critical=False)
-    made = built.sign(issuer.key if issuer else key, digest or hashes.SHA256())
+    made = built.sign(issuer.key if issuer else key, hashes.SHA256())
     return _stored(folder, name, made, key)
 
 

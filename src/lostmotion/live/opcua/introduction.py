@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cryptography import x509
 
-from lostmotion.errors import ParameterError
+from lostmotion.errors import ParameterError, one_line
 from lostmotion.live.opcua.certificates import bare, fingerprint, hosts, uris
 from lostmotion.live.opcua.checks import check_form, host_of, names_host
 from lostmotion.live.opcua.client import offered
@@ -44,7 +44,7 @@ class Introduction:
         }
         if not names_host(named, host):
             lines["note"] = f"it does not name {host}; you would accept it there"
-        return "\n".join(f"{name:<12} {text}" for name, text in lines.items())
+        return "\n".join(f"{name:<12} {one_line(text)}" for name, text in lines.items())
 
     def believed(self, store: TrustStore) -> Path:
         """Believe the server at this address from now on; file of its certificate in the store."""

@@ -104,10 +104,21 @@ class SecureClient(Client):
 
 
 class _Hidden(bytes):
+    """Bytes that are sent and not shown."""
+
     def __repr__(self) -> str:
-        return "b'***'"
+        return "***"
 
     __str__ = __repr__
+
+
+class _HiddenText(str):
+    """Text that is sent and not shown, by a traceback with its local variables either."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return "***"
 
 
 def chosen(endpoints: Sequence[ua.EndpointDescription], address: str) -> Offer:
@@ -124,7 +135,7 @@ def chosen(endpoints: Sequence[ua.EndpointDescription], address: str) -> Offer:
             if tcp and endpoint.SecurityMode == BOTH and endpoint.SecurityPolicyUri == policy.URI:
                 return Offer(endpoint, _said(endpoints))
     names = " or ".join(_short(policy.URI) for policy in POLICIES)
-    offered = sorted({f"{_short(one.SecurityPolicyUri)} {one.SecurityMode.name}" for one in endpoints})
+    offered = sorted({f"{_short(one.SecurityPolicyUri)} {one.SecurityMode.name.rstrip('_')}" for one in endpoints})
     raise RefusedError.because(
         "policy",
         f"{names} with SignAndEncrypt at {without_password(address)}",
@@ -157,7 +168,7 @@ async def _give_user(client: Client, user: User | None) -> None:
         return
     if user.password is not None:
         client.set_user(user.name)
-        client.set_password(user.password.reveal())
+        client.set_password(_HiddenText(user.password.reveal()))
     elif user.certificate is not None and user.key is not None:
         client.user_certificate = read_certificate(user.certificate)
         client.user_private_key = read_key(user.key)
