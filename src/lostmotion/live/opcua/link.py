@@ -139,11 +139,11 @@ class Link:
             self._parameters(), queue_maxsize=WAITING, overflow=OverflowPolicy.DISCONNECT
         )
         await self._monitor(subscription, nodes)
-        await self._catch_up(client, nodes)
-        self.connections += 1
-        self._say("connected", f"Connected, {len(nodes)} nodes of {len(self.loops)} loops.")
         reader = asyncio.create_task(self._listen(subscription))
         try:
+            await self._catch_up(client, nodes)
+            self.connections += 1
+            self._say("connected", f"Connected, {len(nodes)} nodes of {len(self.loops)} loops.")
             while not self._lost.is_set() and not reader.done():
                 await asyncio.sleep(TICK)
                 self._look(subscription)
@@ -188,21 +188,25 @@ class Link:
                     self._tell("note", loop.source.name, said)
 
     async def _catch_up(self, client: Client, nodes: Sequence[tuple[Followed, str, Node]]) -> None:
-        """Read what the server kept since the last row of each loop; then listen."""
+        """Put what the server kept since the last row of each loop before what has come since."""
         missed = [one for one in nodes if one[0].source.newest > 0]
         if not missed:
             return
         kept = await with_history(client, [node for _, _, node in missed])
         asked = [one for one, has in zip(missed, kept, strict=True) if has]
         since = [(node, loop.source.newest - loop.source.signals.dt) for loop, _, node in asked]
+        found = await histories(since)
         at = time.monotonic()
-        for (loop, role, _), values in zip(asked, await histories(since), strict=True):
+        live = {id(loop): (loop, loop.pending) for loop, _, _ in asked}
+        for loop, _ in live.values():
+            loop.pending = []
+        for (loop, role, _), values in zip(asked, found, strict=True):
             for data in values:
                 self._arrived(loop, role, data, at)
-        for loop in {id(loop): loop for loop, _, _ in asked}.values():
+        for loop, since_then in live.values():
             newest = loop.source.newest
-            loop.pending = [value for value in loop.pending if value.role != "pv" or value.stamp > newest]
-            loop.hand_over()
+            earlier = [value for value in loop.pending if value.role != "pv" or value.stamp > newest]
+            loop.pending = [*earlier, *(value._replace(at=at) for value in since_then)]
 
     def _arrived(self, loop: Followed, role: str, data: ua.DataValue, at: float) -> None:
         loop.take(role, data, at)
