@@ -21,7 +21,7 @@ WATCH = {"report_every": 500}
 
 
 def monitor(layout):
-    estimator = lm.RecursiveML(2, 1, 1, start_samples=400, dt=layout.dt)
+    estimator = lm.RecursiveML(3, 2, 3, start_samples=700, dt=layout.dt)
     return OnlineMonitor(estimator, dt=layout.dt, calendar=layout.calendar, **WATCH)
 
 
