@@ -68,7 +68,8 @@ async def serve(port, loops, dt, history):
     """Write counted values for ever: PV is the number of the sample since 1970, OP a little more."""
     tags = [f"FIC{k:03d}" for k in range(loops)]
     async with LoopServer(tags, port, history) as plant:
-        print("ready", plant.port, flush=True)
+        sys.stdout.write(f"ready {plant.port}\n")
+        sys.stdout.flush()
         begin = time.time()
         number = 0
         while True:

@@ -96,7 +96,7 @@ def test_estimates_are_those_of_online_bit_for_bit(tmp_path):
                 lambda one: one.source.newest > 0 and not one.source.waiting and one.service.monitor.samples >= SAMPLES,
             )
 
-    said, (watched,), notes = asyncio.run(scenario())
+    said, (watched,), _ = asyncio.run(scenario())
     cells = [(t, float(u), "Bad" if number in bad else repr(float(y))) for number, (t, u, y) in enumerate(rows)]
     expected, service = from_file(tmp_path / "a.csv", cells)
     assert service.monitor.samples == SAMPLES

@@ -105,10 +105,14 @@ def plant_of(content: Mapping[str, Any], folder: Path, name: str = "the plant fi
 def _loop(one: Mapping[str, Any], folder: Path) -> LoopSettings:
     nodes = {role: one[role] for role in ("op", "pv", "sp", "mode") if role in one}
     known = {field.name for field in fields(LoopSettings)} - {"watch", "nodes"}
-    given: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in one.items() if key in known}
+    given: dict[str, Any] = {key: _fixed(value) for key, value in one.items() if key in known}
     given |= {key: folder / given[key] for key in PATHS if key in given}
-    watch = {key: tuple(one[key]) if isinstance(one[key], list) else one[key] for key in WATCH if key in one}
+    watch = {key: _fixed(one[key]) for key in WATCH if key in one}
     return LoopSettings(nodes=nodes, watch=watch, **given)
+
+
+def _fixed(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _refuse_secrets(content: Any, name: str) -> None:

@@ -6,6 +6,7 @@ import threading
 from datetime import UTC, datetime
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 
@@ -14,7 +15,7 @@ from lostmotion.files.writer import write_bytes
 
 PIECE = 60.0  # s of values in one piece
 LARGEST = 200_000  # values in one piece
-SCHEMA = {"time": pl.Datetime("us"), "tag": pl.String, "value": pl.Float64, "quality": pl.String}
+SCHEMA: dict[str, Any] = {"time": pl.Datetime("us"), "tag": pl.String, "value": pl.Float64, "quality": pl.String}
 
 
 class Recorder:

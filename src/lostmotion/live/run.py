@@ -10,7 +10,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Event
 
+import numpy as np
+
 from lostmotion.errors import LostMotionError
+from lostmotion.identify import RecursiveML
 from lostmotion.live.loop_source import LoopSource
 from lostmotion.online.service import Service
 
@@ -120,3 +123,12 @@ class Plant:
             loop.turn()
             loop.due = time.monotonic() + TURN
             self._busy.discard(loop)
+
+
+def warm() -> None:
+    """Load what the estimators are compiled to, before values come: it takes seconds, the first time a minute."""
+    rng = np.random.default_rng(0)
+    u = np.repeat(rng.uniform(-1.0, 1.0, 60), 5)
+    x = np.sign(u) * np.maximum(np.abs(u) - 0.3, 0.0)
+    y = np.convolve(x, 0.5 ** np.arange(20))[: u.size] + 0.01 * rng.standard_normal(u.size)
+    RecursiveML(1, 0, 0, start_samples=200).run(u, y)

@@ -88,3 +88,9 @@ def _holds(content: str, words: tuple[str, ...]) -> bool:
 @lru_cache(maxsize=256)
 def _name(code: int) -> str:
     return ua.StatusCode(code & 0xFFFF0000).name  # type: ignore[arg-type]  # an int is one
+
+
+def quality_of(data: ua.DataValue) -> str:
+    """Good, Uncertain or Bad."""
+    severity = _code(data) & _SEVERITY
+    return "Good" if severity == 0 else "Uncertain" if severity == _UNCERTAIN else "Bad"

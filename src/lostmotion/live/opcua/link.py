@@ -17,10 +17,11 @@ from asyncua.common.subscription import DataChangeEvent, OverflowPolicy, StatusC
 from asyncua.ua.attribute_ids import AttributeIds
 from asyncua.ua.uaerrors import UaError
 
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import LostMotionError, ParameterError
 from lostmotion.live.loop_source import LoopSource
 from lostmotion.live.opcua.data_value import overflowed, seconds_of, value_of
 from lostmotion.live.opcua.history import histories, with_history
+from lostmotion.live.opcua.refusal import RefusedError
 from lostmotion.live.value import Value
 
 RETRY = 1.0  # s between attempts: a server is found again this long after its port opens
@@ -106,6 +107,10 @@ class Link:
             try:
                 client = await self._connect()
                 await self._serve(client)
+            except (ParameterError, RefusedError) as error:
+                if not self.connections:
+                    raise
+                self._say("lost", str(error)[:300])
             except FAILURES as error:
                 self._say("lost", str(error)[:300] or type(error).__name__)
             finally:
