@@ -2,9 +2,10 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
+OPCUA := tests/opcua/node_modules/.installed
 export PYTHONPATH :=
 
-.PHONY: setup demo test lint types imports unit nojit plc pages clean
+.PHONY: setup demo test lint types imports unit nojit plc opcua pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -16,7 +17,7 @@ $(STAMP): pyproject.toml constraints.txt
 demo: $(STAMP)
 	$(BIN)/python examples/demo.py
 
-test: lint types imports plc unit nojit
+test: lint types imports plc opcua unit nojit
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -46,10 +47,18 @@ plc: .venv-plc/.installed
 	.venv-plc/bin/python tests/plc/build.py
 	touch $@
 
+# An OPC UA server that is not ours (node-opcua) for the tests of the live link, which skip where npm is not there.
+opcua:
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(OPCUA); else echo "no npm: tests against node-opcua skip"; fi
+
+$(OPCUA): tests/opcua/package.json
+	cd tests/opcua && npm install --no-package-lock --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error
+	touch $@
+
 # Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
 pages: $(STAMP) plc
 	$(BIN)/python -m benchmarks.pages $(PAGES)
 
 clean:
-	rm -rf .cache .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf .cache .venv .venv-plc .venv-rivals .venv-tep tests/opcua/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -55,7 +55,7 @@ function addLoop(server, tag) {
     const nodes = {};
     for (const name of TAGS) {
         nodes[name] = own.addVariable({
-            componentOf: loop, browseName: name, nodeId: `s=${tag}.${name}`, dataType: "Double", minimumSamplingInterval: 10,
+            componentOf: loop, browseName: name, nodeId: `s=${tag}.${name}`, dataType: "Double", minimumSamplingInterval: 0,
         });
         space.installHistoricalDataNode(nodes[name], { maxOnlineValues: 20000 });
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import os
-import socket
+import platform
 import stat
 from contextlib import suppress
 from dataclasses import dataclass
@@ -176,7 +176,7 @@ def _alternative(certificate: x509.Certificate, kind: type[x509.GeneralName]) ->
 def _made() -> dict[str, bytes]:
     """Files of a new certificate: RSA, signed by itself, with the extensions of OPC 10000-6, 6.2.2."""
     key = rsa.generate_private_key(public_exponent=65537, key_size=BITS)
-    host = socket.gethostname()
+    host = platform.node()
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"lostmotion at {host}"[:64])])
     now = datetime.now(UTC)
     built = (

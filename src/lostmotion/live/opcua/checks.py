@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
-import socket
+import platform
 from contextlib import suppress
 from datetime import UTC, datetime
 from urllib.parse import urlparse
@@ -108,7 +108,7 @@ def names_host(names: set[str], host: str) -> bool:
     >>> names_host({"PLC1", "10.0.0.7"}, "plc1"), names_host({"*.plant"}, "plc1.plant"), names_host({"::1"}, "0::1")
     (True, False, True)
     """
-    wanted = {_plain(host)} | ({_plain(socket.gethostname()), "localhost"} if is_loopback(host) else set())
+    wanted = {_plain(host)} | ({_plain(platform.node()), "localhost"} if is_loopback(host) else set())
     return bool(wanted & {_plain(name) for name in names})
 
 

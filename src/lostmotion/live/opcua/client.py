@@ -8,7 +8,7 @@ from urllib.parse import urlparse
 
 from asyncua.client.client import Client
 from asyncua.ua.status_codes import StatusCodes, get_name_and_doc
-from asyncua.ua.uaerrors import UaError, UaStatusCodeError
+from asyncua.ua.uaerrors import UaStatusCodeError
 from cryptography.exceptions import InvalidSignature
 
 from lostmotion.addresses import without_password
@@ -21,7 +21,7 @@ from lostmotion.live.opcua.trust import TrustStore
 
 REQUEST = 4.0  # s for the answer to one request
 WATCH = 1.0  # s between looks whether the server is still there
-LOST = (OSError, TimeoutError, UaError, ConnectionError)
+SILENT = (TimeoutError, ConnectionError, AssertionError)  # the last: an answer that the library does not know
 NOT_THE_USER = {StatusCodes.BadUserAccessDenied, StatusCodes.BadIdentityTokenRejected}
 NOT_THE_USER |= {StatusCodes.BadIdentityTokenInvalid, StatusCodes.BadUserSignatureInvalid}
 NOT_US = {StatusCodes.BadCertificateUntrusted, StatusCodes.BadSecurityChecksFailed}
@@ -73,7 +73,7 @@ async def connected(
         raise
     except InvalidSignature as error:
         raise _impostor(address) from error
-    except LOST as error:
+    except Exception as error:
         raise _told(error, address, who, own) from error
     return client
 
@@ -93,7 +93,7 @@ async def offered(address: str) -> Offer:
     check_address(address)
     try:
         endpoints = await Client(address, timeout=REQUEST).connect_and_get_server_endpoints()
-    except LOST as error:
+    except Exception as error:
         raise unreachable(address, error) from error
     return chosen(endpoints, address)
 
@@ -107,7 +107,7 @@ async def _insecurely(address: str, who: Identity) -> Client:
     client = Client(address, timeout=REQUEST, watchdog_intervall=WATCH)
     try:
         await client.connect()
-    except LOST as error:
+    except Exception as error:
         raise unreachable(address, error) from error
     return client
 
@@ -156,7 +156,7 @@ def _told(error: BaseException, address: str, who: Identity, own: OwnCertificate
         got = "a refusal" if who.user else "a refusal of anonymous"
         remedy = "correct user and password in their file" if who.user else "give a user: --user-file FILE"
         return RefusedError.because("user", f"{address} to take the user", got, remedy)
-    if code in NOT_US or isinstance(error, (TimeoutError, ConnectionError)):
+    if code in NOT_US or isinstance(error, SILENT):
         got = get_name_and_doc(code)[0] if code is not None else "a closed line"
         remedy = f"have the server trust {own.certificate} (SHA-256 {own.fingerprint})"
         return RefusedError.because("client", f"{address} to take our certificate", got, remedy)

@@ -43,7 +43,7 @@ class User:
         Empty where the certificate says it.
     password : Secret, optional
     certificate, key : Path, optional
-        X.509 identity (OPC 10000-4, 7.41.5); the key is PEM without a password, for its owner alone.
+        X.509 identity; the key is PEM without a password, for its owner alone.
     """
 
     name: str = ""
