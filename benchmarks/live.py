@@ -33,6 +33,10 @@ PUBLISHING = 0.1
 START = 5.0  # s until all is running: not counted in the lag
 
 
+def _nothing(*_):
+    """Nobody listens."""
+
+
 class Counted(Service):
     """A service that notes how old its rows are, and their numbers."""
 
@@ -56,7 +60,7 @@ def watched(tag, dt, start_samples=1000):
         estimator = lm.RecursiveML(2, 1, 1, dt=dt, start_samples=start_samples)
         return OnlineMonitor(estimator, dt=dt, calendar=layout.calendar)
 
-    return Watched(source, Counted(source, Kept(None, {}), make, lambda message: None))
+    return Watched(source, Counted(source, Kept(None, {}), make, _nothing))
 
 
 async def listen(groups, seconds):
@@ -138,7 +142,7 @@ async def killing(kills):
         async def connect():
             return await connected(f"opc.tcp://127.0.0.1:{port}", insecure=True)
 
-        link = Link(connect, [Followed(one.source)], PUBLISHING, lambda *what: None)
+        link = Link(connect, [Followed(one.source)], PUBLISHING, _nothing)
         stop = Event()
         running = asyncio.create_task(Plant([one], link.run()).run(stop))
         for kill in range(kills):
