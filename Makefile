@@ -2,9 +2,10 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
+OPCUA := tests/opcua/node_modules/.installed
 export PYTHONPATH :=
 
-.PHONY: setup demo test lint types imports unit nojit plc web pages clean
+.PHONY: setup demo test lint types imports unit nojit plc web opcua pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -17,7 +18,7 @@ $(STAMP): pyproject.toml constraints.txt
 demo: $(STAMP)
 	$(BIN)/python examples/demo.py
 
-test: lint types imports plc unit nojit
+test: lint types imports plc opcua unit nojit
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -66,10 +67,18 @@ $(VENDOR)/uPlot.iife.min.js:
 	cd .cache/web && npm pack --silent axe-core@4.14.1 && echo "$(AXE_SHA512)  axe-core-4.14.1.tgz" | sha512sum --check --quiet
 	tar -xzmf .cache/web/axe-core-4.14.1.tgz -C .cache/web --strip-components 1 package/axe.min.js
 
+# An OPC UA server that is not ours (node-opcua) for the tests of the live link, which skip where npm is not there.
+opcua:
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(OPCUA) || echo "npm gave nothing: tests against node-opcua skip"; else echo "no npm: tests against node-opcua skip"; fi
+
+$(OPCUA): tests/opcua/package.json
+	cd tests/opcua && npm install --no-package-lock --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error
+	touch $@
+
 # Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
 pages: $(STAMP) plc
 	$(BIN)/python -m benchmarks.pages $(PAGES)
 
 clean:
-	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-rivals .venv-tep .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-rivals .venv-tep tests/opcua/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -21,6 +21,8 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "files/results.py": {"write_bytes", "write_text"}, "files/text.py": {"rename"},  # columns of a frame
     "files/joined.py": {"rename"}, "files/long.py": {"rename"},
     "online/service.py": {"write_bytes"}, "files/child.py": {"write_csv"},
+    "live/recorder.py": {"write_parquet", "write_bytes"},  # into memory, then the writer
+    "live/run.py": {"save"},  # of a service, whose state goes through the writer
     "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
     "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
 }  # fmt: skip

@@ -23,6 +23,8 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "design": "Design the test that tells most about the dead zone, or say what a record can at best tell.",
     "export": "Write the compensating block as code for a PLC, with test vectors and a page for commissioning.",
     "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
+    "live": "Watch the dead zones of a running plant over OPC UA: "
+    "one JSON line per report, event or note, with its tag.",
     "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
     "audit": "Look at all loops of a plant: "
     "which valves need a hand, how sure that is, what swings with what, what is new.",

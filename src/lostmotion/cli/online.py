@@ -129,7 +129,7 @@ def online(
     asked = Asked(columns.op, columns.pv, columns.time_column, mode, automatic, columns.dt)
     rows = sys.stdin.buffer if source == "-" else Path(source)
     with (
-        _stop_on_signals() as stop,
+        stop_on_signals() as stop,
         Kept(state, {**model, **watch}) as kept,
         Follower(rows, asked, kept.position) as follower,
     ):
@@ -148,19 +148,11 @@ def _model(
     fit: Path | None, orders: str | None, gain: float | None, noise: str, gate: GateOptions
 ) -> tuple[dict[str, Any], str]:
     """Settings of the estimator, from the options or else from a fit; and what was accepted to get them."""
-    from lostmotion.online.watched_fit import settings_from_fit
+    from lostmotion.online.watched_fit import watched_model
 
-    if orders is None and fit is None:
-        raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
-    model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
-    accepted = ""
-    if fit is not None:
-        found, accepted = settings_from_fit(lm.read_fit(fit), **gate.given())
-        known = {name: model[name] for name, given in (("gain", gain is not None), ("noise", noise != "auto")) if given}
-        model = found | known
-    if orders is not None:
-        model |= dict(zip(("na", "nb", "delay"), read_orders(orders), strict=True))
-    return model, accepted
+    known = None if fit is None else lm.read_fit(fit)
+    wanted = None if orders is None else read_orders(orders)
+    return watched_model(known, wanted, gain, int(noise) if noise.isdigit() else noise, **gate.given())
 
 
 def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:
@@ -174,7 +166,7 @@ def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: 
 
 
 @contextmanager
-def _stop_on_signals() -> Iterator[Event]:
+def stop_on_signals() -> Iterator[Event]:
     """Event that the first signal sets; a second one of its kind does what it did before."""
     stop = Event()
     before: dict[int, Any] = {}

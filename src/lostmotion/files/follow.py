@@ -102,6 +102,16 @@ class Follower:
         }
 
     @property
+    def name(self) -> str:
+        """Of the source, for messages."""
+        return self.source.name
+
+    @property
+    def ended(self) -> bool:
+        """Nothing will be added any more."""
+        return self.source.ended
+
+    @property
     def more(self) -> bool:
         """Lines are there that were not given yet."""
         return self.layout is not None and len(self._lines) > 0

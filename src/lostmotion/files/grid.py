@@ -11,7 +11,7 @@ import numpy.typing as npt
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.files.cells import Cells
 from lostmotion.files.times import time_text
-from lostmotion.kernels.stamps import RESTART, count_samples
+from lostmotion.kernels.stamps import LAST, RESTART, count_samples
 from lostmotion.records.sampling import Bools
 
 LONGEST_GAP = 1000  # samples: after so many missing ones, more tell an estimator nothing
@@ -85,6 +85,8 @@ class Grid:
         From :attr:`state`.
     again : bool
         The source may begin again with rows that were taken before: pass over them.
+    word : str
+        What the rows are called in notes.
 
     Examples
     --------
@@ -104,7 +106,9 @@ class Grid:
         calendar: str = "",
         state: dict[str, Any] | None = None,
         again: bool = False,
+        word: str = "Line",
     ) -> None:
+        self.word = word
         self.dt, self._timed, self._wrap, self._calendar = dt, timed, wrap, calendar
         stored = state or {}
         self.again = again and timed and not wrap
@@ -117,6 +121,11 @@ class Grid:
         """What the next rows need, JSON-ready."""
         clock = [None if np.isnan(value) else value for value in self._clock.tolist()]
         return {"clock": clock, "counts": dict(self.counts)}
+
+    def restart(self) -> None:
+        """The next row begins a new recording, whatever its time."""
+        if not np.isnan(self._clock[LAST]):
+            self._clock[LAST] = np.inf
 
     def place(self, cells: Cells, lines: npt.ArrayLike) -> Rows:
         """Put rows on the clock; `lines` are their numbers in the source."""
@@ -175,7 +184,7 @@ class Grid:
         text = KINDS[kind].format(limit=LONGEST_GAP)
         number = self.counts[kind]
         many = f" ({number} such rows so far)" if number >= ALWAYS_TOLD else ""
-        return Note(line, time, f"Line {line} ({time_text(time, self._calendar)}): {text}{many}.")
+        return Note(line, time, f"{self.word} {line} ({time_text(time, self._calendar)}): {text}{many}.")
 
     def _spread(
         self, cells: Cells, times: FloatArray, passed: IntArray, breaks: Bools, notes: tuple[Note, ...]

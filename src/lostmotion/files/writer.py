@@ -24,6 +24,8 @@ from lostmotion.files.alone import LOCKS, alone, locked
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
 PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
+PRIVATE = 0o600  # of a key: nobody else reads it, from its first byte on
+_BINARY = getattr(os, "O_BINARY", 0)  # Windows
 _NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
 Buffer = bytes | memoryview
 _PATHLIKE = str | os.PathLike[str]
@@ -71,7 +73,7 @@ def write_bytes(path: _PATHLIKE, data: Buffer, force: bool = False) -> Path:
     return write_together({Path(path): data}, force)[0]
 
 
-def write_together(files: Mapping[Path, Buffer], force: bool = False) -> list[Path]:
+def write_together(files: Mapping[Path, Buffer], force: bool = False, mode: int = PLAIN) -> list[Path]:
     """Write all files or none: all are on the disk before the first gets its name, and an error takes new names back.
 
     Only a kill between the naming of two of them, which takes microseconds, can leave the first without the others.
@@ -85,7 +87,7 @@ def write_together(files: Mapping[Path, Buffer], force: bool = False) -> list[Pa
     drafts: list[_Draft] = []
     try:
         for target, data in zip(targets, files.values(), strict=True):
-            drafts.append(_Draft(target, target.parent))
+            drafts.append(_Draft(target, target.parent, mode))
             drafts[-1].fill(data)
         _place(drafts, force)
     finally:
@@ -94,8 +96,8 @@ def write_together(files: Mapping[Path, Buffer], force: bool = False) -> list[Pa
     return targets
 
 
-def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = False) -> list[Path]:
-    """Write files into a folder; one that is not there appears with all of them at once.
+def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = False, mode: int = PLAIN) -> list[Path]:
+    """Write files into a folder; one that is not there appears with all of them at once, new ones with this mode.
 
     Raises
     ------
@@ -105,13 +107,13 @@ def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = F
     place = Path(folder)
     refuse_folder(place, files)
     if place.is_dir():
-        return write_together({place / name: data for name, data in files.items()}, force)
+        return write_together({place / name: data for name, data in files.items()}, force, mode)
     with _told(place):
         place.parent.mkdir(parents=True, exist_ok=True)
         drafts: list[_Draft] = []
         try:
             for name, data in files.items():
-                drafts.append(_Draft(place / name, place.parent))
+                drafts.append(_Draft(place / name, place.parent, mode))
                 drafts[-1].fill(data)
             with _naming(place.parent) as only:
                 _place_folder(place, drafts, only)
@@ -155,8 +157,8 @@ def lock_file(path: Path) -> BinaryIO | None:
 class _Draft:
     """Bytes on the disk of a folder that are not yet under their name."""
 
-    def __init__(self, target: Path, folder: Path) -> None:
-        self.target, self._placed = target, False
+    def __init__(self, target: Path, folder: Path, mode: int = PLAIN) -> None:
+        self.target, self._mode, self._placed = target, mode, False
         self.beside: Path | None = None  # second name
         with _told(target):
             self._stream = self._open(folder)
@@ -164,9 +166,9 @@ class _Draft:
     def _open(self, folder: Path) -> BinaryIO:
         if _NAMELESS:
             with suppress(OSError):
-                return os.fdopen(os.open(folder, _NAMELESS | os.O_WRONLY, PLAIN), "wb")
+                return os.fdopen(os.open(folder, _NAMELESS | os.O_WRONLY, self._mode), "wb")
         self.beside = folder / _second_name(self.target)
-        return self.beside.open("xb")
+        return os.fdopen(os.open(self.beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, self._mode), "wb")
 
     def fill(self, data: Buffer) -> None:
         """Put the bytes on the disk, under the permissions of the file that they replace."""

@@ -1,4 +1,4 @@
-"""Follow a record, keep the state, tell what happens: until the end, a signal, or an error."""
+"""Follow a source, keep the state, tell what happens: until the end, a signal, or an error."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Any, BinaryIO, Self
 
 from lostmotion.arguments import positive
 from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
-from lostmotion.files.follow import Follower
 from lostmotion.files.grid import Rows
 from lostmotion.files.layout import Layout
 from lostmotion.files.schema import anything, checked, group, table
 from lostmotion.files.writer import lock_file, refuse, sweep, write_bytes
 from lostmotion.online.monitor import OnlineMonitor
 from lostmotion.online.packing import pack, unpack
-from lostmotion.online.stored import REMEDY, WHAT, check_position
+from lostmotion.online.source import RowSource
+from lostmotion.online.stored import REMEDY, WHAT, Check, check_position
 
 KIND = "lostmotion online state 1"
 HEADER = group(settings=table(anything), position=table(anything))
@@ -37,6 +37,8 @@ class Kept:
         None: nothing is kept.
     settings : dict
         What the service was started with, JSON-ready; another start must say the same.
+    check : callable
+        Gives the sampling time of a position in the source, None where it has none yet; refuses what is no position.
 
     Raises
     ------
@@ -48,8 +50,8 @@ class Kept:
         It cannot be read, or another process works with it.
     """
 
-    def __init__(self, path: Path | None, settings: dict[str, Any]) -> None:
-        self.path = path
+    def __init__(self, path: Path | None, settings: dict[str, Any], check: Check = check_position) -> None:
+        self.path, self._check = path, check
         self.settings = json.loads(json.dumps(settings))
         self.position: dict[str, Any] | None = None
         self.monitor: OnlineMonitor | None = None
@@ -90,18 +92,18 @@ class Kept:
             if stored.get(name) != value:
                 got = f"{str(stored.get(name))[:100]} in {path}"
                 raise ParameterError.expected(f"{name} = {value}", got, "start as before, or with another state file")
-        self.position = check_position(header["position"])
+        dt = self._check(header["position"])
+        self.position = header["position"]
         self.monitor = OnlineMonitor.from_bytes(blob) if blob else None
-        layout = self.position["layout"]
-        if self.monitor is not None and (layout is None or layout["dt"] != self.monitor.dt):
+        if self.monitor is not None and dt != self.monitor.dt:
             raise DataError.expected(f"dt = {self.monitor.dt:g} s in the position of {WHAT}", "another", REMEDY)
 
-    def save(self, follower: Follower, monitor: OnlineMonitor | None, hurry: bool = True) -> None:
+    def save(self, source: RowSource, monitor: OnlineMonitor | None, hurry: bool = True) -> None:
         """Write the state; without `hurry` not more often than once a second."""
         now = time.monotonic()
         if self.path is None or (not hurry and now - self._saved < SAVE_EVERY):
             return
-        header = {"settings": self.settings, "position": follower.position}
+        header = {"settings": self.settings, "position": source.position}
         write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""), force=True)
         self._saved = now
 
@@ -111,8 +113,8 @@ class Service:
 
     Parameters
     ----------
-    follower : Follower
-        Where rows come from.
+    source : RowSource
+        Where rows come from: a Follower, or a loop of a server.
     kept : Kept
         State to go on from, and where it is written.
     make : callable
@@ -126,13 +128,13 @@ class Service:
 
     def __init__(
         self,
-        follower: Follower,
+        source: RowSource,
         kept: Kept,
         make: Make,
         emit: Callable[[dict[str, Any]], None],
         width_limit: float | None = None,
     ) -> None:
-        self.follower, self.kept, self.emit = follower, kept, emit
+        self.source, self.kept, self.emit = source, kept, emit
         self.monitor = kept.monitor
         self.width_limit = None if width_limit is None else positive("width_limit", width_limit)
         self._events = 0
@@ -155,27 +157,43 @@ class Service:
         """
         at_end = False
         while not stop.is_set():
-            rows = self._read(at_end)
-            if len(rows) or self.follower.more:
-                self._take(rows)
+            if self.turn(at_end):
                 continue
-            self._save(hurry=True)
+            self.save()
             if at_end:
                 break
-            at_end = self.follower.source.ended or not follow
+            at_end = self.source.ended or not follow
             if not at_end:
-                self.follower.wait(POLL, stop)
+                self.source.wait(POLL, stop)
+        self.save()
+
+    def turn(self, at_end: bool = False) -> bool:
+        """Take what is there; whether anything was.
+
+        Raises
+        ------
+        LostMotionError
+            As in :meth:`run`.
+        """
+        rows = self._read(at_end)
+        if not len(rows) and not self.source.more:
+            return False
+        self._take(rows)
+        return True
+
+    def save(self) -> None:
+        """Write the state, if anything has come since."""
         self._save(hurry=True)
 
     def _read(self, at_end: bool) -> Rows:
         most = self.monitor.to_report if self.monitor is not None and self._begun else 0  # 0: the layout only
         try:
-            rows = self.follower.finish(most) if at_end else self.follower.read(most)
+            rows = self.source.finish(most) if at_end else self.source.read(most)
         except LostMotionError:
             self._save(hurry=True)
             raise
-        if self.follower.layout is not None and not self._begun:
-            self._begin(self.follower.layout)
+        if self.source.layout is not None and not self._begun:
+            self._begin(self.source.layout)
         return rows
 
     def _begin(self, layout: Layout) -> None:
@@ -187,7 +205,7 @@ class Service:
         self.emit(
             {
                 "kind": "start",
-                "source": self.follower.source.name,
+                "source": self.source.name,
                 "op": layout.op,
                 "pv": layout.pv,
                 "time_column": layout.time,
@@ -208,9 +226,9 @@ class Service:
         self._events += sum(message["kind"] == "event" for message in found)
         self._unsaved = self._unsaved or len(rows) > 0
         if found:
-            self._save(hurry=not self.follower.more)
+            self._save(hurry=not self.source.more)
 
     def _save(self, hurry: bool) -> None:
         if self._unsaved and self._begun:
-            self.kept.save(self.follower, self.monitor, hurry)
+            self.kept.save(self.source, self.monitor, hurry)
             self._unsaved = not hurry

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -16,6 +17,7 @@ REMEDY = "start anew with another --state, or take a backup"
 LONG = 2.5e11  # s on either side of 1970, to the year 9999
 SMALL, LARGE = 1e-100, 1e100  # of weights and widths
 MOST_COLUMNS = MOST = 100_000
+Check = Callable[[Any], float | None]
 
 seconds = number(-LONG, LONG)
 positive = number(1e-12, 1e12)
@@ -55,16 +57,16 @@ MONITOR = group(
 )  # fmt: skip
 
 
-def check_position(position: Any) -> dict[str, Any]:
-    """Position of a follower; DataError where it is none."""
+def check_position(position: Any) -> float | None:
+    """Sampling time of the position of a follower; DataError where it is none."""
     stored: dict[str, Any] = checked(position, POSITION, WHAT, REMEDY)
-    layout = stored["layout"]
+    layout: dict[str, Any] | None = stored["layout"]
     if stored["mark"]["offset"] != stored["offset"] or stored["file"] != ("head" in stored["mark"]):
         _refuse("a mark that belongs to the offset", stored["mark"]["offset"])
     if stored["file"] != ("tail" in stored["mark"]):
         _refuse("a mark of a file with head and tail", "one without")
     if layout is None:
-        return stored
+        return None
     names = layout["names"]
     used = [layout[name] for name in ("op", "pv", "time", "mode", "date") if layout[name] is not None]
     if len(set(names)) < len(names) or not {*used} <= {*names} or len(set(used)) < len(used):
@@ -73,7 +75,7 @@ def check_position(position: Any) -> dict[str, Any]:
         _refuse("a delimiter, and a time beside a date", repr(layout["delimiter"]))
     if "" in layout["orders"] and len(layout["orders"]) > 1:
         _refuse("orders of dates, or times of day", layout["orders"])
-    return stored
+    return float(layout["dt"])
 
 
 def check_monitor(header: Any) -> dict[str, Any]:

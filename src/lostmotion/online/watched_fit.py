@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from lostmotion.compensate.gate import Said, pass_dead_zone
+from lostmotion.errors import ParameterError
 from lostmotion.identify import RatedEstimate
 
 WAY_OUT = (
@@ -42,3 +43,33 @@ def settings_from_fit(
     linear = facts.linear
     orders = {"na": len(linear.a), "nb": len(linear.b) - 1, "delay": linear.delay}
     return {**orders, "noise": facts.noise.order, "gain": facts.known_gain}, accepted
+
+
+def watched_model(
+    fit: RatedEstimate | None,
+    orders: tuple[int, int, int] | None,
+    gain: float | None = None,
+    noise: str | int = "auto",
+    diagnosis: Said | None = None,
+    accept: str | None = None,
+) -> tuple[dict[str, Any], str]:
+    """Settings of the estimator: what is said goes before what the fit says; and what was accepted to get them.
+
+    Raises
+    ------
+    ParameterError
+        Neither orders nor a fit.
+    GateError
+        As :func:`settings_from_fit`.
+    """
+    if orders is None and fit is None:
+        raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
+    model: dict[str, Any] = {"gain": gain, "noise": noise}
+    accepted = ""
+    if fit is not None:
+        found, accepted = settings_from_fit(fit, diagnosis, accept)
+        known = {name: model[name] for name, given in (("gain", gain is not None), ("noise", noise != "auto")) if given}
+        model = found | known
+    if orders is not None:
+        model |= dict(zip(("na", "nb", "delay"), orders, strict=True))
+    return model, accepted

@@ -1,0 +1,1 @@
+"""OPC UA as a source of `online`: one connection, many loops."""

@@ -1,0 +1,130 @@
+"""A server and its loops in service, from settings to the end."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event, Lock
+from typing import Any
+from urllib.parse import quote
+
+from asyncua import ua
+
+from lostmotion.errors import FileAccessError
+from lostmotion.live.loop_settings import LoopSettings, Model, publishing_of
+from lostmotion.live.loop_source import LoopSource, check_position
+from lostmotion.live.opcua.data_value import quality_of, value_of
+from lostmotion.live.opcua.link import Connect, Followed, Link
+from lostmotion.live.recorder import LARGEST, PIECE, Recorder
+from lostmotion.live.run import Plant, Watched
+from lostmotion.online.service import Kept, Service
+
+Emit = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Kinds:
+    """Where things are kept: folders that are there, or None."""
+
+    state: Path | None = None
+    record: Path | None = None
+
+
+class Watch:
+    """Loops of a server, ready to run.
+
+    Parameters
+    ----------
+    loops : sequence of LoopSettings
+    connect : callable
+        Gives a client with an open session.
+    emit : callable
+        Takes each message, a JSON-ready dictionary with the tag of its loop; one at a time.
+    kept : Kinds
+
+    Raises
+    ------
+    LostMotionError
+        A gate is closed, a state is of other settings or held by another process, a folder is not there.
+    """
+
+    def __init__(self, loops: Sequence[LoopSettings], connect: Connect, emit: Emit, kept: Kinds | None = None) -> None:
+        self._emit, self._lock = emit, Lock()
+        where = kept or Kinds()
+        if where.state is not None and not where.state.is_dir():
+            raise FileAccessError(f"expected a folder for states, got {where.state}; make it first")
+        models = [loop.model() for loop in loops]
+        publishing = publishing_of([model.dt for model in models])
+        self.recorder = None if where.record is None else Recorder(where.record)
+        self._open = ExitStack()
+        self.watched: list[Watched] = []
+        followed = []
+        try:
+            for loop, model in zip(loops, models, strict=True):
+                one = self._watched(loop, model, publishing, where.state)
+                self.watched.append(one)
+                followed.append(Followed(one.source, loop.automatic, loop.uncertain))
+        except BaseException:
+            self._open.close()
+            raise
+        taps = () if self.recorder is None else (self._record,)
+        self.link = Link(connect, followed, publishing, self._tell, taps)
+        self.plant = Plant(self.watched, self._work())
+        for loop, model in zip(loops, models, strict=True):
+            if model.accepted:
+                self._tell("note", loop.tag, f"ACCEPTED behind a closed gate: {model.accepted}.")
+
+    def _watched(self, loop: LoopSettings, model: Model, publishing: float, folder: Path | None) -> Watched:
+        path = None if folder is None else folder / f"{quote(loop.tag, safe=' ')}.state"
+        settings = json.loads(json.dumps({**model.settings, **loop.watch}))
+        kept = self._open.enter_context(Kept(path, settings, check_position))
+        source = LoopSource(model.signals(loop, publishing), kept.position)
+
+        def emit(message: dict[str, Any]) -> None:
+            self._said({"tag": loop.tag, **message})
+
+        return Watched(source, Service(source, kept, model.maker(loop), emit, loop.width_limit))
+
+    async def run(self, stop: Event) -> bool:
+        """Work until `stop` is set; whether any loop could go on until then."""
+        try:
+            await self.plant.run(stop)
+        finally:
+            self._open.close()
+            if self.recorder is not None:
+                self.recorder.write()
+        return any(one.failure is None for one in self.watched)
+
+    async def _work(self) -> None:
+        if self.recorder is None:
+            await self.link.run()
+            return
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self.link.run())
+            group.create_task(self._pieces(self.recorder))
+
+    async def _pieces(self, recorder: Recorder) -> None:
+        """A piece each minute, or as soon as there is enough for one."""
+        waited = 0
+        while True:
+            await asyncio.sleep(1.0)
+            waited += 1
+            if waited >= PIECE or len(recorder) > LARGEST:
+                waited = 0
+                await asyncio.to_thread(recorder.write)
+
+    def _record(self, loop: Followed, role: str, data: ua.DataValue) -> None:
+        value = value_of(role, data, 0.0, loop.automatic, "keep")
+        if value is not None and self.recorder is not None:
+            self.recorder.add(value.stamp, f"{loop.source.name}.{role.upper()}", value.value, quality_of(data))
+
+    def _tell(self, kind: str, tag: str, message: str) -> None:
+        self._said({"tag": tag, "kind": kind, "message": message})
+
+    def _said(self, message: dict[str, Any]) -> None:
+        with self._lock:
+            self._emit(message)

@@ -1,0 +1,85 @@
+"""An OPC UA server with loops on it, of asyncua's own making: in this process, or in one that can be killed.
+
+``python -m tests.live_server PORT LOOPS DT HISTORY`` serves until it is killed, and prints a line when it is ready.
+"""
+
+import asyncio
+import logging
+import sys
+import time
+from datetime import UTC, datetime, timedelta
+
+from asyncua import Server, ua
+
+START = datetime(2026, 5, 1, tzinfo=UTC)
+NOT_YET = ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
+GOOD = ua.StatusCode(ua.StatusCodes.Good)
+
+
+class LoopServer:
+    """Server on 127.0.0.1 with OP, PV and mode of some loops."""
+
+    def __init__(self, tags, port=0, history=False):
+        self.tags, self.port, self.history = tags, port, history
+        self.nodes = {}
+
+    async def __aenter__(self):
+        logging.getLogger("asyncua").setLevel(logging.CRITICAL)
+        self.server = Server()
+        await self.server.init()
+        self.server.set_endpoint(f"opc.tcp://127.0.0.1:{self.port}")
+        self.server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+        space = await self.server.register_namespace("urn:lostmotion:test")
+        for tag in self.tags:
+            folder = await self.server.nodes.objects.add_folder(ua.NodeId(tag, space), ua.QualifiedName(tag, space))
+            for role in ("OP", "PV", "SP"):
+                node = await folder.add_variable(ua.NodeId(f"{tag}.{role}", space), ua.QualifiedName(role, space), 0.0)
+                self.nodes[tag, role] = node
+                await self.write(tag, role, 0.0, START - timedelta(hours=1), NOT_YET)
+            name = ua.QualifiedName("MODE", space)
+            self.nodes[tag, "MODE"] = await folder.add_variable(ua.NodeId(f"{tag}.MODE", space), name, "AUTO")
+        await self.server.start()
+        if self.history:
+            for (_, role), node in self.nodes.items():
+                if role in ("OP", "PV"):
+                    await self.server.historize_node_data_change(node, period=None, count=0)
+        self.port = self.server.bserver._server.sockets[0].getsockname()[1]
+        return self
+
+    async def __aexit__(self, *_):
+        await self.server.stop()
+
+    @property
+    def address(self):
+        return f"opc.tcp://127.0.0.1:{self.port}"
+
+    async def write(self, tag, role, value, stamp, status=GOOD):
+        """A value with a stamp in seconds from START, or a datetime."""
+        when = stamp if isinstance(stamp, datetime) else START + timedelta(microseconds=round(1e6 * stamp))
+        data = ua.DataValue(ua.Variant(value), StatusCode=status, SourceTimestamp=when, ServerTimestamp=when)
+        await self.server.write_attribute_value(self.nodes[tag, role].nodeid, data)
+
+
+def node(tag, role):
+    return f"ns=2;s={tag}.{role}"
+
+
+async def serve(port, loops, dt, history):
+    """Write counted values for ever: PV is the number of the sample since 1970, OP a little more."""
+    tags = [f"FIC{k:03d}" for k in range(loops)]
+    async with LoopServer(tags, port, history) as plant:
+        sys.stdout.write(f"ready {plant.port}\n")
+        sys.stdout.flush()
+        begin = time.time()
+        number = 0
+        while True:
+            number += 1
+            await asyncio.sleep(max(0.0, begin + number * dt - time.time()))
+            now = datetime.now(UTC)
+            for tag in tags:
+                await plant.write(tag, "OP", number + 0.5, now)
+                await plant.write(tag, "PV", float(number), now)
+
+
+if __name__ == "__main__":
+    asyncio.run(serve(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), sys.argv[4] == "history"))
