@@ -95,18 +95,18 @@ def export(
     fit = None if isinstance(source, lm.CompensatorBlock) else source
     done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, **opened)
     done.refuse(out, output.force)
-    block = done.source.block
+    made = done.source.block
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
         output.show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()})
         raise typer.Exit(1)
     paths = [str(path) for path in done.write(out, output.force)]
-    notes = "; ".join(block.notes)
+    notes = "; ".join(made.notes)
     said = "not replayed" if proof is None else f"the code {proof.summary()}"
-    text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
-    text += f"\nACCEPTED behind a closed gate: {block.accepted}." if block.accepted else ""
+    text = f"{', '.join(paths)}: {made.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
+    text += f"\nACCEPTED behind a closed gate: {made.accepted}." if made.accepted else ""
     replayed = None if proof is None else proof.to_dict()
-    output.show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed})
+    output.show(text, {"written": paths, "to": to, "real": real, "block": made.to_dict(), "replay": replayed})
 
 
 def _settings(words: list[str]) -> dict[str, float]:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.compensate import CompensatorBlock, Specification
+from lostmotion.compensate.supervised import SupervisedBlock
 from lostmotion.errors import ParameterError
 from lostmotion.export.names import block_name
 from lostmotion.export.outside import anywhere
@@ -30,7 +31,7 @@ class Source:
 
     Parameters
     ----------
-    block : CompensatorBlock
+    block : CompensatorBlock or SupervisedBlock
         Kind, settings and scan time.
     name : str
         Name of the block in the PLC.
@@ -47,7 +48,7 @@ class Source:
         A name, a date or a setting that cannot be used.
     """
 
-    block: CompensatorBlock
+    block: CompensatorBlock | SupervisedBlock
     name: str
     date: str
     real: str = "lreal"
