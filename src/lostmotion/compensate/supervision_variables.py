@@ -36,7 +36,8 @@ REASONS = (
 """SHED_REASON by number."""
 
 
-def _listed(words: tuple[str, ...]) -> str:
+def listed(words: tuple[str, ...]) -> str:
+    """Words with their numbers, in one line."""
     return ", ".join(f"{number} {word}" for number, word in enumerate(words))
 
 
@@ -75,9 +76,9 @@ def supervision(first: str, second: str) -> tuple[Variable, ...]:
         *_states(),
         *_rows(
             "output",
-            ("SUPERVISION", "int", "", _listed(STATES)),
-            ("REFUSAL", "int", "", f"of the last request: {_listed(REFUSALS)}"),
-            ("SHED_REASON", "int", "", _listed(REASONS)),
+            ("SUPERVISION", "int", "", listed(STATES)),
+            ("REFUSAL", "int", "", f"of the last request: {listed(REFUSALS)}"),
+            ("SHED_REASON", "int", "", listed(REASONS)),
             ("WAITING", "bool", "", "a checked request waits for the operator"),
             ("LINK_OK", "bool", "", "the heartbeat changes"),
             ("ECHO_ID", "int", "", "id of the last request that was looked at"),
@@ -102,7 +103,7 @@ def _states() -> list[Variable]:
         ("LAST_BEAT", "int", "", "heartbeat that was seen last"),
         ("SILENT", "int", "scans", "since the heartbeat changed"),
         ("LINK", "bool", "", "the heartbeat changes"),
-        ("FAILING", "int", "", f"what forbids to compensate: {_listed(REASONS)}"),
+        ("FAILING", "int", "", f"what forbids to compensate: {listed(REASONS)}"),
         ("LAST_ID", "int", "", "largest id so far"),
         ("PENDING", "bool", "", "a request waits"),
         ("PEND_FACTOR", "int", "", "its factor"),

@@ -23,6 +23,7 @@ from lostmotion.export.tree import Block, Name
 TYPES: dict[str, npt.DTypeLike] = {"lreal": np.float64, "real": np.float32}
 LARGEST_INT = 2.0**31
 UNKNOWN = "not given"
+SUPERVISED = "Supervised: compensates only with what was asked for, checked, shown and accepted; else passive."
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,11 @@ class Source:
         return self.block.specification
 
     @property
+    def supervised(self) -> bool:
+        """Whether a supervisor asks and an operator accepts."""
+        return isinstance(self.block, SupervisedBlock)
+
+    @property
     def dtype(self) -> npt.DTypeLike:
         """float64 for LREAL, float32 for REAL."""
         return TYPES[self.real]
@@ -117,6 +123,7 @@ class Source:
             f"Fit: {said(self.fit)}",
             f"Interval: {said(self.interval)}",
             *([f"ACCEPTED behind a closed gate: {said(self.block.accepted)}"] if self.block.accepted else []),
+            *([SUPERVISED] if self.supervised else []),
             f"Settings: {said('; '.join(self.block.notes)) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "

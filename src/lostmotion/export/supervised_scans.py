@@ -17,6 +17,7 @@ from lostmotion.compensate.supervised import SupervisedSpecification
 COUNTS = {"TIMEOUT": (4, 8, 20), "SHOW_SCANS": (1, 2, 3), "ACCEPT_SCANS": (6, 12, 30), "LEAST_SCANS": (0, 0, 3, 12)}
 CALM = {"GOOD": 1.0, "TRACK": 0.0, "AUTO_MODE": 1.0, "CASCADE": 1.0, "ENABLE": 1.0}
 ODD_NUMBERS = (-1, LARGEST + 1, 2**30, -(2**30), 16_777_217)
+CHANGED = ("asked_factor", "asked_first", "asked_second", "checksum")
 FAULTS = ("checksum", "old id", "id", "range", "half", "number", "key")
 SMALLEST = 1e-9  # resolution
 GOOD_SHARE, CALM_SHARE, ASK_SHARE = 0.75, 0.75, 0.2
@@ -85,7 +86,8 @@ class Script:
         elif chance < 0.87:
             self.written["request_id"] = 0
         elif chance < 0.94:
-            self.written["asked_first"] = self.written.get("asked_first", 0) + 1
+            name = CHANGED[int(self.random.integers(len(CHANGED)))]
+            self.written[name] = self.written.get(name, 0) + 1
 
 
 def _whole(value: float, unit: float) -> int:
@@ -104,14 +106,14 @@ def _spoil(values: dict[str, int], fault: str | None, script: Script) -> dict[st
     if fault == "checksum":
         values["checksum"] += int(random.choice((-1, 1, 31, 524287)))
     elif fault == "old id":
-        script.id -= 6
+        script.id -= 9
         values["request_id"] = max(script.id, 0)
     elif fault == "id":
         values["request_id"] = int(random.choice(ODD_NUMBERS))
     elif fault == "range":
         values["asked_first"] = int(random.choice((-LARGEST, LARGEST, -values["asked_first"])))
     elif fault == "number":
-        name = ("asked_factor", "asked_first", "asked_second", "checksum")[int(random.integers(4))]
+        name = CHANGED[int(random.integers(len(CHANGED)))]
         values[name] = int(random.choice(ODD_NUMBERS))
     elif fault == "key":
         values["checksum"] = (values["checksum"] + 31**4) % 524287
