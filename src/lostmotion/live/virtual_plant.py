@@ -25,7 +25,7 @@ Process = Callable[[float, float], float]  # new process value from the present 
 
 
 def tank(scan_time: float, outflow: float = 45.0, seconds: float = 200.0) -> Process:
-    """Level of a tank in %: fills at one % a scan for an opening that lasts `seconds` per %, drained at a fixed rate."""
+    """Level of a tank in %, drained at a fixed rate; 1 % more opening fills 1 % in `seconds`."""
     return lambda level, opening: min(max(level + scan_time * (opening - outflow) / seconds, LOW), HIGH)
 
 
