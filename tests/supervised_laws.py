@@ -17,7 +17,7 @@ def random_supervision(one, rows, seed):
     random = np.random.default_rng(seed)
     names = [variable.name for variable in one.specification.section("input")]
     columns = {name: k for k, name in enumerate(names)}
-    stretches = scenario(one.specification, one.parameters, 64, seed, tame=True)
+    stretches = scenario(one.specification, one.parameters, 64, tame=True)
     inputs = np.repeat(stretches[0].inputs[:1], rows, axis=0)
     walk = 50.0 + 20.0 * np.sin(np.arange(rows) / 37.0) + np.cumsum(random.normal(scale=0.2, size=rows)) % 15.0
     inputs[:, columns["OP_IN"]] = walk

@@ -106,8 +106,8 @@ def _spoil(values: dict[str, int], fault: str | None, script: Script) -> dict[st
     if fault == "checksum":
         values["checksum"] += int(random.choice((-1, 1, 31, 524287)))
     elif fault == "old id":
-        script.id -= 9
-        values["request_id"] = max(script.id, 0)
+        script.id = max(script.id - 9, 0)
+        values["request_id"] = script.id
     elif fault == "id":
         values["request_id"] = int(random.choice(ODD_NUMBERS))
     elif fault == "range":
