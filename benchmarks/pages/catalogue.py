@@ -9,6 +9,7 @@ REPORT = "src/lostmotion/report/diagnosis_*.py"
 SHARED = "the real records in ../shared/data"
 COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
 EXPORT = ("benchmarks/export.md", "src/lostmotion/export/templates/*")
+SUPERVISED = ("benchmarks/supervised.md", "src/lostmotion/export/templates/*")
 RIVALS = ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
 
 
@@ -67,6 +68,7 @@ PAGES = (
     Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),
     Page("wrong-inverse", "benchmarks/wrong_inverse.py", 6),
+    Page("supervised", "benchmarks/supervised.py", 15, SUPERVISED, "make plc", shares=True),
 )
 BY_HAND = {
     "audit": "what an audit does; figures with the command that repeats each",

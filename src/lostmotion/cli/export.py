@@ -41,6 +41,29 @@ Settings = Annotated[list[str] | None, number("--set", "Any setting, e.g. --set 
 Scans = Annotated[int, typer.Option("--replay", help="Scans of the replay that proves the code; 0: none.")]
 
 
+Supervised = Annotated[
+    bool, typer.Option("--supervised", help="Compensate only with what an operator has accepted: docs/supervised.md.")
+]
+Supervision = Annotated[
+    list[str] | None, number("--supervise", "A setting of the supervision, e.g. --supervise timeout=20; repeat it.")
+]
+
+
+@dataclass(frozen=True)
+class SupervisionOptions:
+    """Whether a supervisor may ask for widths, and its settings."""
+
+    supervised: Supervised = False
+    supervise: Supervision = None
+
+    def given(self) -> bool | dict[str, float]:
+        """For ``export``."""
+        named = _settings(self.supervise or [])
+        if named and not self.supervised:
+            raise ParameterError.expected("--supervise with --supervised", "no --supervised", "give both, or none")
+        return named or self.supervised
+
+
 @dataclass(frozen=True)
 class BlockOptions:
     """Settings of the block, instead of those that follow from the fit."""
@@ -78,6 +101,7 @@ def export(
     replay: Scans = 10_000,
     *,
     asked: BlockOptions,
+    supervision: SupervisionOptions,
     gate: GateOptions,
     output: OutputOptions,
 ) -> None:
@@ -93,20 +117,22 @@ def export(
     opened = gate.given()
     block = asked.block(source, opened)
     fit = None if isinstance(source, lm.CompensatorBlock) else source
-    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, **opened)
+    under = supervision.given()
+    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, supervised=under, **opened)
     done.refuse(out, output.force)
-    block = done.source.block
+    made = done.source.block
     proof = done.replay(replay) if replay > 0 else None
     if proof is not None and not proof.agrees:
         output.show(f"Nothing written: the code {proof.summary()}", {"written": [], "replay": proof.to_dict()})
         raise typer.Exit(1)
     paths = [str(path) for path in done.write(out, output.force)]
-    notes = "; ".join(block.notes)
+    notes = "; ".join(made.notes)
     said = "not replayed" if proof is None else f"the code {proof.summary()}"
-    text = f"{', '.join(paths)}: {block.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
-    text += f"\nACCEPTED behind a closed gate: {block.accepted}." if block.accepted else ""
+    text = f"{', '.join(paths)}: {made.kind} block for {to}, {real.upper()}; {said}.\nSettings: {notes}."
+    text += "\nSupervised: passive until an operator accepts what a supervisor asks for." if under else ""
+    text += f"\nACCEPTED behind a closed gate: {made.accepted}." if made.accepted else ""
     replayed = None if proof is None else proof.to_dict()
-    output.show(text, {"written": paths, "to": to, "real": real, "block": block.to_dict(), "replay": replayed})
+    output.show(text, {"written": paths, "to": to, "real": real, "block": made.to_dict(), "replay": replayed})
 
 
 def _settings(words: list[str]) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.compensate.gate import Said, block_behind_gate
+from lostmotion.compensate.supervised import KEY_MODULUS, SupervisedBlock
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.export.commissioning import page
 from lostmotion.export.dialects import TARGETS
@@ -84,6 +86,7 @@ def export(
     fit: RatedEstimate | Mapping[str, Any] | None = None,
     diagnosis: Said | None = None,
     accept: str | None = None,
+    supervised: bool | Mapping[str, float] = False,
 ) -> Exported:
     """Code of a block for a PLC.
 
@@ -107,6 +110,9 @@ def export(
     accept : str, optional
         Reason for which a closed gate is passed all the same; it stands in every header. One that the block brings
         along counts too.
+    supervised : bool or mapping
+        The block compensates only with what a supervisor has asked for and an operator has accepted
+        (``docs/supervised.md``); a mapping names settings of the supervision, in scans and units of OP.
 
     Returns
     -------
@@ -133,5 +139,12 @@ def export(
         raise ParameterError.expected(f"to out of {list(TARGETS)}", repr(to), "choose one of them")
     facts = None if fit is None else facts_of(fit)
     block = block_behind_gate(block, facts, diagnosis, accept)
-    source = Source(block, name, date, real, **({} if facts is None else provenance(facts)))
+    exported = block if supervised is False else supervised_block(block, name, supervised)
+    source = Source(exported, name, date, real, **({} if facts is None else provenance(facts)))
     return Exported(source, to, TARGETS[to].files(source))
+
+
+def supervised_block(block: CompensatorBlock, name: str, settings: bool | Mapping[str, float]) -> SupervisedBlock:
+    """The block under supervision; its key, where it is not given, comes from its name in the PLC."""
+    given = {} if isinstance(settings, bool) else dict(settings)
+    return SupervisedBlock.of(block, **{"block_key": float(zlib.crc32(name.encode()) % KEY_MODULUS), **given})

@@ -23,7 +23,8 @@ from lostmotion.export.tree import (
     Statement,
 )
 
-RANK = {"+": 1, "-": 1, "*": 2, "/": 2}
+RANK = {"+": 1, "-": 1, "*": 2, "/": 2, "%": 2}
+WORDS = {"%": "MOD"}
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Printer:
             return "-" + self.operand(operands[0], True)
         if operator == "not":
             return self.syntax.negation.format(self.operand(operands[0]))
-        word = self.syntax.operators.get(operator, operator.upper())
+        word = self.syntax.operators.get(operator, WORDS.get(operator, operator.upper()))
         left, right = operands
         if operator in ARITHMETIC:
             return f"{self.left(left, operator)} {word} {self.operand(right, True)}"

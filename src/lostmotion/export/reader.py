@@ -6,6 +6,7 @@ No text is run as Python: a name is a key of a dictionary, and a function one of
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ TOKEN = re.compile(
     r"|(?P<sign>:=|<>|<=|>=|[-+*/()<>=;:,])",
     re.S,
 )
-LEVELS = (("OR",), ("XOR",), ("AND",), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"), ("*", "/"))
+LEVELS = (("OR",), ("XOR",), ("AND",), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"), ("*", "/", "MOD"))
 Values = dict[str, Any]
 Does = Callable[[Values], Any]  # what a piece of the program gives, or changes, for the values of all variables
 REALS: dict[str, Any] = {"REAL": np.float32, "LREAL": np.float64}
@@ -251,4 +252,5 @@ BINARY: dict[str, Callable[[Does, Does], Does]] = {
     "-": lambda a, b: lambda v: a(v) - b(v),
     "*": lambda a, b: lambda v: a(v) * b(v),
     "/": lambda a, b: lambda v: a(v) / b(v),
+    "MOD": lambda a, b: lambda v: int(math.fmod(a(v), b(v))),
 }

@@ -14,6 +14,9 @@ import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import Specification
+from lostmotion.compensate.supervised import SupervisedSpecification
+from lostmotion.compensate.variables import Variable
+from lostmotion.export.supervised_scans import supervise_scans
 
 ODD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e308, -1e308, 1e-310, -0.0)
 ODD_SHARE = 0.02
@@ -22,7 +25,7 @@ COUNTS = (0.0, 0.0, 1.0, 1.0, 2.0, 3.0, 7.0)
 BAD_COUNTS = (-3.0, -1.0, 0.0, 16777216.0)
 FACTORS = (0.0, 0.3, 0.5, 0.9, 1.0, 1.1, 2.0)
 LENGTHS = (4, 16, 64)  # scans of a stretch at most: many changes of settings and modes in few scans
-IN_SERVICE = {"ENABLE": 1.0, "GOOD": 1.0, "TRACK": 0.0}
+IN_SERVICE = {"ENABLE": 1.0, "GOOD": 1.0, "TRACK": 0.0, "AUTO_MODE": 1.0, "CASCADE": 1.0}
 
 
 @dataclass(frozen=True)
@@ -92,20 +95,27 @@ def scenario(
         settings = usable
         near = about if usable is base else _About.of(specification, usable)
         grid = about.grid if random.random() < 0.5 else 0.0
-        columns = [
-            _flag(random, count, IN_SERVICE.get(variable.name, variable.default))
-            if variable.kind == "bool"
-            else _signal(random, count, near, grid, odd=not tame)
-            for variable in specification.section("input")
-        ]
-        inputs = np.column_stack(columns)
+        inputs = np.column_stack(
+            [_column(random, count, variable, near, grid, tame) for variable in specification.section("input")]
+        )
         cold = not result or (not tame and random.random() < COLD_SHARE)
         if cold and not tame and random.random() < 0.5:
             inputs[: random.integers(1, 4), 0] = _pick(random, ODD)  # nothing good yet
         with np.errstate(over="ignore"):
             result.append(Stretch(used.astype(parameters.dtype), inputs.astype(parameters.dtype), cold))
         done += count
+    if isinstance(specification, SupervisedSpecification):
+        supervise_scans(specification, result, random, tame=tame)
     return result
+
+
+def _column(
+    random: np.random.Generator, count: int, variable: Variable, near: _About, grid: float, tame: bool
+) -> FloatArray:
+    """Scans of one input; whole numbers come from the supervisor of :mod:`lostmotion.export.supervised_scans`."""
+    if variable.kind == "bool":
+        return _flag(random, count, IN_SERVICE.get(variable.name, variable.default))
+    return np.zeros(count) if variable.kind == "int" else _signal(random, count, near, grid, odd=not tame)
 
 
 def _settings(

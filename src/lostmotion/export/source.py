@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.compensate import CompensatorBlock, Specification
+from lostmotion.compensate.supervised import SupervisedBlock
 from lostmotion.errors import ParameterError
 from lostmotion.export.names import block_name
 from lostmotion.export.outside import anywhere
@@ -22,6 +23,7 @@ from lostmotion.export.tree import Block, Name
 TYPES: dict[str, npt.DTypeLike] = {"lreal": np.float64, "real": np.float32}
 LARGEST_INT = 2.0**31
 UNKNOWN = "not given"
+SUPERVISED = "Supervised: compensates only with what was asked for, checked, shown and accepted; else passive."
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Source:
 
     Parameters
     ----------
-    block : CompensatorBlock
+    block : CompensatorBlock or SupervisedBlock
         Kind, settings and scan time.
     name : str
         Name of the block in the PLC.
@@ -47,7 +49,7 @@ class Source:
         A name, a date or a setting that cannot be used.
     """
 
-    block: CompensatorBlock
+    block: CompensatorBlock | SupervisedBlock
     name: str
     date: str
     real: str = "lreal"
@@ -76,6 +78,11 @@ class Source:
     def specification(self) -> Specification:
         """Kernel and variables."""
         return self.block.specification
+
+    @property
+    def supervised(self) -> bool:
+        """Whether a supervisor asks and an operator accepts."""
+        return isinstance(self.block, SupervisedBlock)
 
     @property
     def dtype(self) -> npt.DTypeLike:
@@ -116,6 +123,7 @@ class Source:
             f"Fit: {said(self.fit)}",
             f"Interval: {said(self.interval)}",
             *([f"ACCEPTED behind a closed gate: {said(self.block.accepted)}"] if self.block.accepted else []),
+            *([SUPERVISED] if self.supervised else []),
             f"Settings: {said('; '.join(self.block.notes)) or UNKNOWN}",
             f"Limits: OP_OUT within {values['low']:.6g} .. {values['high']:.6g}, "
             f"offset within +-{values['cap']:.6g}, "

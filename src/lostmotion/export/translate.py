@@ -1,7 +1,11 @@
 """From the Python text of a scan kernel to the typed tree, refusing whatever a PLC would not do alike.
 
 The subset: assignments to ``s[NAME]``, ``o[NAME]`` and local scalars, if / elif / else, calls of functions of the same
-form (inlined); + - * / unary minus, comparisons of two operands, and / or / not in conditions, min, max, abs.
+form (inlined); + - * / unary minus, comparisons of two operands, and / or / not in conditions, min, max, abs, % of
+whole numbers that are not negative.
+
+A kernel in front of another hands it ``q = p.copy()`` with ``q[NAME] = s[OTHER]``: the PLC copies nothing, the inner
+kernel reads OTHER where it says NAME.
 """
 
 from __future__ import annotations
@@ -9,17 +13,30 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from lostmotion.errors import ParameterError
 from lostmotion.export import types as kinds
 from lostmotion.export.assigned import check_assigned
-from lostmotion.export.tree import Assign, Block, Expression, If, Name, Number, Operation, Remark, Statement
+from lostmotion.export.tree import (
+    Assign,
+    Block,
+    Expression,
+    If,
+    Name,
+    Number,
+    Operation,
+    Remark,
+    Statement,
+    every_statement,
+)
 
 ARRAYS = {"p": "parameter", "s": "state", "i": "input", "o": "output"}
+COPIED = ("p", "i")
 WRITABLE = ("state", "output")
-ARITHMETIC = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+ARITHMETIC = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%"}
 COMPARISON = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "=", ast.NotEq: "<>"}
 LARGEST_LITERAL = 2.0**24  # every whole number up to here is exact in REAL
 
@@ -68,15 +85,30 @@ class _Table:
         return name if owner == function else f"{name}_{function}"
 
 
+@dataclass(frozen=True)
+class _Array:
+    """What an argument of a kernel stands for: a section, and what is read instead of some of its variables."""
+
+    section: str
+    instead: dict[str, Name] = field(default_factory=dict)
+
+
+PLAIN = {letter: _Array(section) for letter, section in ARRAYS.items()}
+
+
 class _Function:
     """One function of the kernel on its way into the tree."""
 
-    def __init__(self, function: Any, table: _Table, callers: tuple[str, ...]) -> None:
+    def __init__(
+        self, function: Any, table: _Table, callers: tuple[str, ...], given: Mapping[str, _Array] = PLAIN
+    ) -> None:
         plain = getattr(function, "py_func", function)
         self.table = table
         self.known = plain.__globals__
         self.name = plain.__name__
         self.callers = (*callers, self.name)
+        self.given = given
+        self.copies: dict[str, _Array] = {}
         lines, self.first_line = inspect.getsourcelines(plain)
         node = ast.parse(textwrap.dedent("".join(lines))).body[0]
         if not isinstance(node, ast.FunctionDef) or [a.arg for a in node.args.args] != list(ARRAYS):
@@ -105,6 +137,12 @@ class _Function:
 
     def statement(self, node: ast.stmt) -> list[Statement]:
         match node:
+            case ast.Assign(targets=[ast.Name(id=copy)], value=ast.Call(func=ast.Attribute() as method, args=[])):
+                return self.copy(node, copy, method)
+            case ast.Assign(targets=[ast.Subscript(value=ast.Name(id=name)) as target], value=value) if (
+                name in self.copies
+            ):
+                return self.replace(node, self.copies[name], target, value)
             case ast.Assign(targets=[target], value=value):
                 return [self.assign(node, target, value)]
             case ast.AnnAssign(target=ast.Name() as target, value=ast.expr() as value):
@@ -119,14 +157,40 @@ class _Function:
         raise AssertionError
 
     def inline(self, call: ast.Call) -> tuple[Statement, ...]:
-        arguments = [argument.id for argument in call.args if isinstance(argument, ast.Name)]
-        if not isinstance(call.func, ast.Name) or arguments != list(ARRAYS) or call.keywords:
+        known = {**self.given, **self.copies}
+        arguments = [known.get(argument.id) for argument in call.args if isinstance(argument, ast.Name)]
+        sections = [argument.section for argument in arguments if argument is not None]
+        if not isinstance(call.func, ast.Name) or sections != list(ARRAYS.values()) or call.keywords:
             self.refuse(call, "a call of the form name(p, s, i, o)")
         assert isinstance(call.func, ast.Name)  # noqa: S101
         function = self.known.get(call.func.id)
         if function is None or call.func.id in self.callers:
             self.refuse(call, "a known function that does not call itself")
-        return _Function(function, self.table, self.callers).statements()
+        given = {letter: array for letter, array in zip(ARRAYS, arguments, strict=True) if array is not None}
+        statements = _Function(function, self.table, self.callers, given).statements()
+        kept = {name for array in given.values() for name in array.instead.values()}
+        if any(isinstance(part, Assign) and part.target in kept for part in every_statement(statements)):
+            self.refuse(call, "a kernel that does not change what it reads through a copy")
+        return statements
+
+    def copy(self, node: ast.stmt, name: str, method: ast.Attribute) -> list[Statement]:
+        """``q = p.copy()``: another name for the section."""
+        of = method.value.id if isinstance(method.value, ast.Name) else ""
+        if method.attr != "copy" or of not in COPIED or name in ARRAYS or name in self.copies:
+            self.refuse(node, f"q = p.copy() or i.copy(), once a name, with no name of {list(ARRAYS)}")
+        self.copies[name] = _Array(self.given[of].section, dict(self.given[of].instead))
+        return []
+
+    def replace(self, node: ast.stmt, copy: _Array, target: ast.Subscript, value: ast.expr) -> list[Statement]:
+        """``q[NAME] = s[OTHER]``: OTHER is read where the next kernel says NAME."""
+        place, other = self.variable(target), self.expression(value)
+        if node not in self.node.body or not isinstance(other, Name) or other.section != "state":
+            self.refuse(node, "q[NAME] = s[OTHER], in every scan")
+        assert isinstance(other, Name)  # noqa: S101
+        if other.kind != place.kind or place.name in copy.instead:
+            self.refuse(node, f"another {place.kind} for {place.name}, once")
+        copy.instead[place.name] = other
+        return []
 
     def branch(self, node: ast.If) -> If:
         branches = [(self.condition(node.test), self.body(node.body))]
@@ -140,7 +204,7 @@ class _Function:
         result = self.expression(node)
         if result.kind != "bool":
             self.refuse(node, "a condition (compare a flag with 0.0)")
-        if any(isinstance(part, ast.BinOp) and isinstance(part.op, ast.Div) for part in ast.walk(node)):
+        if any(isinstance(part, ast.BinOp) and isinstance(part.op, ast.Div | ast.Mod) for part in ast.walk(node)):
             self.refuse(node, "no division in a condition (a PLC works out all parts of it)")
         return result
 
@@ -171,18 +235,26 @@ class _Function:
         if not (
             isinstance(node, ast.Subscript)
             and isinstance(node.value, ast.Name)
-            and node.value.id in ARRAYS
+            and node.value.id in {*ARRAYS, *self.copies}
             and isinstance(node.slice, ast.Name)
         ):
             self.refuse(node, "p[NAME], s[NAME], i[NAME] or o[NAME]")
         assert isinstance(node, ast.Subscript)  # noqa: S101
         assert isinstance(node.value, ast.Name)  # noqa: S101
         assert isinstance(node.slice, ast.Name)  # noqa: S101
-        section, constant = ARRAYS[node.value.id], node.slice.id
-        index, table = self.known.get(constant), self.table.sections[section]
-        if not isinstance(index, int) or not 0 <= index < len(table) or table[index].name != constant:
-            self.refuse(node, f"an index that the variable table has under {section} at this place")
-        return Name(section, constant, table[index].kind)
+        array, constant = {**self.given, **self.copies}[node.value.id], node.slice.id
+        index, table = self.known.get(constant), self.table.sections[array.section]
+        size = len(table)
+        if not isinstance(index, int) or not -size <= index < size or table[index].name != constant:
+            self.refuse(node, f"an index that the variable table has under {array.section} at this place")
+        return Name(array.section, constant, table[index].kind)
+
+    def replaced(self, node: ast.Subscript) -> Name | None:
+        """What is read instead of ``a[NAME]``, where a caller said so."""
+        assert isinstance(node.value, ast.Name)  # noqa: S101
+        assert isinstance(node.slice, ast.Name)  # noqa: S101
+        array = self.given.get(node.value.id)
+        return None if array is None else array.instead.get(node.slice.id)
 
     def expression(self, node: ast.expr) -> Expression:
         match node:
@@ -193,7 +265,8 @@ class _Function:
             case ast.Name():
                 return self.local(node)
             case ast.Subscript():
-                return self.variable(node)
+                variable = self.variable(node)
+                return self.replaced(node) or variable
             case _:
                 return self.operator(node)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 COMPARISONS = ("<", "<=", ">", ">=", "=", "<>")
-ARITHMETIC = ("+", "-", "*", "/")
+ARITHMETIC = ("+", "-", "*", "/", "%")
 LOGIC = ("and", "or")
 
 
@@ -35,7 +35,7 @@ class Number:
 class Operation:
     """Operator or function on one or two operands; `kind` is the kind of the result."""
 
-    operator: str  # + - * / < <= > >= = <> and or not neg min max abs
+    operator: str  # + - * / % < <= > >= = <> and or not neg min max abs
     operands: tuple[Expression, ...]
     kind: str
 
@@ -93,6 +93,16 @@ def parts(expression: Expression) -> Iterator[Expression]:
             yield from parts(operand)
     elif isinstance(expression, Convert):
         yield from parts(expression.operand)
+
+
+def every_statement(statements: tuple[Statement, ...]) -> Iterator[Statement]:
+    """The statements and all inside them."""
+    for statement in statements:
+        yield statement
+        if isinstance(statement, If):
+            for _, body in statement.branches:
+                yield from every_statement(body)
+            yield from every_statement(statement.otherwise)
 
 
 def each_statement(

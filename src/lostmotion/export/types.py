@@ -43,11 +43,21 @@ def operation(operator: str, trees: Sequence[Expression]) -> Expression | None:
     kind = "literal"
     for tree in trees:
         kind = common(kind, tree.kind) or kind
+    if operator == "%":
+        return _remainder(trees, kind)
     if operator == "/" or (kind == "int" and not numbers and operator in ("+", "-", "*", "abs", "neg")):
         kind = "real"  # what an int could not hold; counting (a literal added) stays in whole numbers
     operands = [as_kind(tree, kind) for tree in trees]
     result = "bool" if operator in COMPARISONS else kind
     return Operation(operator, tuple(operand for operand in operands if operand is not None), result)
+
+
+def _remainder(trees: Sequence[Expression], kind: str) -> Expression | None:
+    """MOD of a whole number and a constant above 0; what is divided must not be negative, or dialects differ."""
+    modulus = as_kind(trees[1], "int")
+    if kind != "int" or not isinstance(modulus, Number) or modulus.value <= 0.0:
+        return None
+    return Operation("%", (trees[0], modulus), "int")
 
 
 def _flags(operator: str, trees: Sequence[Expression]) -> Expression | None:

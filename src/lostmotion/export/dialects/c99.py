@@ -27,7 +27,7 @@ def files(source: Source) -> dict[str, str]:
     declared = declare(source, source.tree, types, true="true", false="false")
     suffix = "" if double else "f"
     syntax = Syntax(
-        operators={"=": "==", "<>": "!=", "and": "&&", "or": "||"},
+        operators={"=": "==", "<>": "!=", "and": "&&", "or": "||", "%": "%"},
         calls={
             "min": "lesser({0}, {1})",
             "max": "greater({0}, {1})",
@@ -104,7 +104,7 @@ def _line(line: str, real: str) -> str:
     line = re.sub(r"\btrue\b", "TRUE", re.sub(r"\bfalse\b", "FALSE", line))
     line = re.sub(r"!(?!=)", "NOT ", line)
     line = re.sub(r"(?<=\w) = ", " := ", line)
-    return line.replace("&&", "AND").replace("||", "OR").replace("==", "=").replace("!=", "<>")
+    return line.replace("%", "MOD").replace("&&", "AND").replace("||", "OR").replace("==", "=").replace("!=", "<>")
 
 
 DIALECT = Dialect(

@@ -1,0 +1,43 @@
+"""Scan kernel: the knocker, factor and amplitude from a supervisor."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from lostmotion.arrays import Reals
+from lostmotion.kernels.blocks.core import ENABLE, FACTOR, HOLD_ON_DISABLE
+from lostmotion.kernels.blocks.knocker import AMPLITUDE
+from lostmotion.kernels.blocks.knocker import step as compensate
+from lostmotion.kernels.blocks.supervised.supervisor import (
+    KEEP,
+    RUN,
+    SET_FIRST,
+    SET_SECOND,
+    USE_FACTOR,
+    USE_FIRST,
+    supervise,
+    tell,
+)
+
+
+@njit(cache=True)
+def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
+    """One scan: the block as it is, with what is in force in place of its settings."""
+    s[SET_FIRST] = p[AMPLITUDE]
+    s[SET_SECOND] = 0.0  # a knock has one size
+    supervise(p, s, i, o)
+    q = p.copy()
+    j = i.copy()
+    q[FACTOR] = s[USE_FACTOR]
+    q[HOLD_ON_DISABLE] = s[KEEP]
+    q[AMPLITUDE] = s[USE_FIRST]
+    j[ENABLE] = s[RUN]
+    compensate(q, s, j, o)
+    tell(p, s, i, o)
+
+
+@njit(cache=True)
+def run(p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
+    """All scans of `inputs` (n, n_inputs) into `outputs` (n, n_outputs)."""
+    for k in range(inputs.shape[0]):
+        step(p, s, inputs[k], outputs[k])
