@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lostmotion.audit.runner.work import Steps
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Steps
 from lostmotion.errors import DataError, LostMotionError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.records import LoopRecord

@@ -7,13 +7,13 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from lostmotion.audit.assess import _another, _pooled, assess, told
+from lostmotion.audit.assess.assess import _another, _pooled, assess, told
+from lostmotion.audit.assess.stretches import EACH, ROWS, looks
+from lostmotion.audit.assess.trace import envelope
 from lostmotion.audit.rank import ranked
-from lostmotion.audit.screen import screen
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.stretches import EACH, ROWS, looks
-from lostmotion.audit.trace import envelope
 from lostmotion.errors import DataError
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.models.registry import actuator_from_dict
@@ -114,7 +114,7 @@ def test_a_failure_is_a_row(monkeypatch, error, said):
     def broken(*given):
         raise error
 
-    monkeypatch.setattr(import_module("lostmotion.audit.assess"), "looks", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.assess.assess"), "looks", broken)
     row, trace = assess(LOOP, sticking()[0], looked()[0], SETTINGS)
     assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
 

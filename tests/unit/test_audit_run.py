@@ -6,13 +6,13 @@ from datetime import timedelta
 import pytest
 from benchmarks.audit.stand_in import BEGAN, HERE, STEPS, MadePlant
 
-from lostmotion.audit import plan
-from lostmotion.audit.batches import batches, by_loop, together
-from lostmotion.audit.engine import EngineError, Task, open_engine
-from lostmotion.audit.engine.protocol import DIED
-from lostmotion.audit.run import SCREEN, Progress, run_audit
+from lostmotion.audit.runner import plan
+from lostmotion.audit.runner.batches import batches, by_loop, together
+from lostmotion.audit.runner.engine import EngineError, Task, open_engine
+from lostmotion.audit.runner.engine.protocol import DIED
+from lostmotion.audit.runner.run import SCREEN, Progress, run_audit
+from lostmotion.audit.runner.work import Job, Steps, screen_batch
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Job, Steps, screen_batch
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import Stage

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from lostmotion.audit.screen import screen
-from lostmotion.audit.screen_harris import first_answer
-from lostmotion.audit.screen_spectrum import BINS, spectrum_of
-from lostmotion.audit.screen_swing import nonlinearity, phase_at, swing_of, thinned
+from lostmotion.audit.screen.harris import first_answer
+from lostmotion.audit.screen.screen import screen
+from lostmotion.audit.screen.spectrum import BINS, spectrum_of
+from lostmotion.audit.screen.swing import nonlinearity, phase_at, swing_of, thinned
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.oscillation import find_oscillation, oscillation_near
 from lostmotion.evaluate import random_faulty_loop
@@ -253,6 +253,6 @@ def test_an_unexpected_error_is_a_row(monkeypatch):
     def broken(rows):
         raise ZeroDivisionError("a\nsurprise")
 
-    monkeypatch.setattr(import_module("lostmotion.audit.screen"), "health_of", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.screen.screen"), "health_of", broken)
     row, spectrum = screen(LOOP, base(), UNDATED, UNDATED, AuditSettings())
     assert (row.stage, row.error, spectrum) == (Stage.FAILED, "ZeroDivisionError: a surprise", None)

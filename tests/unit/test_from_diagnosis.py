@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from lostmotion.audit.from_diagnosis import MOST_POINTS, row_of, trace_of
+from lostmotion.audit.assess.from_diagnosis import MOST_POINTS, row_of, trace_of
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant import diagnosis_report, diagnosis_view
 from lostmotion.store.rows import Stage

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.audit.audit_run import AuditRun
-from lostmotion.audit.engine.choice import open_engine
-from lostmotion.audit.run import Report, run_audit
+from lostmotion.audit.runner.engine.choice import open_engine
+from lostmotion.audit.runner.run import Report, run_audit
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.clean_bill import TOLERANCE
 from lostmotion.errors import ParameterError
@@ -66,7 +66,7 @@ def audit(
     insecure : bool
         Allow a scheduler on another machine without encryption.
     progress : callable, optional
-        Given a :class:`lostmotion.audit.run.Progress` now and then.
+        Given a :class:`lostmotion.audit.runner.run.Progress` now and then.
     **reading
         As for :func:`lostmotion.read_loop`: dt, op_span, uncertain, automatic ..
 

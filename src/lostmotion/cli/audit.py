@@ -18,7 +18,7 @@ from lostmotion.errors import ParameterError
 if TYPE_CHECKING:
     from lostmotion.audit.audit_run import AuditRun
     from lostmotion.audit.plant_view import PlantView
-    from lostmotion.audit.run import Progress
+    from lostmotion.audit.runner.run import Progress
 
 STORE = "plant.db"
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen_harris import harris_of, natural_factor
-from lostmotion.audit.screen_health import Health, health_of
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
-from lostmotion.audit.screen_spectrum import Spectrum, spectrum_of
-from lostmotion.audit.screen_swing import Swing, nonlinearity, phase_at, swing_of
-from lostmotion.audit.screen_worth import Seen, worth
+from lostmotion.audit.screen.harris import harris_of, natural_factor
+from lostmotion.audit.screen.health import Health, health_of
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.spectrum import Spectrum, spectrum_of
+from lostmotion.audit.screen.swing import Swing, nonlinearity, phase_at, swing_of
+from lostmotion.audit.screen.windows import in_utc, seconds_of_rows
+from lostmotion.audit.screen.worth import Seen, worth
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.windows import in_utc, seconds_of_rows
 from lostmotion.diagnose.audit_class import MOST_OPEN, audit_class
 from lostmotion.diagnose.performance import NOISE_BANDS
 from lostmotion.errors import LostMotionError
@@ -54,7 +54,7 @@ def screen(
     ----------
     loop : PlantLoop
     record : LoopRecord
-        Of the window (:func:`lostmotion.audit.windows.windows_of`).
+        Of the window (:func:`lostmotion.audit.screen.windows.windows_of`).
     start, end : datetime
         Of the window, UTC.
     settings : AuditSettings

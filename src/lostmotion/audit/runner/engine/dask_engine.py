@@ -15,8 +15,8 @@ from typing import Any
 import dask
 from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin
 
-from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
-from lostmotion.audit.engine.threads import ONE_THREAD
+from lostmotion.audit.runner.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.threads import ONE_THREAD
 
 AHEAD = 3  # batches of a worker in flight
 RETRIES = 1  # of a batch that raised: a file may have been busy
@@ -108,7 +108,7 @@ class DaskEngine:
         self.workers = len(self._call(client.nthreads)) or 1
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
-        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
+        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.runner.engine.Engine`."""
         name = f"lostmotion-{uuid.uuid4().hex}"
         self._call(lambda: self.client.register_plugin(Common(name, task), name=name))
         source, again, apart, more = iter(batches), deque[Tried](), deque[Tried](), True

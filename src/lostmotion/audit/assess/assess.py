@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.audit.assess_words import about_looks
-from lostmotion.audit.screen import failed
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.assess.stretches import Look, looks
+from lostmotion.audit.assess.trace import trace_of
+from lostmotion.audit.assess.words import about_looks
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.stretches import Look, looks
-from lostmotion.audit.trace import trace_of
 from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis

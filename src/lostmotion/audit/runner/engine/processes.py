@@ -17,8 +17,8 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
-from lostmotion.audit.engine.threads import one_thread
+from lostmotion.audit.runner.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.threads import one_thread
 
 AHEAD = 2  # batches of a worker: one at work and one waiting, so that it does not wait for the store
 STARTS = 3  # workers in a row that die before they are ready: then none will
@@ -76,7 +76,7 @@ class Processes:
         self._failed_starts = 0
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
-        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
+        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.runner.engine.Engine`."""
         try:
             yield from self._run(task, iter(batches))
         finally:  # a run that is broken off leaves workers with batches that nobody waits for

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen_spectrum import Spectrum
+from lostmotion.audit.screen.spectrum import Spectrum
 from lostmotion.diagnose.features import FEWEST_CYCLES, LEAST_SHARE
 from lostmotion.diagnose.oscillation import LEAST, Oscillation, oscillation_near
 from lostmotion.errors import DataError

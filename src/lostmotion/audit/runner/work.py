@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from lostmotion.audit.code import code_version
-from lostmotion.audit.engine.protocol import SetupError, one_line, resolved
-from lostmotion.audit.plan import definition
+from lostmotion.audit.runner.code import code_version
+from lostmotion.audit.runner.engine.protocol import SetupError, one_line, resolved
+from lostmotion.audit.runner.plan import definition
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.errors import LostMotionError
 from lostmotion.plant import PlantLoop, PlantSource
@@ -33,11 +33,11 @@ class Steps:
         Called by the coordinator; empty: that step is left out.
     """
 
-    windows: str = "lostmotion.audit.windows:windows_of"
-    screen: str = "lostmotion.audit.screen:screen"
-    assess: str = "lostmotion.audit.assess:assess"
+    windows: str = "lostmotion.audit.screen.windows:windows_of"
+    screen: str = "lostmotion.audit.screen.screen:screen"
+    assess: str = "lostmotion.audit.assess.assess:assess"
     ranked: str = "lostmotion.audit.rank:ranked"
-    groups: str = "lostmotion.audit.groups:groups"
+    groups: str = "lostmotion.audit.groups.groups:groups"
 
 
 @dataclass(frozen=True)
