@@ -12,7 +12,7 @@ from lostmotion.audit.audit_run import AuditRun
 from lostmotion.audit.runner.engine.choice import open_engine
 from lostmotion.audit.runner.run import Report, run_audit
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.diagnose.clean_bill import TOLERANCE
+from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.errors import ParameterError
 from lostmotion.plant.open_plant import open_plant
 from lostmotion.records.when import as_moment, seconds_in

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from datetime import datetime
 from typing import Any
 
-from lostmotion.diagnose.clean_bill import TOLERANCE
+from lostmotion.diagnose.op_span import TOLERANCE
 
 
 @dataclass(frozen=True)

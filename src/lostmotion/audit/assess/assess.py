@@ -15,8 +15,8 @@ from lostmotion.audit.screen.rows import ScreenRows, of_loop
 from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.advice import advise
-from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.errors import DataError

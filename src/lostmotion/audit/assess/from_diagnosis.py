@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose import Diagnosis
+from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.shown_rows import shown_rows
 from lostmotion.plant import PlantLoop
