@@ -167,6 +167,18 @@ def test_a_loop_that_kills_its_worker_is_a_row(tmp_path):
         assert len(store.rows(run)) == 4
 
 
+def test_a_loop_that_never_ends_is_a_row(tmp_path):
+    slow = "expected a result within 0.005 minutes, got none; give it more with --loop-minutes, or a shorter --window"
+    limited = AuditSettings(loop_minutes=0.005)
+    with Store(tmp_path / "a.db") as store:
+        run = audited(store, MadePlant((*TAGS[:3], "endless")), limited)
+        assert [(row.tag, row.error) for row in store.rows(run) if row.error] == [("endless", slow)]
+        both = audited(store, MadePlant((*TAGS[:3], "endless", "asleep")), limited, "processes", 1)
+        assert [(row.tag, row.error) for row in store.rows(both) if row.error] == [("asleep", DIED), ("endless", slow)]
+        assert len(store.rows(both)) == 5
+        assert AuditSettings().digest() == limited.digest()
+
+
 def test_progress_says_how_far_and_how_long(tmp_path):
     seen = []
     with Store(tmp_path / "a.db") as store:

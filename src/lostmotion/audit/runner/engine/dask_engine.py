@@ -15,8 +15,10 @@ from typing import Any
 import dask
 from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin
 
-from lostmotion.audit.runner.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
 from lostmotion.audit.runner.engine.threads import ONE_THREAD
+from lostmotion.audit.runner.limit import may_end
+from lostmotion.errors import EngineError, SetupError
 
 AHEAD = 3  # batches of a worker in flight
 RETRIES = 1  # of a batch that raised: a file may have been busy
@@ -44,6 +46,7 @@ class Common(WorkerPlugin):
         for name, value in ONE_THREAD.items():
             os.environ.setdefault(name, value)
         _TASKS[self.name] = self.task
+        may_end()
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
         """The run is over."""
