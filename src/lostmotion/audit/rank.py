@@ -9,6 +9,7 @@ the prior, and all counts by `UNTOLD`: a test comes first. A measurement that st
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -134,7 +135,8 @@ def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row), "upstream or tuning")
         return ELSEWHERE * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
-    said = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
+    told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
+    said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
     return sure * weak, [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
 
