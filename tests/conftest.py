@@ -14,7 +14,7 @@ settings.register_profile("desk", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 SLOW_DOCTESTS = {
-    "lostmotion.diagnose.diagnose.diagnose",
+    "lostmotion.diagnose.one_record.diagnose",
     "lostmotion.identify.estimate.identify",
     "lostmotion.identify.recursive.ml.RecursiveML",
 }

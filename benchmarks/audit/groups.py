@@ -29,9 +29,9 @@ from typing import Any  # noqa: E402
 import numpy as np  # noqa: E402
 from swinging_plants import SOURCES, SwingingPlant, swinging_plant  # noqa: E402
 
-from lostmotion.audit.assess import assess  # noqa: E402
-from lostmotion.audit.groups import groups  # noqa: E402
-from lostmotion.audit.screen import screen  # noqa: E402
+from lostmotion.audit.assess.assess import assess  # noqa: E402
+from lostmotion.audit.groups.groups import groups  # noqa: E402
+from lostmotion.audit.screen.screen import screen  # noqa: E402
 from lostmotion.audit.settings import AuditSettings  # noqa: E402
 from lostmotion.evaluate.plants.plant import BEGAN, OUTSIDE  # noqa: E402
 from lostmotion.plant import PlantLoop  # noqa: E402

@@ -25,8 +25,8 @@ from typing import Any
 import sqlalchemy as sa
 from benchmarks.audit.stand_in import STEPS, MadePlant
 
-from lostmotion.audit.engine import open_engine
-from lostmotion.audit.run import run_audit
+from lostmotion.audit.runner.engine import open_engine
+from lostmotion.audit.runner.run import run_audit
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.store.run_rows import RunState
 from lostmotion.store.schema import metadata

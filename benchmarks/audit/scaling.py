@@ -20,12 +20,12 @@ from typing import Any
 
 from benchmarks.audit.stand_in import STEPS, MadePlant
 
-from lostmotion.audit.batches import cut
-from lostmotion.audit.engine import Done, Task, open_engine
-from lostmotion.audit.engine.protocol import resolved
-from lostmotion.audit.run import Progress, run_audit
+from lostmotion.audit.runner.batches import cut
+from lostmotion.audit.runner.engine import Done, Task, open_engine
+from lostmotion.audit.runner.engine.protocol import resolved
+from lostmotion.audit.runner.run import Progress, run_audit
+from lostmotion.audit.runner.work import Steps
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Steps
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
@@ -59,7 +59,7 @@ def audited(engine_name: str, workers: int, source: Any, settings: AuditSettings
 
 def warm(engine: Any, workers: int) -> None:
     """Start the workers, and import in them what the audit needs."""
-    items = [("lostmotion.audit.work",)] * (4 * workers)
+    items = [("lostmotion.audit.runner.work",)] * (4 * workers)
     assert sum(len(one.items) for one in engine.run(Task("benchmarks.audit.scaling:imported"), items)) == len(items)
 
 

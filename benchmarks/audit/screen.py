@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 import lostmotion as lm
-from lostmotion.audit.assess import assess
-from lostmotion.audit.screen import screen
+from lostmotion.audit.assess.assess import assess
+from lostmotion.audit.screen.screen import screen
+from lostmotion.audit.screen.windows import Window, windows_of
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.windows import Window, windows_of
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord
 from lostmotion.store.rows import AssessmentRow

@@ -1,7 +1,7 @@
 """A plant that costs nothing: made records, and a screen and an assessment of some milliseconds.
 
 For what is about the machinery and not about valves: resuming, engines, stores. Tags say what happens to a loop:
-"kill" ends the worker that looks at it, "raise" raises, "bad" cannot be read.
+"kill" ends the worker that looks at it, "raise" raises, "bad" cannot be read, "endless" and "asleep" never come back.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lostmotion.audit.runner.work import Steps
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Steps
 from lostmotion.errors import DataError, LostMotionError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.records import LoopRecord
@@ -144,6 +144,10 @@ def assess(
         os.kill(os.getpid(), signal.SIGKILL)
     if loop.tag.startswith("late raise"):
         raise ValueError("in the assessment")
+    while loop.tag.startswith("endless"):
+        pass
+    if loop.tag.startswith("asleep"):  # as compiled code that never comes back: nothing interrupts it
+        time.sleep(1e6)
     began = time.process_time()
     busy(loop, 1.0)
     size = float(np.std(record.op - record.pv))

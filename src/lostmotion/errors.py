@@ -12,7 +12,10 @@ failure is a value: a :class:`Status`, whose text says what was found, why, and 
     │   └── DataError                 a record that cannot be used: too short, constant, NaN, gaps
     │       ├── ColumnError           a column is missing, unknown or not numeric
     │       └── TimeError             a time column that is unsorted, repeated or contradicts dt
-    └── FileAccessError (OSError)     a file that is absent, unreadable, or already there
+    ├── FileAccessError (OSError)     a file that is absent, unreadable, or already there
+    ├── EngineError                   an audit has no workers any more, or its scheduler has gone away
+    ├── SetupError                    a worker cannot do this work at all: the same would be said of every batch
+    └── SlowError                     one loop of an audit took longer than it may
 """
 
 from __future__ import annotations
@@ -108,6 +111,18 @@ class GateError(ParameterError, DataError):
 
 class FileAccessError(LostMotionError, OSError):
     """A file is absent, unreadable, or would be overwritten."""
+
+
+class EngineError(LostMotionError):
+    """Nothing can be done any more: no workers, or a scheduler that has gone away."""
+
+
+class SetupError(LostMotionError):
+    """A worker cannot do this work at all: the same would be said of every batch."""
+
+
+class SlowError(LostMotionError):
+    """One loop of an audit took longer than it may."""
 
 
 class Status(Enum):

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lostmotion.audit.screen import screen
+from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord

@@ -7,13 +7,13 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from lostmotion.audit.assess import _another, _pooled, assess, told
+from lostmotion.audit.assess.assess import _another, _pooled, assess, told
+from lostmotion.audit.assess.stretches import EACH, ROWS, looks
+from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.audit.rank import ranked
-from lostmotion.audit.screen import screen
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.stretches import EACH, ROWS, looks
-from lostmotion.audit.trace import envelope
 from lostmotion.errors import DataError
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.models.registry import actuator_from_dict
@@ -57,7 +57,7 @@ def test_a_fault_is_named_with_its_size_and_everything_told():
     )  # fmt: skip
     assert row.seconds > before.seconds
     assert trace.seconds == 2000.0
-    assert np.frombuffer(trace.op, "<f4").size == 1200
+    assert MOST_POINTS / 2 <= np.frombuffer(trace.op, "<f4").size <= MOST_POINTS
 
 
 @pytest.mark.statistics
@@ -114,7 +114,7 @@ def test_a_failure_is_a_row(monkeypatch, error, said):
     def broken(*given):
         raise error
 
-    monkeypatch.setattr(import_module("lostmotion.audit.assess"), "looks", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.assess.assess"), "looks", broken)
     row, trace = assess(LOOP, sticking()[0], looked()[0], SETTINGS)
     assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
 
@@ -193,16 +193,6 @@ def test_sizes_of_two_looks_are_weighed_and_no_narrower_than_they_differ():
     size, low, high = _pooled([One(2.0, 0.1), One(2.6, 0.3)])
     assert size == pytest.approx(2.06)
     assert (low, high) == pytest.approx((1.76, 2.36))
-
-
-def test_envelope_keeps_ends_and_order():
-    values = np.random.default_rng(0).normal(size=5000)
-    values[100:200] = np.nan
-    short = envelope(values)
-    assert short.size == 1200
-    assert np.nanmax(short) == np.nanmax(values)
-    assert np.nanmin(short) == np.nanmin(values)
-    assert envelope(values[:300]).size == 300
 
 
 @pytest.mark.statistics

@@ -7,9 +7,9 @@ import time
 
 import pytest
 
-from lostmotion.audit.engine import Done, EngineError, Lost, Task, open_engine
-from lostmotion.audit.engine import processes as of_processes
-from lostmotion.audit.engine.protocol import DIED
+from lostmotion.audit.runner.engine import Done, EngineError, Lost, Task, open_engine
+from lostmotion.audit.runner.engine import processes as of_processes
+from lostmotion.audit.runner.engine.protocol import DIED
 from lostmotion.errors import ParameterError
 
 DOUBLE = "benchmarks.audit.light:double"
@@ -109,7 +109,7 @@ def test_dask_does_the_same(cluster):
 
 def test_a_scheduler_by_its_address_and_one_that_goes_away(monkeypatch):
     distributed = pytest.importorskip("distributed")
-    from lostmotion.audit.engine import dask_engine
+    from lostmotion.audit.runner.engine import dask_engine
 
     monkeypatch.setattr(dask_engine, "CONNECT", 1.0)
     monkeypatch.setattr(dask_engine, "LOOK", 0.1)

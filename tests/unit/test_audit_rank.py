@@ -118,3 +118,27 @@ def test_priorities_lie_in_0_to_100_and_fall(rows: list[AssessmentRow]) -> None:
     assert known == sorted(known, reverse=True)
     assert len(found) == len(rows)
     assert all(one.priority_reason for one in found)
+
+
+def test_a_measurement_that_scatters_is_a_fact_whatever_the_diagnosis_says() -> None:
+    noisy = row(travel=4000.0, indices={"scatter_percent": 2.5}, stage=Stage.SCREENED, reason="OP moves little")
+    first = ranked([noisy], {})[0]
+    assert (first.split, first.label) == ("sensor", "maintenance required")
+    assert first.priority_reason == (
+        "PV scatters over 15 % of span from row to row: look at the measurement and its damping; "
+        "OP travels 40 full strokes an hour: wear"
+    )
+    assert 26.0 < first.priority < 55.0
+    usual = replace(noisy, indices={"scatter_percent": 0.5})
+    assert ranked([usual], {})[0].priority is None
+    fast = replace(noisy, regularity=5.0, power=0.9, period=6.0, dt=1.0)
+    assert split_of(fast) == "cannot tell"
+    assert split_of(replace(STICKS, indices={"scatter_percent": 2.5})) == "actuator"
+
+
+def test_a_valve_that_never_rests_is_told() -> None:
+    tight = row(verdict="other oscillation", kind="tuning", confidence=0.9, regularity=9.0, power=0.9, period=10.0)
+    busy, calm = (ranked([replace(tight, travel=travel)], {})[0] for travel in (9000.0, 1900.0))
+    assert busy.priority > calm.priority + 20.0
+    assert busy.priority_reason.endswith("OP travels 90 full strokes an hour: wear")
+    assert "wear" not in calm.priority_reason

@@ -6,13 +6,13 @@ from datetime import timedelta
 import pytest
 from benchmarks.audit.stand_in import BEGAN, HERE, STEPS, MadePlant
 
-from lostmotion.audit import plan
-from lostmotion.audit.batches import batches, by_loop, together
-from lostmotion.audit.engine import EngineError, Task, open_engine
-from lostmotion.audit.engine.protocol import DIED
-from lostmotion.audit.run import SCREEN, Progress, run_audit
+from lostmotion.audit.runner import plan
+from lostmotion.audit.runner.batches import batches, by_loop, together
+from lostmotion.audit.runner.engine import EngineError, Task, open_engine
+from lostmotion.audit.runner.engine.protocol import DIED
+from lostmotion.audit.runner.run import SCREEN, Progress, run_audit
+from lostmotion.audit.runner.work import Job, Steps, screen_batch
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Job, Steps, screen_batch
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import Stage
@@ -165,6 +165,18 @@ def test_a_loop_that_kills_its_worker_is_a_row(tmp_path):
         run = audited(store, MadePlant((*TAGS[:3], "late kill")), AuditSettings(), "processes", 1)
         assert [(row.tag, row.error) for row in store.rows(run) if row.error] == [("late kill", DIED)]
         assert len(store.rows(run)) == 4
+
+
+def test_a_loop_that_never_ends_is_a_row(tmp_path):
+    slow = "expected a result within 0.005 minutes, got none; give it more with --loop-minutes, or a shorter --window"
+    limited = AuditSettings(loop_minutes=0.005)
+    with Store(tmp_path / "a.db") as store:
+        run = audited(store, MadePlant((*TAGS[:3], "endless")), limited)
+        assert [(row.tag, row.error) for row in store.rows(run) if row.error] == [("endless", slow)]
+        both = audited(store, MadePlant((*TAGS[:3], "endless", "asleep")), limited, "processes", 1)
+        assert [(row.tag, row.error) for row in store.rows(both) if row.error] == [("asleep", DIED), ("endless", slow)]
+        assert len(store.rows(both)) == 5
+        assert AuditSettings().digest() == limited.digest()
 
 
 def test_progress_says_how_far_and_how_long(tmp_path):

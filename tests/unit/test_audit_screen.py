@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from lostmotion.audit.screen import screen
-from lostmotion.audit.screen_harris import first_answer
-from lostmotion.audit.screen_spectrum import BINS, spectrum_of
-from lostmotion.audit.screen_swing import nonlinearity, phase_at, swing_of, thinned
+from lostmotion.audit.screen.harris import first_answer
+from lostmotion.audit.screen.scatter import scatter
+from lostmotion.audit.screen.screen import screen
+from lostmotion.audit.screen.spectrum import BINS, spectrum_of
+from lostmotion.audit.screen.swing import nonlinearity, phase_at, swing_of, thinned
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.oscillation import find_oscillation, oscillation_near
 from lostmotion.evaluate import random_faulty_loop
@@ -253,6 +254,16 @@ def test_an_unexpected_error_is_a_row(monkeypatch):
     def broken(rows):
         raise ZeroDivisionError("a\nsurprise")
 
-    monkeypatch.setattr(import_module("lostmotion.audit.screen"), "health_of", broken)
+    monkeypatch.setattr(import_module("lostmotion.audit.screen.screen"), "health_of", broken)
     row, spectrum = screen(LOOP, base(), UNDATED, UNDATED, AuditSettings())
     assert (row.stage, row.error, spectrum) == (Stage.FAILED, "ZeroDivisionError: a surprise", None)
+
+
+def test_scatter_is_that_of_the_rows_not_of_what_moves():
+    rng, rows = np.random.default_rng(3), np.arange(20_000)
+    for period, amplitude in ((2000.0, 30.0), (40.0, 10.0), (10.0, 5.0)):
+        values = amplitude * np.sin(2.0 * np.pi * rows / period) + 0.8 * rng.normal(size=rows.size)
+        values[500:700] = np.nan
+        assert scatter(values, 1.0) == pytest.approx(0.8, rel=0.05)
+    assert scatter(values, 10.0) is scatter(values[:100], 1.0) is None
+    assert scatter(np.repeat(values, 100), 1.0) == 0.0, "held values"

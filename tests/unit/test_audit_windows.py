@@ -3,8 +3,8 @@ from datetime import UTC, datetime, timedelta, timezone
 import numpy as np
 import pytest
 
+from lostmotion.audit.screen.windows import windows_of
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.windows import windows_of
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
 from lostmotion.store.rows import UNDATED

@@ -9,7 +9,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from lostmotion.audit.from_diagnosis import MOST_POINTS, row_of, trace_of
+from lostmotion.audit.assess.from_diagnosis import row_of, trace_of
+from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant import diagnosis_report, diagnosis_view
 from lostmotion.store.rows import Stage

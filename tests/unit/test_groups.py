@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from lostmotion.audit.groups import groups
+from lostmotion.audit.groups.groups import groups
 from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
 
 START = datetime(2026, 3, 2, tzinfo=UTC)

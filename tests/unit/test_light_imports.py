@@ -70,3 +70,12 @@ def test_whole_package(path):
     if at_once.stdout.strip() == "True":
         pytest.xfail("lostmotion/__init__.py imports all rooms")
     assert found == []
+
+
+def test_a_worker_that_screens_loads_no_fit():
+    code = "import sys, lostmotion.audit.runner.work, lostmotion.audit.screen.screen; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    assert "lostmotion.diagnose.harris" in loaded
+    apart = ("lostmotion.identify", "scipy.signal", "scipy.stats", "scipy.optimize", "sqlalchemy", "jinja2")
+    assert not [name for name in apart if name in loaded]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.diagnose import _manual
+from lostmotion.diagnose.one_record import _manual
 from lostmotion.records.modes import rows_of
 from tests.e2e.test_commands import run
 

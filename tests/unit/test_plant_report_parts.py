@@ -138,3 +138,11 @@ def test_the_figure_shows_the_ranking_and_the_health():
     assert [one.get_title(loc="left") for one in axes][1:] == ["Verdicts", "What could be judged"]
     assert [label.get_text() for label in axes[0].get_yticklabels()] == ["FIC-1  stiction  60", "FIC-3  cannot tell  8"]
     assert len(audit_figure(replace(plant(), rows=())).axes) == 3
+
+
+def test_the_last_window_of_a_loop_is_compared():
+    early, late = finding(priority=90.0), replace(sound("FIC-1"), window_start=finding().window_end)
+    view = replace(plant(), rows=(late, early), previous=(early,), loops=())
+    assert [(one.what, one.before.split(",")[0], one.now) for one in changes(view)] == [
+        ("no longer found", "stiction", "none")
+    ]

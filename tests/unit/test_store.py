@@ -255,14 +255,20 @@ def test_news_and_history(store):
     first = filled(store)
     store.finish(first)
     second = filled(store)
-    said = {"b": ("none", "unknown"), "A": ("stiction", "high"), "ä": ("stiction", "severe"), "%c": ("cannot tell", "")}
-    changed = [row(tag, fingerprint="new", verdict=one, severity=severity) for tag, (one, severity) in said.items()]
+    said = {"b": ("none", "unknown"), "A": ("stiction", "high"), "ä": ("backlash", "severe"), "%c": ("cannot tell", "")}
+    changed = [
+        row(tag, fingerprint="new", verdict=one, severity=severity, stage=Stage.ASSESSED)
+        for tag, (one, severity) in said.items()
+    ]
     store.put_screened(second, [Screened((one,)) for one in changed])
     store.finish(second)
     assert store.news(second) == [
-        New("A", "found", "none", "stiction", "none", "high"), New("b", "gone", "stiction", "none", "high", "unknown"),
-        New("ä", "worse", "stiction", "stiction", "low", "severe"),
-    ]  # fmt: skip
+        New("A", "new finding", "none", "stiction", "none", "high"),
+        New("ä", "another fault", "stiction", "backlash", "low", "severe"),
+        New("b", "no longer found", "stiction", "none", "high", "unknown"),
+    ]
+    assert store.news(second, limit=1) == store.news(second)[:1]
+    assert store.news(first) == []
     assert [(run.number, found.verdict) for run, found in store.history("b")] == [(second, "none"), (first, "stiction")]
     assert store.loop("b").area == "area 0"
     assert (store.loop("x"), store.history("x")) == (None, [])

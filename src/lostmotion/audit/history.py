@@ -11,7 +11,7 @@ from typing import Any
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.pooled.trend_of_size import NORMAL, SizeTrend, size_trend
 from lostmotion.errors import ParameterError
-from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import CLEARED, UNDATED, AssessmentRow, Stage
 
 DAY = 86400.0
 HORIZON = 3650.0  # days: later nobody plans
@@ -127,8 +127,8 @@ class LoopHistory:
         before = [row for row in self.rows if row.window_end <= moment]
         after = [row for row in self.rows if row.window_start >= moment]
         was, now = _together(before), _together(after)
-        cleared = [row.excluded_percent for row in after if row.verdict in ("none", "other oscillation")]
-        excluded = min((one for one in cleared if one is not None), default=None)
+        cleared = [row.excluded_percent for row in after if row.verdict in CLEARED]
+        excluded = min((one for one in cleared if one is not None and math.isfinite(one)), default=None)
         return Change(was, now, excluded, _verdict(was, now, excluded))
 
     def to_dict(self) -> dict[str, Any]:

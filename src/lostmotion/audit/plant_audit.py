@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.audit.audit_run import AuditRun
-from lostmotion.audit.engine.choice import open_engine
-from lostmotion.audit.run import Report, run_audit
-from lostmotion.audit.settings import AuditSettings
-from lostmotion.diagnose.clean_bill import TOLERANCE
+from lostmotion.audit.runner.engine.choice import open_engine
+from lostmotion.audit.runner.run import Report, run_audit
+from lostmotion.audit.settings import LOOP_MINUTES, AuditSettings
+from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.errors import ParameterError
 from lostmotion.plant.open_plant import open_plant
 from lostmotion.records.when import as_moment, seconds_in
@@ -31,6 +31,7 @@ def audit(
     until: Any = None,
     tolerance: float = TOLERANCE,
     cpu_minutes: float | None = None,
+    loop_minutes: float | None = LOOP_MINUTES,
     screen_only: bool = False,
     insecure: bool = False,
     progress: Report | None = None,
@@ -61,12 +62,14 @@ def audit(
         Lost motion that does not matter, as a share of the span of OP.
     cpu_minutes : float, optional
         Processor time of the diagnoses together. None: no limit.
+    loop_minutes : float, optional
+        On the clock, for one loop in one window: what takes longer is a failure of that loop. None: no limit.
     screen_only : bool
         Nothing is diagnosed.
     insecure : bool
         Allow a scheduler on another machine without encryption.
     progress : callable, optional
-        Given a :class:`lostmotion.audit.run.Progress` now and then.
+        Given a :class:`lostmotion.audit.runner.run.Progress` now and then.
     **reading
         As for :func:`lostmotion.read_loop`: dt, op_span, uncertain, automatic ..
 
@@ -93,8 +96,9 @@ def audit(
     [('FIC-101', 'cannot tell', 'swings regularly')]
     """
     settings = AuditSettings(
-        tolerance, _seconds(window), _moment(since), _moment(until), screen_only=screen_only, cpu_minutes=cpu_minutes
-    )
+        tolerance, _seconds(window), _moment(since), _moment(until), screen_only=screen_only, cpu_minutes=cpu_minutes,
+        loop_minutes=_limit(loop_minutes),
+    )  # fmt: skip
     plant = open_plant(source, loops, **reading)
     with Store(store) as opened, closing(open_engine(engine, workers, insecure=insecure)) as chosen:
         number = run_audit(plant, opened, settings, chosen, progress, name=_name(source))
@@ -106,6 +110,12 @@ def _seconds(window: float | str | None) -> float | None:
     if window is not None and (seconds is None or not 1.0 <= seconds < 1e9):
         raise ParameterError.expected("a window of a second and more", repr(window), 'e.g. "2h", "1d" or 3600')
     return seconds
+
+
+def _limit(minutes: float | None) -> float | None:
+    if minutes is not None and not 0.0 < minutes < 1e6:
+        raise ParameterError.expected("loop_minutes > 0", minutes, "30 are plenty; None sets no limit")
+    return minutes
 
 
 def _moment(value: Any) -> datetime | None:

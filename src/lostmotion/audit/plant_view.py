@@ -8,10 +8,9 @@ from datetime import datetime
 from functools import cached_property
 
 from lostmotion.plant import PlantLoop, Unread
-from lostmotion.store.rows import AssessmentRow, GroupRow, Stage, TraceRow
+from lostmotion.store.rows import CLEARED, FAULTS, AssessmentRow, GroupRow, Stage, TraceRow
 
-FAULTS = ("dead zone", "backlash", "stiction", "saturation")  # verdicts that name a fault of the actuator
-CLEARED = ("none", "other oscillation")
+__all__ = ["CLEARED", "FAULTS", "LoopView", "PlantView", "RunFacts", "SizePoint", "leading_rows"]
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,13 @@ Technical severity is 0 to 1: `LOST` of it for the size of the lost motion (half
 control valve, severity_of), the rest for what the loop does with it: the share of the variance that is a regular swing,
 or of the time with OP at a limit. The weight is that of the loop list over the largest one of the plant. Confidence is
 the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
-the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved is a fact.
+the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved, or
+scatters over a good part of its span from row to row, is a fact, and so is an OP that never rests: it wears the valve.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -27,6 +29,11 @@ SUSPECTED = 0.4  # probability of a fault from which a loop that cannot be told 
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
 FROZEN = 0.35  # severity of a measurement that stood still
 STUCK_LEAST = 0.02  # share of the time
+LOUD = 5.0  # % of span over which a measurement scatters from row to row (six deviations): less is usual
+FAST = 8.0  # rows in a period: a faster swing looks like scatter
+NOISY = 0.35  # severity of a measurement that is nothing but scatter
+BUSY = 20.0  # full strokes of OP an hour: from one in three minutes on a valve wears
+WORN = 0.3  # severity of a valve that never rests
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
 BAD = 4.0  # % of span, as severity_of has it
 STUCK = 50.0  # % of span: a valve that hardly answers at all
@@ -66,7 +73,7 @@ def _with_priority(row: AssessmentRow, weight: float) -> AssessmentRow:
 
 def split_of(row: AssessmentRow) -> str:
     """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
-    if _stuck(row) is not None:
+    if _stuck(row) is not None or _loud(row) is not None:
         return "sensor"
     if row.verdict == "saturation":
         return "process"  # the load or the size of the valve: its motion is not at fault
@@ -79,6 +86,8 @@ def label_of(row: AssessmentRow) -> str:
         return "function check"
     if _stuck(row) is not None:
         return "failure"
+    if _loud(row) is not None:
+        return "maintenance required"
     if row.verdict == "cannot tell":
         return ""
     if row.kind == "sensor":
@@ -101,12 +110,12 @@ def swings(row: AssessmentRow) -> bool:
 def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
     if row.stage is Stage.FAILED:
         return None, f"not judged: {row.error}"
-    stuck = _stuck(row)
-    if stuck is None and not row.fit_for_use:
+    measured = _of_measurement(row)
+    if measured is None and not row.fit_for_use:
         return None, f"not judged: {'; '.join(row.health) or row.reason}"
-    if stuck is None and row.stage is Stage.SCREENED:
+    if measured is None and row.stage is Stage.SCREENED:
         return None, f"not assessed: {row.reason}"
-    worth, words = (FROZEN, [stuck]) if stuck is not None else _worth(row)
+    worth, words = measured or _with_wear(row, *_worth(row))
     priority = 100.0 * worth * weight
     return priority, "; ".join([*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words)
 
@@ -134,9 +143,36 @@ def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row), "upstream or tuning")
         return ELSEWHERE * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
-    said = [] if row.excluded_percent is None else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
+    told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
+    said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
     return sure * weak, [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+
+
+def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
+    """What is said of OP that never rests, whoever drives it; a lost motion that was found counts more."""
+    strokes = (row.travel or 0.0) / 100.0
+    if strokes < BUSY or row.kind == "actuator":
+        return worth, words
+    return worth + WORN * strokes / (strokes + BUSY), [*words, f"OP travels {strokes:.0f} full strokes an hour: wear"]
+
+
+def _of_measurement(row: AssessmentRow) -> tuple[float, list[str]] | None:
+    """Severity of what is wrong with a measurement, a fact that needs no diagnosis, and its words; None: nothing."""
+    stuck, loud = _stuck(row), _loud(row)
+    if stuck is not None:
+        return FROZEN, [stuck]
+    if loud is None:
+        return None
+    words = f"PV scatters over {loud:.2g} % of span from row to row: look at the measurement and its damping"
+    return _with_wear(row, NOISY * loud / (loud + LOUD), [words])
+
+
+def _loud(row: AssessmentRow) -> float | None:
+    """% of span over which PV scatters, where that is a finding: no fast swing, and no lost motion that is known."""
+    over = 6.0 * row.indices.get("scatter_percent", 0.0)
+    fast = swings(row) and (row.period or 0.0) < FAST * (row.dt or 0.0)
+    return None if over < LOUD or fast or (row.kind == "actuator" and row.size is not None) else over
 
 
 def _stuck(row: AssessmentRow) -> str | None:

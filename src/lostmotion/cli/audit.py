@@ -18,7 +18,7 @@ from lostmotion.errors import ParameterError
 if TYPE_CHECKING:
     from lostmotion.audit.audit_run import AuditRun
     from lostmotion.audit.plant_view import PlantView
-    from lostmotion.audit.run import Progress
+    from lostmotion.audit.runner.run import Progress
 
 STORE = "plant.db"
 
@@ -41,6 +41,7 @@ Since = Annotated[str | None, number("--since", "Only what was recorded from the
 Until = Annotated[str | None, number("--until", "Only what was recorded before.")]
 Tolerance = Annotated[float, number("--tolerance", "Lost motion that does not matter, as a share of the span of OP.")]
 Minutes = Annotated[float | None, number("--cpu-minutes", "Processor time of all diagnoses, most valuable first.")]
+LoopMinutes = Annotated[float, number("--loop-minutes", "Longest time for one loop; it has failed if it takes more.")]
 ScreenOnly = Annotated[bool, typer.Option("--screen-only", help="Diagnose nothing.")]
 Report = Annotated[Path | None, number("--report", "Write the report of the plant as one HTML file.")]
 Pages = Annotated[Path | None, number("--report-loops", "Write an HTML file for each loop worth it into this folder.")]
@@ -69,6 +70,7 @@ class WhatOptions:
     until: Until = None
     tolerance: Tolerance = 0.01
     cpu_minutes: Minutes = None
+    loop_minutes: LoopMinutes = 30.0
     screen_only: ScreenOnly = False
 
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import overload
 
-from lostmotion.diagnose.clean_bill import TOLERANCE
-from lostmotion.diagnose.diagnose import diagnose as diagnose_one
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.one_record import diagnose as diagnose_one
+from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
 from lostmotion.diagnose.pooled.together import Asked, diagnose_together
 from lostmotion.diagnose.pooled.windows import LONG, diagnose_long

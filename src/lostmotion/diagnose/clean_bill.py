@@ -13,7 +13,6 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
 
-TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
 # the likelihood leaves open: of such claims on real loops left out seven in eight were right (docs/diagnosis.md)
 FORM_CLEARS = 0.9

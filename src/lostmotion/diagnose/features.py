@@ -10,7 +10,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.bicoherence import bicoherence_indices
 from lostmotion.diagnose.cross_correlation import cross_correlation_index
 from lostmotion.diagnose.ellipse import apparent_stiction
-from lostmotion.diagnose.oscillation import BAND, Oscillation, find_oscillation
+from lostmotion.diagnose.oscillation import BAND, FEWEST_CYCLES, LEAST_SHARE, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
 from lostmotion.diagnose.shown import not_shown
@@ -20,10 +20,8 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
-LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
 SAME = 0.1  # relative difference of two periods that are one
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
-FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
 SINE = 0.1  # below 0.5: He's published limit of a sine

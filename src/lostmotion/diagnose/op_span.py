@@ -10,6 +10,7 @@ from lostmotion.records import LoopRecord
 from lostmotion.records.movement import PERCENT
 from lostmotion.records.pieces import with_own_span
 
+TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
 FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
 
 

@@ -21,6 +21,8 @@ FASTEST = 3.5  # harmonics kept before the autocorrelation
 HARMONICS = 5  # counted: 99.9 % of the power of a triangle, 93 % of that of a square wave
 BAND = 0.25  # of the frequency, on both sides of every harmonic
 WINDOW = 1.5  # cycles a record: so far the Hann window smears a line; matters below six periods a record
+LEAST_SHARE = 0.5  # of the variance: an oscillation below it is not what matters about the loop
+FEWEST_CYCLES = 4.0  # in the record: fewer may be chance
 MOST_REGULAR = 1000.0  # half periods without noise have no spread to divide by
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from lostmotion.diagnose.audit_class import LEAST_INDEX, audit_class
 from lostmotion.diagnose.harris import harris_index
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.errors import DataError
-from lostmotion.identify.data import IdentificationData
 from lostmotion.records.movement import reversals_per_hour, share_at_limits, travel_per_hour
+
+if TYPE_CHECKING:
+    from lostmotion.identify.data import IdentificationData
 
 NOISE_BANDS = 3.0  # deviations of the moves of OP that are no reversal
 WORST_DELAYS = 3  # times the identified delay: the longest that the Harris range looks at

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
+from lostmotion.store.changed import differences
+from lostmotion.store.rows import FAULTS, AssessmentRow, Stage
 from lostmotion.store.schema import assessment, loop
 
-QUIET = ("none", "cannot tell")
-SEVERITIES = ("unknown", "none", "low", "moderate", "high", "severe")  # from nothing to worst
+COMPARED = ("window_start", "window_end", "stage", "verdict", "size", "low", "high", "size_percent", "severity")
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class New:
     ----------
     tag : str
     what : str
-        "found", "worse", "better", "other" (another verdict) or "gone" (none now).
+        Of :data:`lostmotion.store.changed.ORDER`.
     before, after : str
         Verdicts; empty: the loop was not in that run.
     severity_before, severity_after : str
@@ -36,34 +37,36 @@ class New:
 
 
 def news(connection: Connection, number: int, earlier: int, limit: int | None = None) -> list[New]:
-    """Loops that differ between two runs, by tag; the last window of each loop counts.
+    """Loops that differ between two runs, what matters most first; the last window of each loop counts.
 
-    That a verdict can no longer be reached is no news of the valve: it is left out.
+    Nothing where there is no earlier run: everything would be new.
     """
-    after, before = assessment.alias("after"), assessment.alias("before")
-    of_before = (before.c.run_id == earlier) & before.c.newest & (before.c.loop_id == after.c.loop_id)
-    joined = after.join(loop, loop.c.id == after.c.loop_id).outerjoin(before, of_before)
-    quiet = before.c.verdict.is_(None) | before.c.verdict.in_(QUIET)
-    other = (after.c.verdict != before.c.verdict) | (after.c.severity != before.c.severity)
-    found = quiet & after.c.verdict.not_in(QUIET)
-    changed = before.c.verdict.not_in(QUIET) & (after.c.verdict != "cannot tell") & other
-    asked = sa.select(loop.c.tag, before.c.verdict, after.c.verdict, before.c.severity, after.c.severity)
-    asked = asked.select_from(joined).where((after.c.run_id == number) & after.c.newest & (found | changed))
-    lines = connection.execute(asked.order_by(loop.c.tag).limit(limit))
-    return [_new(tag, *(word or "" for word in words)) for tag, *words in lines]
+    if not earlier:
+        return []
+    in_question = _in_question(number, earlier)
+    before, now = (_rows(connection, one, in_question) for one in (earlier, number))
+    return [_new(*one) for one in differences(before, now)[:limit]]
 
 
-def _new(tag: str, before: str, after: str, severity_before: str, severity_after: str) -> New:
-    if before in ("", *QUIET):
-        what = "found"
-    elif after == "none":
-        what = "gone"
-    elif before != after:
-        what = "other"
-    else:
-        what = "worse" if _rank(severity_after) > _rank(severity_before) else "better"
-    return New(tag, what, before, after, severity_before, severity_after)
+def _in_question(number: int, earlier: int) -> sa.Select[tuple[int]]:
+    """Loops with a fault in one of the runs, or that are in one of them only: all that can have changed."""
+    columns = assessment.c
+    of_runs = columns.run_id.in_((number, earlier)) & columns.newest
+    fault = sa.func.max(sa.case((columns.verdict.in_(FAULTS), 1), else_=0))
+    alone = sa.func.count() < 2
+    return sa.select(columns.loop_id).where(of_runs).group_by(columns.loop_id).having((fault == 1) | alone)
 
 
-def _rank(severity: str) -> int:
-    return SEVERITIES.index(severity) if severity in SEVERITIES else 0
+def _rows(connection: Connection, number: int, loops: sa.Select[tuple[int]]) -> list[AssessmentRow]:
+    columns = assessment.c
+    asked = sa.select(loop.c.tag, *(columns[name] for name in COMPARED)).join(loop, loop.c.id == columns.loop_id)
+    asked = asked.where((columns.run_id == number) & columns.newest & columns.loop_id.in_(loops))
+    found = (dict(values) for values in connection.execute(asked).mappings())
+    return [AssessmentRow(**values | {"stage": Stage(values["stage"])}) for values in found]
+
+
+def _new(what: str, before: AssessmentRow | None, now: AssessmentRow | None) -> New:
+    tag = next(row.tag for row in (now, before) if row is not None)
+    verdicts = ["" if row is None else row.verdict for row in (before, now)]
+    severities = ["" if row is None else row.severity for row in (before, now)]
+    return New(tag, what, verdicts[0], verdicts[1], severities[0], severities[1])

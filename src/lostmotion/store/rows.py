@@ -8,6 +8,8 @@ from datetime import UTC, datetime
 from enum import StrEnum
 
 UNDATED = datetime(1970, 1, 1, tzinfo=UTC)  # first row of a record that does not say when it began
+FAULTS = ("dead zone", "backlash", "stiction", "saturation")  # verdicts that name a fault of the actuator
+CLEARED = ("none", "other oscillation")  # verdicts that clear it
 
 
 class Stage(StrEnum):

@@ -12,8 +12,8 @@ import numpy as np
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import how_to_tell
-from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
+from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import OpSpan, op_span
 from lostmotion.diagnose.pooled.evidence import STEP, Evidence, evidence_of
 from lostmotion.diagnose.pooled.overlap import without_repeats

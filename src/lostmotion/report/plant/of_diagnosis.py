@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
 
-from lostmotion.audit.from_diagnosis import row_of, trace_of
+from lostmotion.audit.assess.from_diagnosis import row_of, trace_of
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.plant import PlantLoop

@@ -15,8 +15,10 @@ from typing import Any
 import dask
 from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin
 
-from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
-from lostmotion.audit.engine.threads import ONE_THREAD
+from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.threads import ONE_THREAD
+from lostmotion.audit.runner.limit import may_end
+from lostmotion.errors import EngineError, SetupError
 
 AHEAD = 3  # batches of a worker in flight
 RETRIES = 1  # of a batch that raised: a file may have been busy
@@ -44,6 +46,7 @@ class Common(WorkerPlugin):
         for name, value in ONE_THREAD.items():
             os.environ.setdefault(name, value)
         _TASKS[self.name] = self.task
+        may_end()
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
         """The run is over."""
@@ -108,7 +111,7 @@ class DaskEngine:
         self.workers = len(self._call(client.nthreads)) or 1
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
-        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
+        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.runner.engine.Engine`."""
         name = f"lostmotion-{uuid.uuid4().hex}"
         self._call(lambda: self.client.register_plugin(Common(name, task), name=name))
         source, again, apart, more = iter(batches), deque[Tried](), deque[Tried](), True

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
-from lostmotion.audit.code import code_version
-from lostmotion.audit.engine.protocol import SetupError, one_line, resolved
-from lostmotion.audit.plan import definition
+from lostmotion.audit.runner.code import code_version
+from lostmotion.audit.runner.engine.protocol import one_line, resolved
+from lostmotion.audit.runner.limit import within
+from lostmotion.audit.runner.plan import definition
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import LostMotionError, SetupError, SlowError
 from lostmotion.plant import PlantLoop, PlantSource
 from lostmotion.records import LoopRecord
 from lostmotion.store.encoded import encoded
@@ -33,11 +34,11 @@ class Steps:
         Called by the coordinator; empty: that step is left out.
     """
 
-    windows: str = "lostmotion.audit.windows:windows_of"
-    screen: str = "lostmotion.audit.screen:screen"
-    assess: str = "lostmotion.audit.assess:assess"
+    windows: str = "lostmotion.audit.screen.windows:windows_of"
+    screen: str = "lostmotion.audit.screen.screen:screen"
+    assess: str = "lostmotion.audit.assess.assess:assess"
     ranked: str = "lostmotion.audit.rank:ranked"
-    groups: str = "lostmotion.audit.groups:groups"
+    groups: str = "lostmotion.audit.groups.groups:groups"
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,26 @@ def screen_batch(job: Job, loops: tuple[PlantLoop, ...]) -> tuple[Screened, ...]
     windows, screen = resolved(job.steps.windows), resolved(job.steps.screen)
 
     def work(loop: PlantLoop, record: LoopRecord) -> Screened:
-        found = [screen(loop, one.record, one.start, one.end, job.settings) for one in windows(record, job.settings)]
+        found = [_screened(screen, loop, one, job.settings) for one in windows(record, job.settings)]
         if not found:
             return (failed(loop, NO_WINDOW),), ()
         return tuple(row for row, _ in found), tuple(spectrum for _, spectrum in found if spectrum is not None)
 
     results = _each(job, loops, work, lambda loop, why: ((failed(loop, why),), ()))
     return tuple(_checked(job, loop, rows, more) for loop, (rows, more) in zip(loops, results, strict=True))
+
+
+def _screened(
+    screen: Callable[..., Any], loop: PlantLoop, window: Any, settings: AuditSettings
+) -> tuple[AssessmentRow, SpectrumRow | None]:
+    """One window; that it takes too long is its own."""
+    began = time.process_time()
+    given = (loop, window.record, window.start, window.end, settings)
+    try:
+        return cast("tuple[AssessmentRow, SpectrumRow | None]", within(settings.loop_minutes, screen, *given))
+    except SlowError as error:
+        row = AssessmentRow(loop.tag, window.start, window.end, fingerprint=window.record.fingerprint)
+        return replace(lost(row, str(error)), seconds=time.process_time() - began), None
 
 
 def assess_batch(job: Job, wanted: tuple[Wanted, ...]) -> tuple[Assessed, ...]:
@@ -103,9 +117,9 @@ def _assessed(
         return lost(row, "its data have changed since it was screened"), None
     began = time.process_time()
     try:
-        new, trace = assess(loop, record, row, job.settings)
+        new, trace = within(job.settings.loop_minutes, assess, loop, record, row, job.settings)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
-        return replace(lost(row, one_line(error)), seconds=time.process_time() - began), None
+        return replace(lost(row, said(error)), seconds=time.process_time() - began), None
     return new, trace
 
 

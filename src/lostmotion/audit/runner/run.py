@@ -9,12 +9,12 @@ from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from typing import Any
 
-from lostmotion.audit import plan
-from lostmotion.audit.batches import batches, by_loop, cut, fair
-from lostmotion.audit.code import code_version
-from lostmotion.audit.engine.protocol import Done, Engine, Lost, Task, resolved
+from lostmotion.audit.runner import plan
+from lostmotion.audit.runner.batches import batches, by_loop, cut, fair
+from lostmotion.audit.runner.code import code_version
+from lostmotion.audit.runner.engine.protocol import Done, Engine, Lost, Task, resolved
+from lostmotion.audit.runner.work import Job, Steps, failed, lost, stamped
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.work import Job, Steps, failed, lost, stamped
 from lostmotion.errors import LostMotionError
 from lostmotion.plant import PlantLoop, PlantSource
 from lostmotion.store.carry import Known
@@ -26,7 +26,7 @@ from lostmotion.store.store import Screened, Store
 ASSESSED_TOGETHER = 16  # windows of a batch, where nothing limits the time
 PRECISE = 4  # .. where a budget is to be kept, and the order of values
 BLOCKS = 8  # batches of a worker among which those of a file are put together: the order of values matters less
-SCREEN, ASSESS = "lostmotion.audit.work:screen_batch", "lostmotion.audit.work:assess_batch"
+SCREEN, ASSESS = "lostmotion.audit.runner.work:screen_batch", "lostmotion.audit.runner.work:assess_batch"
 
 
 @dataclass(frozen=True)

@@ -7,18 +7,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import SetupError
 
-DIED = "the worker process died on it, also when it was alone: out of memory, or a crash in compiled code"
+DIED = (
+    "the worker process died on it, also when it was alone: out of memory, a crash in compiled code, or far over "
+    "--loop-minutes"
+)
 ALONE = 2  # deaths of a single item before it is given up: one may be somebody else's doing
-
-
-class EngineError(LostMotionError):
-    """Nothing can be done any more: no workers, or a scheduler that has gone away."""
-
-
-class SetupError(LostMotionError):
-    """A worker cannot do this work at all: the same would be said of every batch."""
 
 
 @dataclass(frozen=True)

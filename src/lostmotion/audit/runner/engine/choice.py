@@ -7,8 +7,8 @@ import os
 from typing import Any
 from urllib.parse import urlsplit
 
-from lostmotion.audit.engine.inline import Inline
-from lostmotion.audit.engine.protocol import Engine
+from lostmotion.audit.runner.engine.inline import Inline
+from lostmotion.audit.runner.engine.protocol import Engine
 from lostmotion.errors import DataError, ParameterError
 
 NAMES = "processes, inline, dask, tcp://HOST:PORT or tls://HOST:PORT"
@@ -44,13 +44,13 @@ def open_engine(
     if name == "inline":
         return Inline()
     if name == "processes":
-        from lostmotion.audit.engine.processes import Processes  # noqa: PLC0415
+        from lostmotion.audit.runner.engine.processes import Processes  # noqa: PLC0415
 
         return Processes(workers or usable_processors())
     if name != "dask":
         _allowed(name, insecure=insecure)
     try:
-        from lostmotion.audit.engine.dask_engine import cluster_at, local_cluster  # noqa: PLC0415
+        from lostmotion.audit.runner.engine.dask_engine import cluster_at, local_cluster  # noqa: PLC0415
     except ImportError:
         raise DataError.expected("Dask (distributed)", "none", "install lostmotion[cluster]") from None
     return local_cluster(workers or usable_processors()) if name == "dask" else cluster_at(name, security)

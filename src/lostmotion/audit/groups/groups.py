@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
-from lostmotion.audit.likely_source import Suspect, name, suspect
-from lostmotion.audit.swinging import Swinging, carried, swinging, together, unsteady
+from lostmotion.audit.groups.likely_source import Suspect, name, suspect
+from lostmotion.audit.groups.swinging import Swinging, carried, swinging, together, unsteady
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow
 
 

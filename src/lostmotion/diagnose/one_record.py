@@ -7,12 +7,12 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.clean_bill import TOLERANCE, CleanBill, clean_bill, how_to_tell
+from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
-from lostmotion.diagnose.op_span import op_span
+from lostmotion.diagnose.op_span import TOLERANCE, op_span
 from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.audit.screen_rows import ScreenRows
+from lostmotion.audit.screen.rows import ScreenRows
 from lostmotion.diagnose.pooled.windows import MOVE
 from lostmotion.kernels.turns import turns
 from lostmotion.records import LoopRecord, limits

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
+from lostmotion.errors import EngineError, SetupError
 
 
 class Inline:

@@ -12,16 +12,11 @@ import lostmotion
 APART = (  # rooms that no assessment depends on; one too many here would keep results of an older code
     "cli", "plot", "report", "paper", "export", "online", "design", "store", "web", "live",
 )  # fmt: skip
-NOT_OF_A_LOOP = (
-    "engine",
-    "run.py",
-    "plan.py",
-    "batches.py",
-    "rank.py",
-    "trend.py",
-    "history.py",
-    "groups.py",
-)  # audit/
+NOT_OF_A_LOOP = (  # of audit/: what puts results into order, tells them or hands out the work
+    "audit_run.py", "groups", "health.py", "history.py", "plant_audit.py", "plant_view.py", "rank.py", "row_facts.py",
+    "run_view.py", "runner/batches.py", "runner/code.py", "runner/engine", "runner/plan.py", "runner/run.py",
+)  # fmt: skip
+AWAY = tuple(f"{name}/" for name in APART) + tuple(f"audit/{name}" for name in NOT_OF_A_LOOP)
 NUMERIC = ("numpy", "scipy", "numba", "polars")  # another one may give another last digit
 
 
@@ -31,12 +26,9 @@ def code_version() -> str:
     root = Path(lostmotion.__file__).parent
     digest = hashlib.sha256(" ".join(_version(name) for name in NUMERIC).encode())
     for path in sorted(root.rglob("*")):
-        parts = path.relative_to(root).parts
-        if path.suffix not in (".py", ".npz") or parts[0] in APART:
-            continue
-        if parts[0] == "audit" and parts[1] in NOT_OF_A_LOOP:
-            continue
-        digest.update("/".join(parts).encode() + b"\0" + path.read_bytes())
+        name = path.relative_to(root).as_posix()
+        if path.suffix in (".py", ".npz") and not name.startswith(AWAY):
+            digest.update(name.encode() + b"\0" + path.read_bytes())
     return f"{lostmotion.__version__}+{digest.hexdigest()[:12]}"
 
 

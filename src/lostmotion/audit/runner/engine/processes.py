@@ -17,8 +17,10 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from lostmotion.audit.engine.protocol import Done, EngineError, Lost, SetupError, Task, Tried, done, one_line
-from lostmotion.audit.engine.threads import one_thread
+from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
+from lostmotion.audit.runner.engine.threads import one_thread
+from lostmotion.audit.runner.limit import may_end
+from lostmotion.errors import EngineError, SetupError
 
 AHEAD = 2  # batches of a worker: one at work and one waiting, so that it does not wait for the store
 STARTS = 3  # workers in a row that die before they are ready: then none will
@@ -76,7 +78,7 @@ class Processes:
         self._failed_starts = 0
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
-        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.engine.Engine`."""
+        """Outcome of each item, as batches are done; see :class:`lostmotion.audit.runner.engine.Engine`."""
         try:
             yield from self._run(task, iter(batches))
         finally:  # a run that is broken off leaves workers with batches that nobody waits for
@@ -170,6 +172,7 @@ def _deaf() -> Iterator[None]:
 def _serve(pipe: Connection) -> None:
     """A worker: batches in, results out; ends with its coordinator, also in the middle of a batch."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    may_end()
     came: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(pipe, came), daemon=True).start()
     _answer(pipe, "ready", None)

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen_harris import harris_of, natural_factor
-from lostmotion.audit.screen_health import Health, health_of
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
-from lostmotion.audit.screen_spectrum import Spectrum, spectrum_of
-from lostmotion.audit.screen_swing import Swing, nonlinearity, phase_at, swing_of
-from lostmotion.audit.screen_worth import Seen, worth
+from lostmotion.audit.screen.harris import harris_of, natural_factor
+from lostmotion.audit.screen.health import Health, health_of
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.scatter import scatter
+from lostmotion.audit.screen.spectrum import Spectrum, spectrum_of
+from lostmotion.audit.screen.swing import Swing, nonlinearity, phase_at, swing_of
+from lostmotion.audit.screen.windows import in_utc, seconds_of_rows
+from lostmotion.audit.screen.worth import Seen, worth
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.windows import in_utc, seconds_of_rows
 from lostmotion.diagnose.audit_class import MOST_OPEN, audit_class
 from lostmotion.diagnose.performance import NOISE_BANDS
 from lostmotion.errors import LostMotionError
@@ -54,7 +55,7 @@ def screen(
     ----------
     loop : PlantLoop
     record : LoopRecord
-        Of the window (:func:`lostmotion.audit.windows.windows_of`).
+        Of the window (:func:`lostmotion.audit.screen.windows.windows_of`).
     start, end : datetime
         Of the window, UTC.
     settings : AuditSettings
@@ -127,8 +128,16 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "stuck": rows.share(rows.stuck & ~rows.stopped & rows.known & ~rows.manual),
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
+        "scatter_percent": _scatter(rows),
     }
     return {name: float(value) for name, value in found.items() if np.isfinite(value)}
+
+
+def _scatter(rows: ScreenRows) -> float:
+    """Of PV in % of its span; NaN where that is not known."""
+    span, record = rows.record.pv_span, rows.record
+    found = scatter(np.where(rows.live, record.pv, np.nan), record.dt) if span else None
+    return float("nan") if found is None or span is None else 100.0 * found / (span[1] - span[0])
 
 
 def _noise(op: FloatArray) -> float:

@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.audit.assess_words import about_looks
-from lostmotion.audit.screen import failed
-from lostmotion.audit.screen_rows import ScreenRows, of_loop
+from lostmotion.audit.assess.said import finite, said
+from lostmotion.audit.assess.stretches import Look, looks
+from lostmotion.audit.assess.trace import trace_of
+from lostmotion.audit.assess.words import about_looks
+from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
-from lostmotion.audit.stretches import Look, looks
-from lostmotion.audit.trace import trace_of
 from lostmotion.diagnose.advice import advise
-from lostmotion.diagnose.diagnose import diagnose
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.errors import DataError
@@ -28,7 +29,7 @@ from lostmotion.store.rows import AssessmentRow, Stage, TraceRow
 WORTH_MORE = 0.5  # value from which on an undecided window is looked at once more
 HINT = 0.35  # probability of a fault from which on it is too
 MOST = 3  # looks
-SIZED = ("dead zone", "backlash", "stiction")
+NO_SIZE: dict[str, Any] = dict.fromkeys(("size", "low", "high", "size_percent"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +75,7 @@ def assess(
         rows = ScreenRows(of_loop(loop, record))
         with np.errstate(all="ignore"):
             seen, why = _seen(rows, row, settings.tolerance)
-            row = _limited(assessed(row, seen, why, settings.tolerance))
+            row = _limited(assessed(row, seen, why))
             if seen:
                 trace = _trace(rows, row, seen)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
@@ -119,38 +120,29 @@ def told(seen: list[Seen]) -> Seen:
     return (clear or others)[0]
 
 
-def assessed(row: AssessmentRow, seen: list[Seen], why: str, tolerance: float) -> AssessmentRow:
+def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
     """The row with what the looks say."""
     if not seen:
         return replace(row, stage=Stage.ASSESSED, verdict="cannot tell", kind="unknown", why=why)
     best = told(seen)
-    found = best.found
-    disagree = any(one.alarm for one in seen) and not best.alarm
-    percent = found.tolerance / (100.0 * tolerance)
-    return replace(
-        row,
-        stage=Stage.ASSESSED,
-        status=found.fit.status.name,
-        verdict="cannot tell" if disagree else found.verdict,
-        kind="unknown" if disagree else found.kind,
-        **_sizes(seen, best, percent),
-        **_excluded(best, percent),
-        confidence=_finite(found.confidence),
-        probability=_finite(float(np.mean([one.probability for one in seen]))),
-        severity="unknown" if found.verdict == "cannot tell" or disagree else found.severity,
-        why=about_looks(seen) if disagree else found.why,
-        advice=found.advice,
-        evidence=tuple((item.name, _number(item.value), _number(item.weight)) for item in found.evidence),
-        indices={**row.indices, **_indices(seen, best)},
-        **_performance(row, found),
-    )
+    fields = said(best.found)
+    fields |= _pooled_size(seen, best) if best.alarm else NO_SIZE
+    fields |= {
+        "probability": finite(float(np.mean([one.probability for one in seen]))),
+        "indices": {**row.indices, **fields["indices"], **_of_looks(seen, best)},
+        **_performance(row, best.found),
+    }
+    if best.found.verdict == "cannot tell":
+        fields["severity"] = "unknown"
+    if any(one.alarm for one in seen) and not best.alarm:
+        fields |= {"verdict": "cannot tell", "kind": "unknown", "severity": "unknown", "why": about_looks(seen)}
+    return replace(row, stage=Stage.ASSESSED, **fields)
 
 
 def _limited(row: AssessmentRow) -> AssessmentRow:
     """As a diagnosis has it where OP is at a limit for long: the looks were at the rest of the window."""
     if row.limited is None or not limits_decide(row.verdict, row.limited):
         return row
-    sizes: dict[str, Any] = dict.fromkeys(("size", "low", "high", "size_percent"))
     evidence = (("share of time with OP at a limit", row.limited, 0.0), *row.evidence)
     advice = advise("saturation", "actuator", "unknown", False, False)
     return replace(
@@ -161,19 +153,19 @@ def _limited(row: AssessmentRow) -> AssessmentRow:
         why="",
         evidence=evidence,
         advice=advice,
-        **sizes,
+        **NO_SIZE,
     )
 
 
-def _sizes(seen: list[Seen], best: Seen, percent: float) -> dict[str, Any]:
+def _pooled_size(seen: list[Seen], best: Seen) -> dict[str, float | None]:
     """Size with its interval: of the looks that name the same fault, weighted by their precision."""
-    nothing: dict[str, Any] = dict.fromkeys(("size", "low", "high", "size_percent"))
     found = best.found
-    if not best.alarm or not np.isfinite(found.size):
-        return nothing
     same = [one.found for one in seen if one.found.verdict == found.verdict and np.isfinite(one.found.size)]
-    size, low, high = _pooled(same) if len(same) > 1 else (found.size, *found.interval)
-    return {"size": _finite(size), "low": _finite(low), "high": _finite(high), "size_percent": _finite(size / percent)}
+    if len(same) < 2 or not np.isfinite(found.size):
+        return {}
+    size, low, high = _pooled(same)
+    percent = size / op_span(found.record).percent
+    return {"size": finite(size), "low": finite(low), "high": finite(high), "size_percent": finite(percent)}
 
 
 def _pooled(found: list[Diagnosis]) -> tuple[float, float, float]:
@@ -189,29 +181,10 @@ def _pooled(found: list[Diagnosis]) -> tuple[float, float, float]:
     return size, size - half, size + half
 
 
-def _excluded(best: Seen, percent: float) -> dict[str, Any]:
-    """Largest size of each kind that is not excluded; None where a valve that never moves would look the same."""
-    said = best.found.excluded
-    if best.alarm or not said:
-        return {}
-    found = {f"excluded_{name.replace(' ', '_')}": _finite(size) for name, size in said.items() if name in SIZED}
-    return found | {"excluded_percent": _finite(max(said.values()) / percent)}
-
-
-def _indices(seen: list[Seen], best: Seen) -> dict[str, float]:
-    """Numbers of the fit and of the look that is believed."""
-    found = best.found
-    more = {
-        **{f"index_{name}": value for name, value in found.measured.indices.items()},
-        "looks": float(len(seen)),
-        "diagnosed_rows": float(sum(len(one.look.record) for one in seen)),
-        "diagnosed_dt": best.look.record.dt,
-        "fit_percent": found.fit.fit_percent,
-        "tolerance": found.tolerance,
-        "op_span_known": float(op_span(found.record).known),
-        "integrating": float(found.measured.integrating),
-    }
-    return {name: float(value) for name, value in more.items() if np.isfinite(value)}
+def _of_looks(seen: list[Seen], best: Seen) -> dict[str, float]:
+    """Numbers of the looks, and of the one that is believed."""
+    rows = sum(len(one.look.record) for one in seen)
+    return {"looks": float(len(seen)), "diagnosed_rows": float(rows), "diagnosed_dt": best.look.record.dt}
 
 
 def _performance(row: AssessmentRow, found: Diagnosis) -> dict[str, Any]:
@@ -223,14 +196,8 @@ def _performance(row: AssessmentRow, found: Diagnosis) -> dict[str, Any]:
 
 
 def _trace(rows: ScreenRows, row: AssessmentRow, seen: list[Seen]) -> TraceRow:
-    best = told(seen)
-    return trace_of(row.tag, row.window_start, rows.record, best.look.places[0], best.look.rows, best.found)
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
-
-
-def _number(value: float) -> float:
-    """What a row can hold: 0 for what is not known."""
-    return float(value) if np.isfinite(value) else 0.0
+    """Picture of the best stretch of the look that is believed."""
+    best, record = told(seen), rows.record
+    place = best.look.places[0]
+    part = record.cut(place, min(place + best.look.rows, len(record)))
+    return trace_of(row.tag, row.window_start, place * record.dt, part, best.found)

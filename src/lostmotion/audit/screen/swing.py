@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen_spectrum import Spectrum
-from lostmotion.diagnose.features import FEWEST_CYCLES, LEAST_SHARE
-from lostmotion.diagnose.oscillation import LEAST, Oscillation, oscillation_near
+from lostmotion.audit.screen.spectrum import Spectrum
+from lostmotion.diagnose.oscillation import FEWEST_CYCLES, LEAST, LEAST_SHARE, Oscillation, oscillation_near
 from lostmotion.errors import DataError
 
 ROWS = 2048  # after thinning, on which a period is measured: a hundred cycles

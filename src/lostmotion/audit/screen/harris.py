@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen_swing import thinned, usual_place
+from lostmotion.audit.screen.swing import thinned, usual_place
 from lostmotion.diagnose.harris import harris_index
 from lostmotion.errors import DataError
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.swinging import Swinging
+from lostmotion.audit.groups.swinging import Swinging
 from lostmotion.store.rows import AssessmentRow, Stage
 
 LEAST_SURE = 0.6  # share of the odds that a source must have to be named

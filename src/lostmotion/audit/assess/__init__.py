@@ -1,0 +1,1 @@
+"""What a diagnosis says of a window, or of a record, as rows of the store."""

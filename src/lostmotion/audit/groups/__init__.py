@@ -1,0 +1,1 @@
+"""Loops that swing together, and where it comes from."""

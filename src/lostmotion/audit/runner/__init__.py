@@ -1,0 +1,1 @@
+"""What runs an audit: plan, batches, engines, versions of the code; nothing about valves."""
