@@ -1,7 +1,8 @@
 """Attack on what lostmotion reads of its own, exports and writes: many changed inputs, and a tally of what they did.
 
 Run: ``PYTHONPATH=. .venv/bin/python benchmarks/hostile.py`` (some 40 minutes); ``--share 0.02`` is a quick look. Prints
-a table; exit code 1 where anything but a refusal in one line or a result came out.
+a table; exit code 1 where anything but a refusal in one line or a result came out. Warnings are errors, in the
+processes that it starts as well.
 
 - texts: hostile names, reasons and notes through every target of the export; the same syntax tree as with a harmless
   one, by the XML parser of Python, the preprocessor of gcc and, for ST, comments taken out
@@ -105,7 +106,7 @@ def _of_one_process(states: list[bytes], text: str) -> Counter[str]:
         (folder / "record.csv").write_text(text)
         for number, state in enumerate(states):
             (folder / f"{number:05d}.state").write_bytes(state)
-        command = [sys.executable, "-m", "tests.state_of_online", str(folder)]
+        command = [sys.executable, "-W", "error", "-m", "tests.state_of_online", str(folder)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
         except subprocess.TimeoutExpired as late:
@@ -121,15 +122,14 @@ def _class_of(said: str) -> str:
 
 
 def attack_json(count: int, random: np.random.Generator) -> Counter[str]:
-    """Changed fits and blocks; warnings are errors."""
+    """Changed fits and blocks."""
     u = lm.signals.prs(600, -5, 5, hold=8, seed=1)
     y = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel((-0.8,), (0.2,), 1)).simulate(u) + 0.02 * (u % 0.37)
     fit = lm.identify(u, y, dt=1.0, nonlinearity="dead zone", orders=(1, 0, 1), noise="white").to_dict()
     blocks = [block(kind).to_dict() | {"accepted": "because"} for kind in KINDS]
     pool = [made for data in (fit, *blocks) for made in mutants(json.loads(json.dumps(data)), random)]
     tally: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as place, warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with tempfile.TemporaryDirectory() as place:
         path = Path(place) / "a.json"
         for k in random.permutation(len(pool))[:count]:
             path.write_text(json.dumps(pool[k]), encoding="utf-8")
@@ -144,7 +144,7 @@ def attack_writers(count: int, random: np.random.Generator) -> Counter[str]:
     for _ in range(count):
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place)
-            command = [sys.executable, "-c", _unindented(WRITES_FOR_EVER), place]
+            command = [sys.executable, "-W", "error", "-c", _unindented(WRITES_FOR_EVER), place]
             with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
                 assert process.stdout is not None
                 process.stdout.readline()
@@ -185,6 +185,7 @@ def main() -> int:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
     given = options.parse_args()
+    warnings.simplefilter("error")
     bad = False
     print("| attack | outcome | times |\n|---|---|---|")
     for name in given.only or ATTACKS:

@@ -18,6 +18,7 @@ import signal
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
 from pathlib import Path
 
@@ -195,6 +196,7 @@ def main() -> int:
     options.add_argument("--kills", type=int, default=KILLS)
     options.add_argument("--seed", type=int, default=0)
     given = options.parse_args()
+    warnings.simplefilter("error")  # in all processes that are forked from this one
     warm()
     with tempfile.TemporaryDirectory() as place:
         tally = attack(given.kills, np.random.default_rng(given.seed), Path(place))

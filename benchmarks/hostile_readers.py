@@ -59,7 +59,8 @@ def _kept(keep: Path | None, kind: str, number: int, seed: int, said: str) -> No
 
 def _of_worker(kind: str, begin: int, stop: int, seed: int, *how: str) -> Iterator[tuple[int, str]]:
     """Number and outcome of each file that it came to; the last one says how it died, if it did."""
-    command = [sys.executable, "-m", "tests.use_of_files", kind, str(begin), str(stop), str(seed), str(MEMORY), *how]
+    words = [kind, str(begin), str(stop), str(seed), str(MEMORY), *how]
+    command = [sys.executable, "-W", "error", "-m", "tests.use_of_files", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
         known, ready = b"", False
         for piece in _pieces(worker):

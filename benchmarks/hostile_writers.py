@@ -22,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -391,6 +392,7 @@ def main() -> int:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
     given = options.parse_args()
+    warnings.simplefilter("error")  # in all processes that are forked from this one
     bad = False
     commands.warm()
     print("| attack | outcome | times |\n|---|---|---|")
