@@ -22,6 +22,7 @@ _ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "POLARS_MAX_THREADS": "1",
+    "_RJEM_MALLOC_CONF": "background_thread:false",  # of the allocator of Polars
 }  # threads reserve memory that the limit counts, and are lost in a fork
 _NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # a file names filters; none is loaded for it
 TOO_MUCH = f"more memory than a file of its size may take; {MOST_GIB} allows more"
