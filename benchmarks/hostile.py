@@ -57,7 +57,9 @@ def attack_exports(count: int, random: np.random.Generator) -> Counter[str]:
     """Every text through every target."""
     harmless = {to: bare(exported(to, "FIC-101.csv")) for to in TARGETS}
     tally: Counter[str] = Counter()
-    for text in hostile_texts(count, random):
+    for number, text in enumerate(hostile_texts(count, random)):
+        if number % 100 == 0:
+            print(f"texts so far: {number}, {dict(tally)}", file=sys.stderr, flush=True)
         for to in TARGETS:
             try:
                 same = bare(exported(to, text)) == harmless[to]
