@@ -58,6 +58,9 @@ def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
             return
         above = next(parent for parent in place.absolute().parents if os.path.lexists(parent))
         _refuse_folder(above)
+        for part in place.absolute().relative_to(above).parts:
+            with suppress(FileNotFoundError):
+                (above / part).lstat()  # a name that is too long is told now
 
 
 def write_bytes(path: _PATHLIKE, data: Buffer, force: bool = False) -> Path:
