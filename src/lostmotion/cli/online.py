@@ -17,7 +17,7 @@ import typer
 
 import lostmotion as lm
 from lostmotion.cli.gate import GateOptions
-from lostmotion.cli.identify import Noise, read_orders
+from lostmotion.cli.identify import Noise, read_noise, read_orders
 from lostmotion.cli.options import ColumnOptions, number
 from lostmotion.cli.output import Json
 from lostmotion.errors import ParameterError
@@ -152,7 +152,7 @@ def _model(
 
     if orders is None and fit is None:
         raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
-    model: dict[str, Any] = {"gain": gain, "noise": int(noise) if noise.isdigit() else noise}
+    model: dict[str, Any] = {"gain": gain, "noise": read_noise(noise)}
     accepted = ""
     if fit is not None:
         found, accepted = settings_from_fit(lm.read_fit(fit), **gate.given())
