@@ -320,7 +320,7 @@ def _on_disk(name: str, words: commands.Words, disk: str, folder: Path) -> Tally
         (folder / "filler").unlink()
         assert not _mount("-o", "remount,size=8m", str(folder))
     else:
-        assert not _mount("-o", "remount,rw", str(folder))
+        assert not _mount("-o", "remount,rw,size=8m", str(folder))
     again = commands.run(words(folder))
     tally[f"THE NEXT START FAILED {name} {disk} {again.stderr[-200:]!r}"] += "error" in again.stderr
     tally["the next start works"] += "error" not in again.stderr
