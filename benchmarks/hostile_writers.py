@@ -286,11 +286,13 @@ def _mount(*words: str) -> int:
     return subprocess.run(["/bin/mount", *words], capture_output=True, check=False).returncode
 
 
-def attack_disks(_: int, __: np.random.Generator) -> Tries:
-    """Every command that writes, where there is no room, and where nothing may be written."""
+def attack_disks(_: int, random: np.random.Generator) -> Tries:
+    """Every command that writes, in any order, where there is no room, and where nothing may be written."""
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
-        for name, words in commands.writing(given).items():
+        found = commands.writing(given)
+        for name in random.permutation(list(found)):
+            words = found[name]
             for disk in ("full", "read-only"):
                 try:
                     with small_disk("64k") as folder:
@@ -357,11 +359,13 @@ def _pair(name: str, pair: commands.Pair, folder: Path, number: int) -> Tally:
     return +tally
 
 
-def attack_output(_: int, __: np.random.Generator) -> Tries:
-    """Every command that says something, to nobody, onto a full disk and into a pipe that is closed behind a line."""
+def attack_output(_: int, random: np.random.Generator) -> Tries:
+    """Every command that says something, in any order, to nobody, onto a full disk and into a pipe that is closed behind a line."""
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
-        for name, words in commands.saying(given).items():
+        found = commands.saying(given)
+        for name in random.permutation(list(found)):
+            words = found[name]
             with tempfile.TemporaryDirectory() as made:
                 whole = commands.run(words(Path(made)))
             for where in commands.OUTPUTS:
