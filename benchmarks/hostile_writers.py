@@ -360,7 +360,7 @@ def _pair(name: str, pair: commands.Pair, folder: Path, number: int) -> Tally:
 
 
 def attack_output(_: int, random: np.random.Generator) -> Tries:
-    """Every command that says something, in any order, to nobody, onto a full disk and into a pipe that is closed behind a line."""
+    """Every command that says something, to nobody, onto a full disk and into a pipe that is closed behind a line."""
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
         found = commands.saying(given)
