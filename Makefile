@@ -36,7 +36,7 @@ unit: $(STAMP)
 	$(BIN)/pytest -n 2 --dist worksteal
 
 nojit: $(STAMP)
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -m "not statistics"
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -m "not statistics and not processes"
 
 # A PLC for the tests of exported blocks: ST machine, parsers, schema, in an environment of its own.
 plc: .venv-plc/.installed

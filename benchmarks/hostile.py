@@ -1,7 +1,8 @@
 """Attack on what lostmotion reads of its own, exports and writes: many changed inputs, and a tally of what they did.
 
 Run: ``PYTHONPATH=. .venv/bin/python benchmarks/hostile.py`` (some 40 minutes); ``--share 0.02`` is a quick look. Prints
-a table; exit code 1 where anything but a refusal in one line or a result came out.
+a table; exit code 1 where anything but a refusal in one line or a result came out. Warnings are errors, in the
+processes that it starts as well.
 
 - texts: hostile names, reasons and notes through every target of the export; the same syntax tree as with a harmless
   one, by the XML parser of Python, the preprocessor of gcc and, for ST, comments taken out
@@ -29,6 +30,7 @@ from typing import Any
 import numpy as np
 
 import lostmotion as lm
+from hostile_tally import HEAD, told
 from lostmotion.export import TARGETS
 from lostmotion.files import writer
 from tests import state_of_online as online
@@ -40,6 +42,7 @@ from tests.unit.test_writer import WRITES_FOR_EVER
 from tests.use_of_json import outcome
 
 TEXTS, STATES, JSONS, KILLS = 5000, 5000, 5000, 200
+Tries = Iterator[Counter[str]]
 AT_ONCE, PATIENCE = 100, 300  # states of one process, and its seconds: nothing hangs
 SIZE = 20_000  # of what is written under kills, a multiple of it
 
@@ -52,11 +55,11 @@ def hostile_texts(count: int, random: np.random.Generator) -> Iterator[str]:
         yield "x" + "".join(random.permutation([*pieces, odd]))
 
 
-def attack_exports(count: int, random: np.random.Generator) -> Counter[str]:
+def attack_exports(count: int, random: np.random.Generator) -> Tries:
     """Every text through every target."""
     harmless = {to: bare(exported(to, "FIC-101.csv")) for to in TARGETS}
-    tally: Counter[str] = Counter()
     for text in hostile_texts(count, random):
+        tally: Counter[str] = Counter({"texts": 1})
         for to in TARGETS:
             try:
                 same = bare(exported(to, text)) == harmless[to]
@@ -64,7 +67,7 @@ def attack_exports(count: int, random: np.random.Generator) -> Counter[str]:
                 tally[f"FAULT {type(error).__name__} {to} {text!r}"[:200]] += 1
             else:
                 tally["same tree" if same else f"INJECTED {to} {text!r}"[:200]] += 1
-    return tally
+        yield tally
 
 
 def saved_states(folder: Path) -> tuple[list[bytes], str]:
@@ -80,17 +83,14 @@ def saved_states(folder: Path) -> tuple[list[bytes], str]:
     return found, text
 
 
-def attack_states(count: int, random: np.random.Generator) -> Counter[str]:
+def attack_states(count: int, random: np.random.Generator) -> Tries:
     """Changed states, a hundred to a process."""
     with tempfile.TemporaryDirectory() as place:
         bases, text = saved_states(Path(place))
     pool = [state for base in bases for state in sample(base, 0.4, 200, int(random.integers(1 << 30)))]
     chosen = [pool[k] for k in random.permutation(len(pool))[:count]]
-    tally: Counter[str] = Counter()
     for group in _groups([*(whole(*parts(base)) for base in bases), *chosen], AT_ONCE):
-        tally += _of_one_process(group, text)
-        print(f"states so far: {dict(tally)}", file=sys.stderr, flush=True)
-    return tally
+        yield _of_one_process(group, text)
 
 
 def _groups(values: Iterable[bytes], size: int) -> Iterator[list[bytes]]:
@@ -105,7 +105,7 @@ def _of_one_process(states: list[bytes], text: str) -> Counter[str]:
         (folder / "record.csv").write_text(text)
         for number, state in enumerate(states):
             (folder / f"{number:05d}.state").write_bytes(state)
-        command = [sys.executable, "-m", "tests.state_of_online", str(folder)]
+        command = [sys.executable, "-W", "error", "-m", "tests.state_of_online", str(folder)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
         except subprocess.TimeoutExpired as late:
@@ -120,39 +120,34 @@ def _class_of(said: str) -> str:
     return "refused in one line" if said.endswith("one line") else said
 
 
-def attack_json(count: int, random: np.random.Generator) -> Counter[str]:
-    """Changed fits and blocks; warnings are errors."""
+def attack_json(count: int, random: np.random.Generator) -> Tries:
+    """Changed fits and blocks."""
     u = lm.signals.prs(600, -5, 5, hold=8, seed=1)
     y = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel((-0.8,), (0.2,), 1)).simulate(u) + 0.02 * (u % 0.37)
     fit = lm.identify(u, y, dt=1.0, nonlinearity="dead zone", orders=(1, 0, 1), noise="white").to_dict()
     blocks = [block(kind).to_dict() | {"accepted": "because"} for kind in KINDS]
     pool = [made for data in (fit, *blocks) for made in mutants(json.loads(json.dumps(data)), random)]
-    tally: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as place, warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with tempfile.TemporaryDirectory() as place:
         path = Path(place) / "a.json"
         for k in random.permutation(len(pool))[:count]:
             path.write_text(json.dumps(pool[k]), encoding="utf-8")
             said = outcome(path)
-            tally["refused in one line" if said.startswith("refused") and "MANY" not in said else said] += 1
-    return tally
+            yield Counter({"refused in one line" if said.startswith("refused") and "MANY" not in said else said: 1})
 
 
-def attack_writers(count: int, random: np.random.Generator) -> Counter[str]:
+def attack_writers(count: int, random: np.random.Generator) -> Tries:
     """Processes killed after up to 60 ms of writing; what is left is looked at after the next start's sweep."""
-    tally: Counter[str] = Counter()
     for _ in range(count):
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place)
-            command = [sys.executable, "-c", _unindented(WRITES_FOR_EVER), place]
+            command = [sys.executable, "-W", "error", "-c", _unindented(WRITES_FOR_EVER), place]
             with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
                 assert process.stdout is not None
                 process.stdout.readline()
                 time.sleep(float(random.uniform(0.0, 0.06)))
                 process.send_signal(signal.SIGKILL)
             writer.sweep(folder / "state")
-            tally += _left(folder)
-    return tally
+            yield _left(folder)
 
 
 def _left(folder: Path) -> Counter[str]:
@@ -185,14 +180,12 @@ def main() -> int:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
     given = options.parse_args()
+    warnings.simplefilter("error")
     bad = False
-    print("| attack | outcome | times |\n|---|---|---|")
+    print(HEAD)
     for name in given.only or ATTACKS:
         attack, count = ATTACKS[name]
-        tally = attack(max(1, round(count * given.share)), np.random.default_rng(given.seed))
-        for said, times in sorted(tally.items()):
-            bad |= said.split(" ")[0].isupper()
-            print(f"| {name} | {said} | {times} |", flush=True)
+        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)))
     return int(bad)
 
 

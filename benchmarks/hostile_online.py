@@ -1,7 +1,8 @@
 """`lostmotion online` killed two hundred times on one growing record: no line is lost, changed or torn.
 
-Run: ``PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/hostile_online.py`` (some minutes); prints a table; exit code
-1 where something in capitals came out.
+Run: ``PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/hostile_online.py`` (some minutes; ``--seconds`` ends it
+early); prints a table; exit code 1 where something in capitals came out. ``--clock-steps 20`` is another attack: so
+many records, in each of which the clock of the control system is set forward and back, by seconds to days.
 
 The record grows by pieces that end anywhere. `online` follows it with a state file, with masks (mode, limits of OP, a
 frozen transmitter), and is killed: every other time just before a call that writes its state, another each time, and
@@ -18,12 +19,15 @@ import signal
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 import lostmotion as lm
+from hostile_tally import HEAD, told
 from lostmotion.cli import main as command
 from lostmotion.cli import online as _  # noqa: F401  loaded before the forks
 from lostmotion.files.grid import Rows
@@ -31,7 +35,7 @@ from lostmotion.online import service
 from tests.killed import begun, ended
 from tests.killed import threads_of_polars as threads
 
-KILLS = 200
+KILLS, KILLS_EACH = 200, 3  # of one record; of each with steps of its clock
 ROWS_EACH = 60  # that come between two kills
 LOOKS = 0.02  # s between looks at the file, instead of 0.5: more happens between two kills
 LONGEST = 0.5  # s until a start is killed at the latest
@@ -42,7 +46,7 @@ OPTIONS = (
 )  # fmt: skip
 
 
-def record(rows: int) -> bytes:
+def record(rows: int, stamps: np.ndarray | None = None) -> bytes:
     """Rows with stretches in manual, at a limit of OP, with a transmitter that stands, and with bad cells."""
     random = np.random.default_rng(1)
     u = np.round(lm.signals.prs(rows, -5.5, 5.5, hold=8, seed=1), 4)
@@ -50,10 +54,11 @@ def record(rows: int) -> bytes:
     x = np.where(u > 1, u - 1, np.where(u < -1, u + 1, 0.0))
     y = lm.LinearModel((-0.8,), (0.2,), 1).simulate(x) + 0.05 * random.normal(size=rows)
     lines = ["t_s,OP,PV,Mode"]
+    stamps = 2 * np.arange(rows) + 7200 * (np.arange(rows) > rows // 2) if stamps is None else stamps
     for k in range(rows):
         pv = y[k - k % 700] if k % 700 < 30 else y[k]
         mode = "MAN" if k % 500 > 480 else "AUT"
-        lines.append(f"{2 * k + 7200 * (k > rows // 2)},{u[k]:.4f},{'Bad' if k % 997 == 500 else f'{pv:.4f}'},{mode}")
+        lines.append(f"{stamps[k]},{u[k]:.4f},{'Bad' if k % 997 == 500 else f'{pv:.4f}'},{mode}")
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -80,6 +85,10 @@ class Watch:
         with self.said.open("wb") as out, (self.folder / "errors").open("ab") as error:
             process: int = begun(work, call, out.fileno(), error.fileno())
         return process
+
+    def errors(self) -> str:
+        """What all starts have said on standard error."""
+        return (self.folder / "errors").read_text()
 
     def wait(self) -> None:
         """Until the last start has said something, or 20 s."""
@@ -118,14 +127,24 @@ def once(lines: list[bytes], tally: Counter[str]) -> list[bytes]:
     return list(found.values())
 
 
-def attack(kills: int, random: np.random.Generator, folder: Path) -> Counter[str]:
-    """Kill, start, kill .."""
+def clock_steps(rows: int, random: np.random.Generator) -> np.ndarray:
+    """Stamps of a clock that is set: forward or back, by a fraction of a sample to days, some three times."""
+    stamps = 2.0 * np.arange(rows)
+    for _step in range(random.integers(1, 4)):
+        step = random.choice([0.5, 1, 2, 3, 10, 60, 3600, 86400, 1e7]) * random.choice([-1, 1])
+        stamps[random.integers(5, rows) :] += step
+    return stamps
+
+
+def attack(data: bytes, kills: int, random: np.random.Generator, folder: Path, seconds: float) -> Counter[str]:
+    """Kill, start, kill .., for so many seconds."""
     tally: Counter[str] = Counter()
-    data = record((kills + 1) * ROWS_EACH)
     (folder / "whole").mkdir()
     (folder / "whole" / "a.csv").write_bytes(data)
     alone = Watch(folder / "whole")
-    assert ended(alone.start("--no-follow")) in (0, 1)
+    begun_at, code = time.monotonic(), ended(alone.start("--no-follow"))
+    refused = alone.errors()
+    tally[f"ALONE {code} {refused!r}"] = code not in (0, 1) or bool(refused and not one_line(refused))
     expected = once(alone.lines()[0], Counter())
     watch = Watch(folder)
     ends = np.sort(random.choice(len(data), 3 * kills, replace=False))
@@ -133,6 +152,8 @@ def attack(kills: int, random: np.random.Generator, folder: Path) -> Counter[str
         growing.write(data[:400])
         written = 400
         for kill in range(kills):
+            if time.monotonic() - begun_at > seconds:
+                break
             call = 0 if kill % 2 else 1 + int(random.integers(CALLS))
             process = watch.start(call=call)
             if kill % 8 != 7:  # one of eight before it has begun
@@ -142,26 +163,39 @@ def attack(kills: int, random: np.random.Generator, folder: Path) -> Counter[str
                 time.sleep(float(random.uniform(0.0, 0.05)))
                 growing.write(data[written : max(stop, written)])
                 written = max(int(stop), written)
-            tally += _killed(process, until)
+            tally += _killed(process, until, bool(refused))
         growing.write(data[written:])
-    code = ended(watch.start("--no-follow"))
-    return tally + _compared(watch, expected, code)
+    said = watch.errors()
+    if said and not (one_line(said.replace(refused, "", said.count(refused) - 1)) and refused):
+        tally[f"SAID ON STANDARD ERROR {said[:200]!r}"] = 1
+    (watch.folder / "errors").write_bytes(b"")
+    last = ended(watch.start("--no-follow"))
+    tally[f"ENDS OTHERWISE {last} {code}"] = last != code
+    tally[f"OTHER WORDS {watch.errors()!r} {refused!r}"] = watch.errors() != refused
+    tally["refused in one line, as by one start" if refused else "read to the end, as by one start"] = 1
+    return tally + _compared(watch, expected)
 
 
-def _killed(process: int, until: float) -> Counter[str]:
+def one_line(text: str) -> bool:
+    """Whether it is what a command says that refuses a file."""
+    return text.startswith("error: expected") and text.count("\n") == 1
+
+
+def _killed(process: int, until: float, refused: bool) -> Counter[str]:
     """Wait for the end by its own call, and end it at the latest then."""
     while time.monotonic() < until:
         done, status = os.waitpid(process, os.WNOHANG)
         if done:
             code = os.waitstatus_to_exitcode(status)
-            return Counter({"killed at a call" if code == -signal.SIGKILL else f"ENDED {code}": 1})
+            expected = "ended by what is refused" if refused and code == 1 else f"ENDED {code}"
+            return Counter({"killed at a call" if code == -signal.SIGKILL else expected: 1})
         time.sleep(0.005)
     os.kill(process, signal.SIGKILL)
     ended(process)
     return Counter({"killed at a moment": 1})
 
 
-def _compared(watch: Watch, expected: list[bytes], code: int) -> Counter[str]:
+def _compared(watch: Watch, expected: list[bytes]) -> Counter[str]:
     tally: Counter[str] = Counter()
     lines, pieces = watch.lines()
     found = once(lines, tally)
@@ -171,11 +205,8 @@ def _compared(watch: Watch, expected: list[bytes], code: int) -> Counter[str]:
     tally["OTHER LINES"] = int(found != expected)
     tally[f"lost {sorted(map(key, set(expected) - set(found)), key=str)[:5]}".upper()] = len({*expected} - {*found})
     tally["starts that went on from the state"] = sum(b"Goes on after" in line for line in lines)
-    errors = (watch.folder / "errors").read_text()
-    tally[f"SAID ON STANDARD ERROR {errors[:200]!r}"] = bool(errors)
     left = sorted(path.name for path in watch.folder.iterdir() if path.name.startswith(".lostmotion"))
     tally[f"LEFT OVER {left}"] = len(left)
-    tally[f"EXIT CODE {code}"] = code not in (0, 1)
     return +tally
 
 
@@ -193,15 +224,29 @@ def main() -> int:
     """Print the tally; 1 where something is in capitals."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--kills", type=int, default=KILLS)
+    options.add_argument("--seconds", type=float, default=1e9, help="after which no more are begun")
+    options.add_argument("--clock-steps", type=int, default=0, help="records with them, instead of kills of one")
     options.add_argument("--seed", type=int, default=0)
     given = options.parse_args()
+    warnings.simplefilter("error")  # in all processes that are forked from this one
     warm()
+    random = np.random.default_rng(given.seed)
+    print(HEAD)
+    if given.clock_steps:
+        return int(told("clock steps of online", stepped(given.clock_steps, random)))
     with tempfile.TemporaryDirectory() as place:
-        tally = attack(given.kills, np.random.default_rng(given.seed), Path(place))
-    print("| attack | outcome | times |\n|---|---|---|")
-    for said, times in sorted(tally.items()):
-        print(f"| kills of online | {said} | {times} |")
-    return int(any(said[:3].isupper() for said in tally))
+        data = record((given.kills + 1) * ROWS_EACH)
+        tally = attack(data, given.kills, random, Path(place), given.seconds)
+    return int(told("kills of online", [tally]))
+
+
+def stepped(count: int, random: np.random.Generator) -> Iterator[Counter[str]]:
+    """Records with steps of their clock, each killed a few times."""
+    for _record in range(count):
+        rows = int(random.integers(100, 900))
+        with tempfile.TemporaryDirectory() as place:
+            data = record(rows, clock_steps(rows, random))
+            yield Counter({"records": 1}) + attack(data, KILLS_EACH, random, Path(place), np.inf)
 
 
 if __name__ == "__main__":

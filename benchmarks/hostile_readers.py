@@ -10,11 +10,13 @@ from __future__ import annotations
 import argparse
 import re
 import selectors
+import signal
 import subprocess
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from tests.hostile_files import APART, FORMATS, FRAMES, mutant
@@ -28,9 +30,8 @@ ENDED = "ended the process of its reader"
 DIED = ("SIGNAL", "HANG", "MEMORY")
 
 
-def attacked(kind: str, count: int, seed: int, keep: Path | None) -> Counter[str]:
-    """Outcomes of files 0 .. count."""
-    tally: Counter[str] = Counter()
+def attacked(kind: str, count: int, seed: int, keep: Path | None, tally: Counter[str]) -> None:
+    """Add the outcomes of files 0 .. count."""
     begin = 0
     while begin < count:
         last = begin - 1
@@ -43,7 +44,6 @@ def attacked(kind: str, count: int, seed: int, keep: Path | None) -> Counter[str
             if _bad(said):
                 _kept(keep, kind, number, seed, said)
         begin = last + 1
-    return tally
 
 
 def _kept(keep: Path | None, kind: str, number: int, seed: int, said: str) -> None:
@@ -59,7 +59,8 @@ def _kept(keep: Path | None, kind: str, number: int, seed: int, said: str) -> No
 
 def _of_worker(kind: str, begin: int, stop: int, seed: int, *how: str) -> Iterator[tuple[int, str]]:
     """Number and outcome of each file that it came to; the last one says how it died, if it did."""
-    command = [sys.executable, "-m", "tests.use_of_files", kind, str(begin), str(stop), str(seed), str(MEMORY), *how]
+    words = [kind, str(begin), str(stop), str(seed), str(MEMORY), *how]
+    command = [sys.executable, "-W", "error", "-m", "tests.use_of_files", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
         known, ready = b"", False
         for piece in _pieces(worker):
@@ -108,17 +109,22 @@ def main() -> int:
     options.add_argument("--only", choices=(*FORMATS, FRAMES), action="append")
     options.add_argument("--keep", type=Path)
     given = options.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     bad = 0
     print("| format | files | read | refused in one line | ended the process of their reader | anything else | s |")
     print("|---|---|---|---|---|---|---|")
     for kind in given.only or (*FORMATS, FRAMES):
         begin = time.monotonic()
-        tally = attacked(kind, given.count, given.seed, given.keep)
+        tally: Counter[str] = Counter()
+        with suppress(KeyboardInterrupt):  # what has been tried is told
+            attacked(kind, given.count, given.seed, given.keep, tally)
+        died = tally.pop(ENDED, 0)
         worse = {said: times for said, times in tally.items() if _bad(said)}
         bad += len(worse)
         took = time.monotonic() - begin
         shown = "; ".join(f"{times} x {said}" for said, times in sorted(worse.items())) or "0"
-        print(f"| {kind} | {tally.total()} | {tally['read']} | {tally['refused']} | {shown} | {took:.0f} |", flush=True)
+        cells = (kind, tally.total(), tally["read"], tally["refused"], died, shown, round(took))
+        print(f"| {' | '.join(map(str, cells))} |", flush=True)
     return int(bad > 0)
 
 

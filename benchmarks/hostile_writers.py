@@ -21,7 +21,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -37,6 +37,7 @@ import polars as pl
 from matplotlib.figure import Figure
 
 import lostmotion as lm
+from hostile_tally import HEAD, told
 from lostmotion.cli.output import OutputOptions
 from lostmotion.compensate import read_block
 from lostmotion.export import export
@@ -56,6 +57,7 @@ LONGEST = 0.05  # s after which a writer is killed at the latest
 ROWS = 400
 NEW = OutputOptions(force=True)
 Tally = Counter[str]
+Tries = Iterator[Tally]
 
 
 @dataclass(frozen=True)
@@ -206,18 +208,16 @@ def writers() -> dict[str, Writes]:
     }
 
 
-def attack_kills(count: int, random: np.random.Generator) -> Tally:
+def attack_kills(count: int, random: np.random.Generator) -> Tries:
     """Each writer, `count` times: half of them at a call, half at a moment."""
-    made, tally = writers(), Tally()
+    made = writers()
     assert not threads_of_polars()
-    for name, writes in made.items():
-        calls = _calls(writes)
-        for number in range(count):
+    calls = {name: _calls(writes) for name, writes in made.items()}
+    for number in range(count):
+        for name, writes in made.items():
             at_call = number % 2 == 0
-            call = 1 + round(number / max(count - 1, 1) * (calls - 1)) if at_call else 0
-            tally += _killed(name, writes, call, None if at_call else float(random.uniform(0.0, LONGEST)))
-        print(f"{name}: {calls} calls, {dict(tally)}", file=sys.stderr, flush=True)
-    return tally
+            call = 1 + round(number / max(count - 1, 1) * (calls[name] - 1)) if at_call else 0
+            yield _killed(name, writes, call, None if at_call else float(random.uniform(0.0, LONGEST)))
 
 
 def _calls(writes: Writes) -> int:
@@ -286,19 +286,20 @@ def _mount(*words: str) -> int:
     return subprocess.run(["/bin/mount", *words], capture_output=True, check=False).returncode
 
 
-def attack_disks(_: int, __: np.random.Generator) -> Tally:
-    """Every command that writes, where there is no room, and where nothing may be written."""
-    tally = Tally()
+def attack_disks(_: int, random: np.random.Generator) -> Tries:
+    """Every command that writes, in any order, where there is no room, and where nothing may be written."""
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
-        for name, words in commands.writing(given).items():
+        found = commands.writing(given)
+        for name in random.permutation(list(found)):
+            words = found[name]
             for disk in ("full", "read-only"):
                 try:
                     with small_disk("64k") as folder:
-                        tally += _on_disk(name, words, disk, folder)
+                        done = _on_disk(name, words, disk, folder)
                 except OSError as error:
-                    tally[f"NOT TRIED {error}"] += 1
-    return tally
+                    done = Tally({f"NOT TRIED {error}": 1})
+                yield done
 
 
 def _on_disk(name: str, words: commands.Words, disk: str, folder: Path) -> Tally:
@@ -321,7 +322,7 @@ def _on_disk(name: str, words: commands.Words, disk: str, folder: Path) -> Tally
         (folder / "filler").unlink()
         assert not _mount("-o", "remount,size=8m", str(folder))
     else:
-        assert not _mount("-o", "remount,rw", str(folder))
+        assert not _mount("-o", "remount,rw,size=8m", str(folder))
     again = commands.run(words(folder))
     tally[f"THE NEXT START FAILED {name} {disk} {again.stderr[-200:]!r}"] += "error" in again.stderr
     tally["the next start works"] += "error" not in again.stderr
@@ -337,16 +338,14 @@ def _fill(path: Path) -> None:
             return
 
 
-def attack_pairs(count: int, _: np.random.Generator) -> Tally:
+def attack_pairs(count: int, _: np.random.Generator) -> Tries:
     """Two commands that write the same, begun together; without --force one is refused."""
-    tally = Tally()
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
-        for name, pair in commands.pairs(given).items():
-            for number in range(count):
+        for number in range(count):
+            for name, pair in commands.pairs(given).items():
                 with tempfile.TemporaryDirectory() as made:
-                    tally += _pair(name, pair, Path(made), number)
-    return tally
+                    yield _pair(name, pair, Path(made), number)
 
 
 def _pair(name: str, pair: commands.Pair, folder: Path, number: int) -> Tally:
@@ -360,25 +359,24 @@ def _pair(name: str, pair: commands.Pair, folder: Path, number: int) -> Tally:
     return +tally
 
 
-def attack_output(_: int, __: np.random.Generator) -> Tally:
+def attack_output(_: int, random: np.random.Generator) -> Tries:
     """Every command that says something, to nobody, onto a full disk and into a pipe that is closed behind a line."""
-    tally = Tally()
     with tempfile.TemporaryDirectory() as place:
         given = commands.prepare(Path(place))
-        for name, words in commands.saying(given).items():
+        found = commands.saying(given)
+        for name in random.permutation(list(found)):
+            words = found[name]
             with tempfile.TemporaryDirectory() as made:
                 whole = commands.run(words(Path(made)))
             for where in commands.OUTPUTS:
                 with tempfile.TemporaryDirectory() as made:
                     done = commands.run_into(where, words(Path(made)))
                 fault = commands.wrong_output(where, whole, done)
-                tally[
-                    f"{fault.upper()} {name} {where} {done.stderr[-200:]!r}" if fault else f"{where}: as promised"
-                ] += 1
-    return tally
+                wrong = f"{fault.upper()} {name} {where} {done.stderr[-200:]!r}"
+                yield Tally({wrong if fault else f"{where}: as promised": 1})
 
 
-ATTACKS: dict[str, tuple[Callable[[int, np.random.Generator], Tally], int]] = {
+ATTACKS: dict[str, tuple[Callable[[int, np.random.Generator], Tries], int]] = {
     "kills": (attack_kills, KILLS), "disks": (attack_disks, 1), "two at once": (attack_pairs, 20),
     "standard output": (attack_output, 1),
 }  # fmt: skip
@@ -391,17 +389,13 @@ def main() -> int:
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
     given = options.parse_args()
+    warnings.simplefilter("error")  # in all processes that are forked from this one
     bad = False
     commands.warm()
-    print("| attack | outcome | times |\n|---|---|---|")
+    print(HEAD)
     for name in given.only or ATTACKS:
         attack, count = ATTACKS[name]
-        begun = time.monotonic()
-        tally = attack(max(1, round(count * given.share)), np.random.default_rng(given.seed))
-        for said, times in sorted(tally.items()):
-            bad |= said[:3].isupper()
-            print(f"| {name} | {said} | {times} |", flush=True)
-        print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr)
+        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)))
     return int(bad)
 
 

@@ -1,6 +1,7 @@
-"""Hypothesis: the same examples in every CI run, new ones at the desk. Doctests that take minutes with the JIT off."""
+"""Hypothesis: the same examples in every CI run, new ones at the desk. What is left out of the run with the JIT off."""
 
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -18,6 +19,19 @@ SLOW_DOCTESTS = {
     "lostmotion.identify.estimate.identify",
     "lostmotion.identify.recursive.ml.RecursiveML",
 }
+# Processes, files and texts: nothing of what they test is compiled code, or other tests run it with the JIT off.
+PROCESSES = {
+    "contract": "documentation every_message pages public_names scripts sizes startup writing",
+    "e2e": "audit closed_output commands_of_batches demo_plant odd_words outside_tree plant_shared refused_before_work "
+    "report_in_browser several_files several_loops shared_data_reads stopped_batches",
+    "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
+    "unit": "apart audit_engines audit_history audit_rank audit_run columns command_parts database dates_of_records "
+    "export_files html light_imports loads long_text loop_list matlab matlab_v5 one_tag_a_file output_options packed "
+    "pages parquet_pieces plant_report plant_report_parts plant_sources read_loop run_many store store_bad_input times "
+    "units web_guard web_trend wording write writer",
+}
+TESTS = Path(__file__).parent
+FILES = {TESTS / folder / f"test_{name}.py" for folder, names in PROCESSES.items() for name in names.split()}
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -26,6 +40,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.name in SLOW_DOCTESTS:
             item.add_marker(pytest.mark.statistics)
+        if item.path in FILES:
+            item.add_marker(pytest.mark.processes)
 
 
 @pytest.fixture(scope="session")

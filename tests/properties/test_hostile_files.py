@@ -11,23 +11,20 @@ import polars as pl
 import pytest
 
 from lostmotion.errors import DataError, FileAccessError, TimeError
-from lostmotion.files import apart, child, limits, read_loop
-from tests.hostile_files import APART, FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
+from lostmotion.files import limits, read_loop
+from tests.hostile_files import FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
 from tests.unit.test_packed import zipped
 from tests.use_of_files import outcome
 
 EACH = 25
 NEEDS = {"xlsx": "fastexcel", "xls": "fastexcel", "mat 7.3": "h5py"}
-ENDS = {"xls", "parquet", "feather"}  # some of these end the process: two of each, in a process of their own
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_each_is_read_or_refused_in_one_line(kind, tmp_path, monkeypatch, capfd):
+def test_each_is_read_or_refused_in_one_line(kind, tmp_path, capfd):
     pytest.importorskip(NEEDS.get(kind, "numpy"))
-    if kind in APART and kind not in ENDS:
-        monkeypatch.setattr(apart, "_answer", lambda kind, raw, size: child.answer(kind, raw))
     path = tmp_path / "FIC-101.dat"
-    for number in range(2 if kind in ENDS else EACH):
+    for number in range(EACH):
         path.write_bytes(mutant(kind, number))
         assert outcome(path) in ("read", "refused"), number
     assert capfd.readouterr().err == ""

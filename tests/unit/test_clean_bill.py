@@ -117,12 +117,12 @@ def test_a_record_in_which_op_does_nothing_excludes_nothing():
 @pytest.mark.statistics
 @pytest.mark.parametrize("kind", ["backlash", "dead zone"])
 def test_a_size_too_small_to_be_seen_is_below_the_bound(kind):
-    """In 95 of 100; 16 loops for CI."""
+    """In 95 of 100; 8 loops of each kind for CI."""
     size, held, counted = 0.12, 0, 0
     valve = lm.Backlash(size) if kind == "backlash" else lm.DeadZone(-size / 2, size / 2)
-    for seed in range(16):
+    for seed in range(8):
         sizes = excluded(loop(valve, seed, noise=0.3))
         if sizes:
             counted, held = counted + 1, held + (sizes[kind] >= size)
-    assert counted >= 12
-    assert held >= counted - 3
+    assert counted >= 6
+    assert held >= counted - 1

@@ -14,6 +14,7 @@ from lostmotion.cli.output import Figure, OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.sources import as_path
 from lostmotion.errors import ParameterError
+from lostmotion.files.paths import is_file, is_other
 
 if TYPE_CHECKING:
     from lostmotion.audit.audit_run import AuditRun
@@ -164,7 +165,7 @@ def _upgrade(given: list[str]) -> None:
 def _refuse(written: ReportOptions, output: OutputOptions) -> None:
     """Refuse what could not be written before hours of work."""
     output.refuse(written.report, figures=(written.figure,), table=written.table)
-    if written.report_loops is not None and written.report_loops.exists() and not written.report_loops.is_dir():
+    if written.report_loops is not None and (is_file(written.report_loops) or is_other(written.report_loops)):
         raise ParameterError.expected("a folder for --report-loops", written.report_loops, "give another name")
 
 

@@ -32,6 +32,8 @@ Out = Annotated[
     Path | None, number("--out", "Write the result as JSON, for other commands; of several files: a folder.")
 ]
 
+MOST_ORDER = 100  # a fit of a thousand takes minutes, and no loop has them
+
 
 @dataclass(frozen=True)
 class ModelOptions:
@@ -52,7 +54,7 @@ class ModelOptions:
             raw=self.raw,
             nonlinearity=self.nonlinearity,
             orders=self.orders if self.orders == "auto" else read_orders(self.orders),
-            noise=int(self.noise) if self.noise.isdigit() else self.noise,
+            noise=read_noise(self.noise),
             gain=self.gain,
             offset=self.offset,
         )
@@ -101,4 +103,20 @@ def read_orders(text: str) -> tuple[int, int, int]:
         na, nb, delay = (int(part) for part in text.split(","))
     except ValueError as error:
         raise ParameterError.expected("--orders as na,nb,delay", text, "e.g. --orders 3,2,3") from error
+    _need_few("--orders", max(na, nb))
     return na, nb, delay
+
+
+def read_noise(text: str) -> str | int:
+    """Order of the noise where it is one, else the word."""
+    try:
+        order = int(text)
+    except ValueError:
+        return text
+    _need_few("--noise", order)
+    return order
+
+
+def _need_few(option: str, order: int) -> None:
+    if order > MOST_ORDER:
+        raise ParameterError.expected(f"{option} up to {MOST_ORDER}", order, "give those of a loop, or auto")

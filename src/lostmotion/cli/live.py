@@ -156,7 +156,7 @@ def _one(
     width_limit: float | None,
 ) -> LoopSettings:
     """The loop of the command line."""
-    from lostmotion.cli.identify import read_orders
+    from lostmotion.cli.identify import read_noise, read_orders
     from lostmotion.live.loop_settings import LoopSettings
 
     if nodes.op is None or nodes.pv is None:
@@ -170,7 +170,7 @@ def _one(
         diagnosis=gate.diagnosis,
         orders=None if estimator.orders is None else read_orders(estimator.orders),
         gain=estimator.gain,
-        noise=int(noise) if noise.isdigit() else noise,
+        noise=read_noise(noise),
         forgetting=estimator.forgetting,
         start_samples=estimator.start_samples,
         accept=gate.accept,

@@ -17,7 +17,7 @@ import typer
 
 import lostmotion as lm
 from lostmotion.cli.gate import GateOptions
-from lostmotion.cli.identify import Noise, read_orders
+from lostmotion.cli.identify import Noise, read_noise, read_orders
 from lostmotion.cli.options import ColumnOptions, number
 from lostmotion.cli.output import Json
 from lostmotion.errors import ParameterError
@@ -152,7 +152,7 @@ def _model(
 
     known = None if fit is None else lm.read_fit(fit)
     wanted = None if orders is None else read_orders(orders)
-    return watched_model(known, wanted, gain, int(noise) if noise.isdigit() else noise, **gate.given())
+    return watched_model(known, wanted, gain, read_noise(noise), **gate.given())
 
 
 def _monitor(layout: Layout, model: dict[str, Any], watch: dict[str, Any], fit: Path | None) -> OnlineMonitor:

@@ -3,35 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import struct
-import subprocess
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from lostmotion.files.child import MARK, NUMBERS
-from lostmotion.files.limits import MOST_GIB, MOST_SECONDS, most_bytes, most_seconds
+from lostmotion.files.limits import most_bytes, most_seconds
+from lostmotion.files.reader_process import KEPT, TOO_MUCH, ReaderDiedError
 
-_ONE_THREAD = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "POLARS_MAX_THREADS": "1",
-}  # threads reserve memory that the limit counts
-_CHILD = str(Path(__file__).with_name("child.py"))
 _LEAST, _TIMES = 2 << 30, 100  # bytes of memory: the packages alone reserve 1 GiB; and for each byte of the file
 _SIZES = {name: int(name[1]) for name in NUMBERS} | {"bool": 1, "bytes": 1}
 _START = len(MARK) + 8  # of the text of an answer
-_TOO_MUCH = f"more memory than a file of its size may take; {MOST_GIB} allows more"
-_NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # a file names filters; none is loaded for it
-
-
-class ReaderDiedError(Exception):
-    """The process gave no answer; the text says why."""
 
 
 def leaves_apart(kind: str, raw: bytes, size: int = 0) -> list[tuple[str, Any]]:
@@ -61,20 +45,8 @@ def leaves_apart(kind: str, raw: bytes, size: int = 0) -> list[tuple[str, Any]]:
 
 
 def _answer(kind: str, raw: bytes, size: int) -> bytes:
-    """Standard output of the script; no text from outside is part of its command."""
-    seconds, memory = most_seconds(), min(_LEAST + _TIMES * max(size, len(raw)), most_bytes())
-    command = [sys.executable, "-s", "-P", "-B", _CHILD, kind, str(memory), str(int(seconds) + 1)]
-    try:
-        done = subprocess.run(  # noqa: S603  this Python and a script of ours
-            command, input=raw, capture_output=True, check=False, timeout=seconds, env=_environment()
-        )
-    except subprocess.TimeoutExpired as late:
-        raise ReaderDiedError(f"not read within {seconds:g} s; {MOST_SECONDS} allows more") from late
-    except (OSError, ValueError) as error:
-        raise ReaderDiedError(f"no process for its reader: {error}") from error
-    if done.returncode:
-        raise ReaderDiedError(_reason(done.returncode))
-    return done.stdout
+    memory = min(_LEAST + _TIMES * max(size, len(raw)), most_bytes())
+    return KEPT.answer(kind, raw, memory, most_seconds())
 
 
 def leaves_of(answer: bytes) -> list[tuple[str, Any]]:
@@ -91,7 +63,7 @@ def leaves_of(answer: bytes) -> list[tuple[str, Any]]:
     try:
         told = json.loads(answer[_START : _START + length])
         if "error" in told:
-            raise ReaderDiedError(_TOO_MUCH if told["error"] == "memory" else str(told["error"]))
+            raise ReaderDiedError(TOO_MUCH if told["error"] == "memory" else str(told["error"]))
         return list(_values(told["leaves"], answer, _START + length))
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise ReaderDiedError("half an answer of its reader") from error
@@ -115,19 +87,3 @@ def _value(kind: str, data: bytes) -> Any:
     if kind == "bytes":
         return data
     return np.frombuffer(data, "u1") != 0 if kind == "bool" else np.frombuffer(data, f"<{kind}")
-
-
-def _environment() -> dict[str, str]:
-    """Packages from where this process has them, but not from the working folder; no other setting of Python."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    paths = os.pathsep.join(path for path in sys.path if path and Path(path).is_absolute())
-    return {**kept, **_ONE_THREAD, **_NO_PLUGINS, "PYTHONPATH": paths}
-
-
-def _reason(code: int) -> str:
-    if code > 0:
-        return f"its reader ended with {code}"
-    try:
-        return f"it stops its reader by {signal.Signals(-code).name}"
-    except ValueError:
-        return f"it stops its reader by signal {-code}"

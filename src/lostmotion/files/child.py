@@ -1,18 +1,25 @@
 """Readers in C and Rust that changed bytes can crash: a script for a process of its own; bytes in, plain values out.
 
-Run by :mod:`lostmotion.files.apart` as ``python child.py KIND MEMORY SECONDS``: content on standard input, answer on
-standard output. It imports nothing of lostmotion, whose imports would take longer than the reading.
+Run by :mod:`lostmotion.files.reader_process` as ``python child.py many``: a REQUEST and as many bytes as it says on
+standard input, for each the pieces of an answer on standard output, until standard input ends. Every file is read in a
+fork of this process, with limits of its own: none meets what another has left, and this process lives on when it dies.
+``python child.py one`` reads one file itself and ends. It imports nothing of lostmotion.
 """
 
 from __future__ import annotations
 
 import io
 import json
+import os
+import selectors
+import signal
 import struct
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import partial
-from typing import Any
+from importlib import import_module
+from typing import IO, Any, NoReturn
 
 import numpy as np
 
@@ -23,6 +30,11 @@ INNER = "#"  # groups of MATLAB's own in HDF5 begin with it
 FEWEST_CELLS = (3, 2)  # rows and columns of a sheet with a record
 SHEETS, HDF5 = "sheets", "hdf5"  # kinds: a workbook, a MAT file of version 7.3
 PARQUET, FEATHER, PIECES = "parquet", "feather", "pieces"  # on trial: read here first, and not handed over
+PACKAGES = {SHEETS: ("fastexcel", "polars"), HDF5: ("h5py",)} | dict.fromkeys((PARQUET, FEATHER, PIECES), ("polars",))
+MANY, ONE = "many", "one"  # files of this process
+REQUEST = struct.Struct("<16sQQQ")  # kind, bytes of memory, seconds of work, bytes of the file
+SIZE, CODE = struct.Struct("<Q"), struct.Struct("<i")  # before each piece of an answer; behind the last, of size 0
+PIECE = 1 << 20
 
 
 def answer(kind: str, raw: bytes) -> bytes:
@@ -219,12 +231,84 @@ def limit(memory: int, seconds: int) -> None:
         resource.setrlimit(what, (least, hard))
 
 
-def main(kind: str, memory: str, seconds: str) -> None:
-    """Answer on standard output."""
-    limit(int(memory), int(seconds))
-    sys.stdout.buffer.write(answer(kind, sys.stdin.buffer.read()))
-    sys.stdout.buffer.flush()
+def exactly(stream: IO[bytes], size: int) -> bytes:
+    """So many bytes.
+
+    Raises
+    ------
+    EOFError
+        There are fewer.
+    """
+    pieces = []
+    while size:
+        piece = stream.read(min(size, PIECE))
+        if not piece:
+            raise EOFError
+        pieces.append(piece)
+        size -= len(piece)
+    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
+def _forked(kind: str, raw: bytes, memory: int, seconds: int, out: IO[bytes]) -> int:
+    """Exit code of the reader in a fork, whose answer is passed on as it comes."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        _reader(kind, raw, memory, seconds, writing)
+    os.close(writing)
+    with selectors.DefaultSelector() as waits:
+        waits.register(reading, selectors.EVENT_READ)
+        waits.register(0, selectors.EVENT_READ)
+        while True:
+            if any(key.fd == 0 for key, _ in waits.select()):  # nothing is to come but the end of who asks
+                os.kill(child, signal.SIGKILL)
+                os._exit(0)
+            piece = os.read(reading, PIECE)
+            if not piece:
+                break
+            out.write(SIZE.pack(len(piece)) + piece)
+    os.close(reading)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def _reader(kind: str, raw: bytes, memory: int, seconds: int, writing: int) -> NoReturn:
+    """Life of a fork: it reaches nothing but its answer."""
+    try:
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, 0)
+        os.dup2(nowhere, 1)
+        limit(memory, seconds)
+        with open(writing, "wb") as out:
+            out.write(answer(kind, raw))
+        os._exit(0)
+    finally:
+        os._exit(1)
+
+
+def _loaded(kind: str) -> None:
+    """Packages that a reader needs, before the fork; what is wrong with them is said behind it."""
+    for package in PACKAGES.get(kind, ()):
+        with suppress(Exception):
+            import_module(package)
+
+
+def serve(how: str, requests: IO[bytes], out: IO[bytes]) -> None:
+    """Answer until there is no more request, or one."""
+    while head := requests.read(REQUEST.size):
+        name, memory, seconds, size = REQUEST.unpack(head)
+        kind, raw = name.rstrip(b"\0").decode(), exactly(requests, size)
+        if how == MANY:
+            _loaded(kind)
+            code = _forked(kind, raw, memory, seconds, out)
+        else:
+            limit(memory, seconds)
+            found, code = answer(kind, raw), 0
+            out.write(SIZE.pack(len(found)) + found)
+        out.write(SIZE.pack(0) + CODE.pack(code))
+        out.flush()
+        if how == ONE:
+            return
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    serve(sys.argv[1], sys.stdin.buffer, sys.stdout.buffer)

@@ -15,6 +15,7 @@ import polars as pl
 
 from lostmotion.addresses import is_url, password_of, without_password
 from lostmotion.errors import DataError, FileAccessError
+from lostmotion.files.paths import is_file
 from lostmotion.files.table import Table
 
 SQLITE = b"SQLite format 3\0"
@@ -72,7 +73,7 @@ def _connected(source: str) -> Iterator[Any]:
     found = _SQLITE_URL.fullmatch(source.split("?", maxsplit=1)[0])
     if found or not is_url(source):
         path = Path(found["path"] if found else source)
-        if not path.is_file():
+        if not is_file(path):
             raise FileAccessError(f"expected a database, got no such file {str(path)!r}; check the path")
         with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as connection:
             yield connection

@@ -67,7 +67,7 @@ def read_dataset(path: Path, pieces: Sequence[Path]) -> dict[str, Table]:
         Damaged, or pieces with different columns.
     """
     with undamaged("whole Parquet files of the same columns", str(path), "export them in one way"):
-        paths = json.dumps([str(one) for one in pieces]).encode()
+        paths = json.dumps([str(one.absolute()) for one in pieces]).encode()  # its process stays in another folder
         leaves_apart(PIECES, paths, sum(one.stat().st_size for one in pieces))
         frame = pl.read_parquet([str(one) for one in pieces], hive_partitioning=True, glob=False)
     keys = [key for key in _keys(pieces[0]) if key in frame.columns]

@@ -12,7 +12,7 @@ from lostmotion.errors import FileAccessError, LostMotionError
 from lostmotion.files.dataset import pieces_of
 from lostmotion.files.frames import peeked
 from lostmotion.files.one_tag import one_tag
-from lostmotion.files.paths import is_folder, is_path, is_pattern
+from lostmotion.files.paths import is_file, is_folder, is_path, is_pattern
 
 ENDINGS = (
     ".csv", ".txt", ".tsv", ".dat", ".asc", ".parquet", ".pq", ".feather", ".arrow", ".mat", ".xlsx", ".xls", ".xlsm",
@@ -82,7 +82,7 @@ def grouped(paths: Sequence[Path]) -> list[Group]:
 
 def holds_one_tag(path: Path) -> bool:
     """Whether a file holds the values of one tag, and so no whole record; what is no regular file is not looked at."""
-    if not path.is_file():  # a pipe would wait for whoever writes into it
+    if not is_file(path):  # a pipe would wait for whoever writes into it
         return False
     try:
         content = peeked(path)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.errors import DataError, FileAccessError
+from lostmotion.files.paths import is_folder, is_other
 from lostmotion.files.schema import parsed
 from lostmotion.files.writer import write_bytes
 
@@ -41,7 +42,7 @@ def read_json(path: str | os.PathLike[str], what: str, remedy: str) -> dict[str,
         It is no JSON, or JSON of something else than a dictionary.
     """
     source = Path(path)
-    if source.exists() and not source.is_file():
+    if is_folder(source) or is_other(source):
         raise FileAccessError(f"expected a file with {what}, got {source}, which is none; give a regular file")
     try:
         with source.open("rb") as stream:

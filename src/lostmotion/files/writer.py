@@ -26,6 +26,7 @@ TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it,
 PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
 PRIVATE = 0o600  # of a key: nobody else reads it, from its first byte on
 _BINARY = getattr(os, "O_BINARY", 0)  # Windows
+_ROOM = "~" * 45  # as long as a second name
 _NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
 Buffer = bytes | memoryview
 _PATHLIKE = str | os.PathLike[str]
@@ -60,6 +61,10 @@ def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
             return
         above = next(parent for parent in place.absolute().parents if os.path.lexists(parent))
         _refuse_folder(above)
+        parts = [above / part for part in place.absolute().relative_to(above).parts]
+        for path in [*parts, *(place.absolute() / name for name in (*names, _ROOM))]:
+            with suppress(FileNotFoundError):
+                path.lstat()  # a name or a path that is too long is told now
 
 
 def write_bytes(path: _PATHLIKE, data: Buffer, force: bool = False) -> Path:

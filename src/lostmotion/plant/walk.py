@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files.dataset import ENDINGS as PARQUET
-from lostmotion.files.paths import is_folder, is_pattern
+from lostmotion.files.paths import is_file, is_folder, is_other, is_pattern
 
 _NUMBERED = re.compile(r"(part|chunk|piece|batch)[-_. ]?\d+([-_.].*)?", re.IGNORECASE)
 
@@ -34,7 +34,7 @@ def _files_of(source: Path) -> list[Path]:
         fits = [Path(one) for one in sorted(glob(str(source), recursive=True))]  # noqa: PTH207  patterns in folders too
         inside = [file for one in fits for file in (_walked(one) if one.is_dir() else (one,))]
         return _some(inside, f"none like {str(source)!r}")
-    if not source.exists():
+    if not is_file(source) and not is_other(source):
         raise FileAccessError(f"expected files with tables, got no such file {str(source)!r}; check the path")
     return [source]
 

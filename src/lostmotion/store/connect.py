@@ -14,6 +14,7 @@ from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 
 from lostmotion.addresses import is_url
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.files.paths import is_file, is_folder
 from lostmotion.store.said import explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
 
@@ -121,11 +122,11 @@ def _need_path(url: URL, name: str, *, write: bool) -> None:
     if "uri" in url.query:
         return
     path = Path(str(url.database))
-    if path.is_dir():
+    if is_folder(path):
         raise store_error(name, "a folder", "give the name of a file")
-    if not write and not path.is_file():
+    if not write and not is_file(path):
         raise store_error(name, "no such file", "check the name, or make it with lostmotion audit --store")
-    if write and not path.absolute().parent.is_dir():
+    if write and not is_folder(path.absolute().parent):
         raise store_error(name, "no folder to put it into", "make the folder first")
 
 
