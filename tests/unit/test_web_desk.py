@@ -5,12 +5,15 @@ import os
 import signal
 import stat
 import sys
+import time
 
 import pytest
 
 from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.files.writer import lock_file
 from lostmotion.web import worker as worker_module
 from lostmotion.web.desk import AT_ONCE, Desk, Limits
+from lostmotion.web.workspace import LOCK, PREFIX, STALE, sweep
 
 SCRIPT = """
 import json, os, pathlib, sys, time
@@ -214,6 +217,20 @@ def test_files_are_opened_where_they_are(tmp_path):
     assert path.exists()
 
 
+def test_the_same_loop_is_opened_once_and_not_for_ever(tmp_path):
+    paths = [tmp_path / f"{n}.csv" for n in range(4)]
+    for path in paths:
+        path.write_text("OP,PV")
+    desk = Desk(files=[str(paths[0])], limits=Limits(files=2))
+    asked = {"op": "CO", "op_span": (0.0, 100.0), "time": "none"}
+    made = [desk.open([str(path)], "FIC-1", asked) for path in (paths[1], paths[1], *paths[1:])]
+    assert made[0].id == made[1].id == made[2].id
+    assert made[0].asked["time"] is False
+    assert len(desk.items()) == 3
+    assert desk.item(made[0].id) is None
+    desk.close()
+
+
 def test_files_of_one_tag_each_are_one_record(tmp_path):
     for role, values in (("OP", (1, 2)), ("PV", (3, 4))):
         rows = "\n".join(f"2026-01-01 00:00:0{n},{value}" for n, value in enumerate(values))
@@ -240,3 +257,18 @@ def test_a_folder_that_cannot_be_made_is_an_error(tmp_path):
 def test_what_is_kept_is_json(desk):
     item = drop(desk)
     assert json.loads((item.folder / "about.json").read_text())["label"] == "a.csv"
+
+
+def test_what_a_killed_page_has_left_goes_but_nothing_else(tmp_path):
+    old = time.time() - 2 * STALE
+    for name in (f"{PREFIX}old", f"{PREFIX}locked", f"{PREFIX}new", "other"):
+        (tmp_path / name / "0123456789abcdef").mkdir(parents=True)
+    lock = lock_file(tmp_path / f"{PREFIX}locked" / LOCK)
+    (tmp_path / f"{PREFIX}link").symlink_to(tmp_path / "other")
+    for name in (f"{PREFIX}old", f"{PREFIX}locked", "other"):
+        os.utime(tmp_path / name, (old, old))
+    sweep(tmp_path)
+    lock.close()
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == [f"{PREFIX}{name}" for name in ("link", "locked", "new")] + ["other"]
+    assert (tmp_path / "other" / "0123456789abcdef").is_dir()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import secrets
 import shutil
-import tempfile
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -16,9 +15,11 @@ from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.files.gathered import gathered, grouped
 from lostmotion.files.results import write_json
 from lostmotion.files.writer import lock_file
+from lostmotion.store.encoded import as_json
 from lostmotion.web.item import ABOUT, Item, clean_label, present
 from lostmotion.web.jobs import Job, Jobs
 from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
+from lostmotion.web.workspace import LOCK, workspace
 
 AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
 WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}
@@ -112,15 +113,17 @@ class Desk:
         self.limits = limits or Limits()
         opened = _opened(files)
         self.kept = keep is not None
-        self.records = _folder(keep)
-        self._locked = lock_file(self.records / "desk")
+        self.records = workspace(keep)
+        self._locked = lock_file(self.records / LOCK)
         self._lock = threading.RLock()
         self._items: dict[str, Item] = {item.id: item for item in present(self.records)}
         self.jobs = Jobs(self._ended) if jobs_seconds is None else Jobs(self._ended, jobs_seconds)
         known = {item.sources for item in self.items() if not item.dropped}
+        self._given: set[str] = set()  # of the files that the page was started with
         for place, (label, sources) in enumerate(opened):
             if sources not in known:
                 item = self._add(secrets.token_hex(8), label, sources, dropped=False)
+                self._given.add(item.id)
                 if place < AT_ONCE:
                     self.read(item)
 
@@ -173,7 +176,7 @@ class Desk:
         return item
 
     def open(self, sources: Sequence[str], label: str, asked: Mapping[str, Any] | None = None) -> Item:
-        """Item of files that stay where they are; its job is begun.
+        """Item of files that stay where they are, once for the same files and settings; its job is begun.
 
         Parameters
         ----------
@@ -186,6 +189,14 @@ class Desk:
         """
         known = {name: False if (name, one) == ("time", "none") else one for name, one in (asked or {}).items()}
         paths = tuple(str(Path(one).absolute()) for one in sources)
+        later = [item for item in self.items() if not item.dropped and item.id not in self._given]
+        for item in later:
+            if (item.sources, as_json(item.asked)) == (paths, as_json(known)):
+                if self.state(item) in ("new", "failed"):
+                    self.read(item)
+                return item
+        for item in later[self.limits.files - 1 :]:
+            self.remove(item)
         item = self._add(secrets.token_hex(8), clean_label(label), paths, dropped=False, asked=known)
         self.read(item)
         return item
@@ -292,19 +303,6 @@ def _keep_death(item: Item, job: Job) -> None:
         keep_result(item.folder, result)
     else:
         write_json(item.folder / WRITES[job.kind], result, force=True)
-
-
-def _folder(keep: Path | None) -> Path:
-    if keep is None:
-        return Path(tempfile.mkdtemp(prefix="lostmotion-page-"))  # for its owner alone
-    try:
-        keep.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        said = (error.strerror or str(error)).lower()
-        raise FileAccessError(
-            f"expected a folder to keep files in, got {str(keep)!r}: {said}; choose another"
-        ) from None
-    return keep.absolute()
 
 
 def _opened(files: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
