@@ -1,8 +1,4 @@
-<<<<<<< HEAD
 """The page in a real browser, served by the real command: plant, loop, file, trend, monitors; by keyboard; dying."""
-=======
-"""The page in a browser, served by the real command: plant, loop, file, trend, monitors; by keyboard, when it dies."""
->>>>>>> h21a
 
 from __future__ import annotations
 
