@@ -5,12 +5,15 @@ import os
 import signal
 import stat
 import sys
+import time
 
 import pytest
 
 from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.files.writer import lock_file
 from lostmotion.web import worker as worker_module
 from lostmotion.web.desk import AT_ONCE, Desk, Limits
+from lostmotion.web.workspace import LOCK, PREFIX, STALE, sweep
 
 SCRIPT = """
 import json, os, pathlib, sys, time
@@ -240,3 +243,18 @@ def test_a_folder_that_cannot_be_made_is_an_error(tmp_path):
 def test_what_is_kept_is_json(desk):
     item = drop(desk)
     assert json.loads((item.folder / "about.json").read_text())["label"] == "a.csv"
+
+
+def test_what_a_killed_page_has_left_goes_but_nothing_else(tmp_path):
+    old = time.time() - 2 * STALE
+    for name in (f"{PREFIX}old", f"{PREFIX}locked", f"{PREFIX}new", "other"):
+        (tmp_path / name / "0123456789abcdef").mkdir(parents=True)
+    lock = lock_file(tmp_path / f"{PREFIX}locked" / LOCK)
+    (tmp_path / f"{PREFIX}link").symlink_to(tmp_path / "other")
+    for name in (f"{PREFIX}old", f"{PREFIX}locked", "other"):
+        os.utime(tmp_path / name, (old, old))
+    sweep(tmp_path)
+    lock.close()
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == [f"{PREFIX}{name}" for name in ("link", "locked", "new")] + ["other"]
+    assert (tmp_path / "other" / "0123456789abcdef").is_dir()

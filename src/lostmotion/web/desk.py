@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import secrets
 import shutil
-import tempfile
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -19,6 +18,7 @@ from lostmotion.files.writer import lock_file
 from lostmotion.web.item import ABOUT, Item, clean_label, present
 from lostmotion.web.jobs import Job, Jobs
 from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
+from lostmotion.web.workspace import LOCK, workspace
 
 AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
 WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}
@@ -112,8 +112,8 @@ class Desk:
         self.limits = limits or Limits()
         opened = _opened(files)
         self.kept = keep is not None
-        self.records = _folder(keep)
-        self._locked = lock_file(self.records / "desk")
+        self.records = workspace(keep)
+        self._locked = lock_file(self.records / LOCK)
         self._lock = threading.RLock()
         self._items: dict[str, Item] = {item.id: item for item in present(self.records)}
         self.jobs = Jobs(self._ended) if jobs_seconds is None else Jobs(self._ended, jobs_seconds)
@@ -292,19 +292,6 @@ def _keep_death(item: Item, job: Job) -> None:
         keep_result(item.folder, result)
     else:
         write_json(item.folder / WRITES[job.kind], result, force=True)
-
-
-def _folder(keep: Path | None) -> Path:
-    if keep is None:
-        return Path(tempfile.mkdtemp(prefix="lostmotion-page-"))  # for its owner alone
-    try:
-        keep.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        said = (error.strerror or str(error)).lower()
-        raise FileAccessError(
-            f"expected a folder to keep files in, got {str(keep)!r}: {said}; choose another"
-        ) from None
-    return keep.absolute()
 
 
 def _opened(files: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
