@@ -27,7 +27,7 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "web/tasks.py": {"write_bytes"}, "web/kept_record.py": {"save"},
     # folders of the page itself, with names that it has made up: what was dropped, what was read for a trend
     "web/desk.py": {"mkdir", "mkdtemp", "rmtree", "unlink"}, "web/browser.py": {"mkstemp"},
-    "web/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"},
+    "web/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"}, "web/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
 }  # fmt: skip
 NOT_FILES_BUT_OPENED = {  # the null device, folders for their locks, the worker's own output
     "cli/closed_output.py", "files/alone.py", "files/undamaged.py", "web/work.py",
