@@ -217,6 +217,20 @@ def test_files_are_opened_where_they_are(tmp_path):
     assert path.exists()
 
 
+def test_the_same_loop_is_opened_once_and_not_for_ever(tmp_path):
+    paths = [tmp_path / f"{n}.csv" for n in range(4)]
+    for path in paths:
+        path.write_text("OP,PV")
+    desk = Desk(files=[str(paths[0])], limits=Limits(files=2))
+    asked = {"op": "CO", "op_span": (0.0, 100.0), "time": "none"}
+    made = [desk.open([str(path)], "FIC-1", asked) for path in (paths[1], paths[1], *paths[1:])]
+    assert made[0].id == made[1].id == made[2].id
+    assert made[0].asked["time"] is False
+    assert len(desk.items()) == 3
+    assert desk.item(made[0].id) is None
+    desk.close()
+
+
 def test_files_of_one_tag_each_are_one_record(tmp_path):
     for role, values in (("OP", (1, 2)), ("PV", (3, 4))):
         rows = "\n".join(f"2026-01-01 00:00:0{n},{value}" for n, value in enumerate(values))

@@ -4,15 +4,19 @@ import asyncio
 import json
 import re
 from dataclasses import replace
+from datetime import timedelta
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import httpx
 import pytest
 
+from lostmotion.store.run_rows import LoopRow, RunRow
+from lostmotion.store.store import Screened, Store
 from lostmotion.web.app import create_app
 from lostmotion.web.page import Page
 from lostmotion.web.plant_query import Query, loop_address
-from tests.plant_rows import HOSTILE, finding, plant
+from tests.plant_rows import END, HOSTILE, START, finding, plant, sound
 from tests.plant_stores import TAGS, plant_store
 
 
@@ -222,8 +226,6 @@ class Tags(HTMLParser):
 
 
 def test_a_store_without_runs_says_how_to_make_one(tmp_path):
-    from lostmotion.store.store import Store
-
     with Store(tmp_path / "empty.db"):
         pass
     site = Site(Page(str(tmp_path / "empty.db")))
@@ -235,3 +237,48 @@ def test_words_of_an_address_are_read_back():
     asked = Query(run=3, text="a&b", area="ä/ö", new=True, sort="size", turned=True, page=4, per=10)
     words = dict(httpx.QueryParams(asked.words()[1:]))
     assert Query.of(words) == asked
+
+
+def test_of_several_windows_the_one_that_says_most_is_shown(tmp_path):
+    address = plant_store(tmp_path, data=False)
+    day = timedelta(days=1)
+    later = [
+        finding("FIC-1", 10.0, window_start=START + day, window_end=END + day),
+        finding("FIC-2", 90.0, window_start=START - day, window_end=START),
+        sound("FIC-2"),
+    ]
+    with Store(address) as store:
+        run, _ = store.begin(RunRow("plant", digest="d3", code="c", began=START))
+        store.put_loops(run, [LoopRow("FIC-1"), LoopRow("FIC-2")])
+        store.put_screened(run, [Screened((finding("FIC-1"), later[0])), Screened(tuple(later[1:]))])
+        store.finish(run)
+    site = Site(Page(address))
+    assert ranked(site.text("/")) == ["FIC-2", "FIC-1"]
+    first, second = site.ask("/api/v1/loops").json()["loops"]
+    assert first["assessment"]["window_start"] == (START - day).isoformat()
+    assert second["assessment"]["priority"] == 60.0
+    assert "Windows of this run" in site.text("/loops/FIC-2")
+
+
+class Desk:
+    """Takes what is opened."""
+
+    def __init__(self):
+        self.opened = []
+
+    def open(self, files, label, asked):
+        self.opened.append((files, label, asked))
+        return SimpleNamespace(id="17")
+
+
+def test_the_study_of_a_loop_reads_its_data_at_the_desk(tmp_path):
+    desk, address = Desk(), plant_store(tmp_path)
+    site = Site(Page(address, desk))
+    answer = site.ask("/loops/FIC-1/study", "POST")
+    assert (answer.status_code, answer.headers["location"]) == (303, "/files/17")
+    assert desk.opened == [([str(tmp_path / "plant" / "record.csv")], "FIC-1", {})]
+    (tmp_path / "plant" / "record.csv").unlink()
+    gone = site.ask("/loops/FIC-1/study", "POST")
+    assert (gone.status_code, "not here" in gone.text) == (409, True)
+    assert site.ask("/loops/nix/study", "POST").status_code == 404
+    assert Site(Page(address)).ask("/loops/FIC-1/study", "POST").status_code == 409

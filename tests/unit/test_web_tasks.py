@@ -10,6 +10,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError
+from lostmotion.web.desk import Desk
 from lostmotion.web.kept_record import keep_record, kept_record
 from lostmotion.web.task import BRIEF, DROPPED, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, Task, outcome_of
 from lostmotion.web.tasks import do
@@ -129,6 +130,17 @@ def test_a_damaged_record_is_an_error(tmp_path):
         kept_record(tmp_path / "record")
     do(Task("study", str(tmp_path)), lambda *news: None)
     assert "as it was kept" in outcome_of(tmp_path, STUDY)["error"]["text"]
+
+
+def test_the_worker_itself_answers():
+    desk = Desk()
+    number, draft = desk.draft()
+    draft.write(rows("t,voltage,rpm").encode())
+    item = desk.dropped(number, draft, "run.csv")
+    assert desk.jobs.wait(desk.jobs.of(item.id).id, 100).state == "done"
+    assert item.result["error"]["ways"] == [{"op": "voltage", "pv": "rpm"}]
+    assert desk.state(item) == "failed"
+    desk.close()
 
 
 @pytest.mark.statistics

@@ -15,6 +15,7 @@ from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.files.gathered import gathered, grouped
 from lostmotion.files.results import write_json
 from lostmotion.files.writer import lock_file
+from lostmotion.store.encoded import as_json
 from lostmotion.web.item import ABOUT, Item, clean_label, present
 from lostmotion.web.jobs import Job, Jobs
 from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
@@ -118,9 +119,11 @@ class Desk:
         self._items: dict[str, Item] = {item.id: item for item in present(self.records)}
         self.jobs = Jobs(self._ended) if jobs_seconds is None else Jobs(self._ended, jobs_seconds)
         known = {item.sources for item in self.items() if not item.dropped}
+        self._given: set[str] = set()  # of the files that the page was started with
         for place, (label, sources) in enumerate(opened):
             if sources not in known:
                 item = self._add(secrets.token_hex(8), label, sources, dropped=False)
+                self._given.add(item.id)
                 if place < AT_ONCE:
                     self.read(item)
 
@@ -173,7 +176,7 @@ class Desk:
         return item
 
     def open(self, sources: Sequence[str], label: str, asked: Mapping[str, Any] | None = None) -> Item:
-        """Item of files that stay where they are; its job is begun.
+        """Item of files that stay where they are, once for the same files and settings; its job is begun.
 
         Parameters
         ----------
@@ -186,6 +189,14 @@ class Desk:
         """
         known = {name: False if (name, one) == ("time", "none") else one for name, one in (asked or {}).items()}
         paths = tuple(str(Path(one).absolute()) for one in sources)
+        later = [item for item in self.items() if not item.dropped and item.id not in self._given]
+        for item in later:
+            if (item.sources, as_json(item.asked)) == (paths, as_json(known)):
+                if self.state(item) in ("new", "failed"):
+                    self.read(item)
+                return item
+        for item in later[self.limits.files - 1 :]:
+            self.remove(item)
         item = self._add(secrets.token_hex(8), clean_label(label), paths, dropped=False, asked=known)
         self.read(item)
         return item

@@ -7,7 +7,7 @@ import json
 from collections.abc import AsyncIterator, Sequence
 from typing import Any
 
-from anyio.to_thread import run_sync
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
@@ -77,10 +77,10 @@ class Board:
 
     async def _watch(self) -> None:
         """Look at the files as long as somebody listens."""
-        before = [one.version for one in await run_sync(self.look)]
+        before = [one.version for one in await run_in_threadpool(self.look)]
         while self._listening:
             await asyncio.sleep(EVERY)
-            said = await run_sync(self.look)
+            said = await run_in_threadpool(self.look)
             for number, one in enumerate(said):
                 if one.version != before[number]:
                     self._tell(number, one)
