@@ -1,4 +1,4 @@
-"""The page in a real browser, served by the real command: plant, loop, file, trend, monitors; by keyboard, when it dies."""
+"""The page in a real browser, served by the real command: plant, loop, file, trend, monitors; by keyboard; dying."""
 
 from __future__ import annotations
 
@@ -133,6 +133,7 @@ def test_a_million_points_are_zoomed_by_keys_pointer_and_links(site):
     assert page.locator(".values tbody tr").count() == 12
     assert zoomed(page, lambda: page.locator("[data-step=all]").click()) == (0, 1_000_000)
     assert "start=" not in page.url
+    surface.hover()
     surface.focus()
     assert zoomed(page, lambda: page.mouse.wheel(0, -100))[1] < 1_000_000
     page.context.close()
@@ -173,9 +174,7 @@ def test_by_keyboard_alone(site):
     page.keyboard.press("Enter")
     for _ in range(80):
         page.keyboard.press("Tab")
-        if page.evaluate(
-            "document.activeElement.closest('.ranking tbody') !== null && document.activeElement.tagName === 'A'"
-        ):
+        if page.evaluate("document.activeElement.matches('.ranking tbody a')"):
             break
     page.keyboard.press("Enter")
     page.locator("[data-surface].live").wait_for()
@@ -225,7 +224,7 @@ def test_monitors_tell_what_is_new(site):
     assert "It moved <b>250</b>." in page.inner_text("main")
     with site.monitor.open("a") as file:
         file.write(json.dumps(report(300, 7.5)) + "\n")
-    page.get_by_text("7.50").wait_for()
+    page.get_by_role("cell", name="7.50").first.wait_for()
     page.context.close()
 
 

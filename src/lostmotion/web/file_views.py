@@ -84,12 +84,12 @@ def file_context(desk: Desk, item: Item, trend: Slot | None = None) -> dict[str,
 
 
 def _loop_page(view: LoopView, trend: Slot | None) -> LoopPage:
-    """Pieces of the page; where the trend can be zoomed it has the pictures."""
+    """Pieces of the page; where the trend can be zoomed it has PV over OP, too."""
     page = loop_page(view)
     page = replace(page, notes=tuple(map(in_fields, page.notes)), advice=tuple(map(in_fields, page.advice)))
     if trend is None or trend.state != "ready":
         return page
-    return replace(page, trend=(), trend_rows=[], plane=Markup(""), actuator=Markup(""))
+    return replace(page, trend=(), trend_rows=[], plane=Markup(""))
 
 
 def job_words(desk: Desk, job: Job) -> dict[str, Any]:

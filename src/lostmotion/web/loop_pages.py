@@ -32,7 +32,7 @@ def routes(page: Page, plant: Plant) -> list[Route]:
 
     def found(request: Request) -> tuple[Query, Overview, LoopView] | None:
         query = Query.of(request.query_params)
-        overview = plant.overview(query.run)
+        overview = plant.brief(query.run)
         view = None if overview is None else plant.loop(overview, tag_of(request))
         return None if overview is None or view is None else (query, overview, view)
 

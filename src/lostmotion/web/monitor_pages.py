@@ -5,10 +5,9 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import AsyncIterator, Sequence
-from functools import lru_cache
 from typing import Any
 
-from anyio.to_thread import run_sync
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
@@ -65,12 +64,23 @@ class Board:
         finally:
             self._listening.discard(mine)
 
+    def end(self) -> None:
+        """Nobody is told anything any more."""
+        for one in tuple(self._listening):
+            self._send_away(one)
+
+    def _send_away(self, one: asyncio.Queue[str | None]) -> None:
+        self._listening.discard(one)
+        if one.full():
+            one.get_nowait()
+        one.put_nowait(None)
+
     async def _watch(self) -> None:
         """Look at the files as long as somebody listens."""
-        before = [one.version for one in await run_sync(self.look)]
+        before = [one.version for one in await run_in_threadpool(self.look)]
         while self._listening:
             await asyncio.sleep(EVERY)
-            said = await run_sync(self.look)
+            said = await run_in_threadpool(self.look)
             for number, one in enumerate(said):
                 if one.version != before[number]:
                     self._tell(number, one)
@@ -81,17 +91,23 @@ class Board:
         text = f"event: changed\ndata: {json.dumps(data)}\n\n"
         for one in tuple(self._listening):
             if one.full():
-                self._listening.discard(one)
-                one.get_nowait()
-                one.put_nowait(None)
+                self._send_away(one)
             else:
                 one.put_nowait(text)
 
 
-@lru_cache(maxsize=8)
+_BOARDS: dict[tuple[str, ...], Board] = {}
+
+
 def board(paths: tuple[str, ...]) -> Board:
     """Board of these files."""
-    return Board(paths)
+    return _BOARDS.setdefault(paths, Board(paths))
+
+
+def end_streams() -> None:
+    """End all that is streamed: the page stops."""
+    for one in _BOARDS.values():
+        one.end()
 
 
 def routes(page: Page) -> list[Route]:

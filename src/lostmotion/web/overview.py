@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -59,10 +60,15 @@ class Overview:
 
     def __init__(self, store: Store, run: RunRow) -> None:
         self.store, self.run = store, run
-        rows, loops = store.leading(run.number, FAULTS)
+        self._lock, self._complete = threading.Lock(), False
+
+    @cached_property
+    def frame(self) -> pl.DataFrame:
+        """One line a loop, in the order of the ranking; made when the table is first asked for."""
+        rows, loops = self.store.leading(self.run.number, FAULTS)
         made = pl.DataFrame(rows, schema={"loop_id": pl.Int64, "window_start": None, **TYPES})
         named = pl.DataFrame(loops, schema={"loop_id": pl.Int64, **dict.fromkeys(OF_LOOP, pl.String)})
-        self.frame = _ranked(made.join(named, on="loop_id", how="left"))
+        return _ranked(made.join(named, on="loop_id", how="left"))
 
     @cached_property
     def before(self) -> RunRow | None:
@@ -144,10 +150,14 @@ class Overview:
         )
         return drawn(areas, len(self.frame)), drawn(areas, len(self.frame), *NARROW)
 
-    def complete(self) -> None:
-        """Make everything that is made once."""
-        for name in ("choices", "treemaps", "new_tags", "health", "groups"):
-            getattr(self, name)
+    def complete(self) -> Overview:
+        """Itself, with everything that is made once; who comes second waits for the first, and does it not again."""
+        with self._lock:
+            if not self._complete:
+                for name in ("choices", "treemaps", "new_tags", "health", "groups"):
+                    getattr(self, name)
+                self._complete = True
+        return self
 
     def shown(self, query: Query) -> Shown:
         """Page of the ranking that is asked for; one beyond the last is the last."""

@@ -11,7 +11,6 @@ from lostmotion.audit.stored_loop import stored_loop
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
 from lostmotion.store.store import Store
 from lostmotion.web.overview import Overview
-from lostmotion.web.page import environment
 
 KEPT = 3  # overviews: 26,000 loops are some 10 MB each
 YOUNG = 5.0  # s for which a run that is at work is not looked at again
@@ -42,20 +41,17 @@ class Plant:
         """Runs, the newest first."""
         return self.store.runs()
 
-    def warm(self) -> None:
-        """Make the overview of the last run before anybody asks: the page is there at once when its address is."""
-        overview = self.overview(0)
-        if overview is not None:
-            overview.complete()
-            for name in ("plant_page.html.j2", "loop_page.html.j2"):
-                environment().get_template(name)
-
     def overview(self, number: int) -> Overview | None:
-        """A run; 0: the last one. None: there is none."""
+        """A run with all that is counted from it; 0: the last one. None: there is none."""
+        found = self.brief(number)
+        return None if found is None else found.complete()
+
+    def brief(self, number: int) -> Overview | None:
+        """The same for who needs little of it: nothing is counted before it is asked for."""
         run = self.store.last_run() if not number else self.store.run(number)
         if run is None:
             return None
-        with self._lock:  # who comes second waits for the first, and does not do it again
+        with self._lock:
             key = self._key(run)
             if key not in self._kept:
                 self._kept[key] = Overview(self.store, run)

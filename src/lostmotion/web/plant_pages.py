@@ -16,7 +16,7 @@ from lostmotion.report.plant.words import moment_words, seconds_words
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
 from lostmotion.web import api, loop_pages
 from lostmotion.web.overview import Overview, Shown
-from lostmotion.web.page import Page, answer, told
+from lostmotion.web.page import Page, answer, rendered, told
 from lostmotion.web.plant import Plant
 from lostmotion.web.plant_query import SORTS, Query
 
@@ -61,7 +61,7 @@ def routes(page: Page) -> list[Route]:
     if page.store is None:
         return [Route("/", _without_store(page))]
     plant = Plant(page.store)
-    plant.warm()
+    _warm(page, plant)
 
     def start(request: Request) -> Response:
         query = Query.of(request.query_params)
@@ -87,6 +87,13 @@ def routes(page: Page) -> list[Route]:
         *loop_pages.routes(page, plant),
         *api.routes(page, plant),
     ]
+
+
+def _warm(page: Page, plant: Plant) -> None:
+    """Show the last run once before anybody asks: the page is there at once when its address is."""
+    overview = plant.overview(0)
+    if overview is not None:
+        rendered(page, "/", "plant_page.html.j2", **_context(plant, overview, Query()))
 
 
 def _known(page: Page, listed: Any) -> Any:

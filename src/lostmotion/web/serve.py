@@ -16,6 +16,7 @@ import uvicorn
 from lostmotion.errors import ParameterError
 from lostmotion.web.app import create_app
 from lostmotion.web.guard import Guard
+from lostmotion.web.monitor_pages import end_streams
 from lostmotion.web.page import Page
 from lostmotion.web.patience import Patience, PatientProtocol
 
@@ -140,6 +141,11 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         if self.started:
             self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Streams that would go on are ended first: nobody waits for them."""
+        end_streams()
+        await super().shutdown(sockets)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:

@@ -38,7 +38,7 @@ def trend_slot(page: Page, request: Request, key: str, run: int | None = None) -
         Of which the data are read; None: the last one that has the loop.
     """
     source = sources(page).of(key, run)
-    return None if source is None else slot(source, request.url.path, request.query_params, key.startswith("file:"))
+    return None if source is None else slot(source, request.url.path, request.query_params)
 
 
 def routes(page: Page) -> list[Route]:
