@@ -105,7 +105,7 @@ def load(seconds, slow, fast):
     servers = [started(0, str(slow), "1.0", "none"), started(0, str(fast), "0.1", "none")]
     groups = [
         (servers[0][1], [watched(f"FIC{k:03d}", 1.0) for k in range(slow)]),
-        (servers[1][1], [watched(f"FIC{k:03d}", 0.1) for k in range(fast)]),
+        (servers[1][1], [watched(f"FIC{k:03d}", 0.1, 200) for k in range(fast)]),
     ]
     begin = time.process_time()
     try:

@@ -71,14 +71,15 @@ async def serve(port, loops, dt, history):
         sys.stdout.write(f"ready {plant.port}\n")
         sys.stdout.flush()
         begin = time.time()
+        first = datetime.now(UTC)
         number = 0
         while True:
             number += 1
             await asyncio.sleep(max(0.0, begin + number * dt - time.time()))
-            now = datetime.now(UTC)
+            scan = first + timedelta(seconds=number * dt)  # a PLC's scan is even, however busy this process is
             for tag in tags:
-                await plant.write(tag, "OP", number + 0.5, now)
-                await plant.write(tag, "PV", float(number), now)
+                await plant.write(tag, "OP", number + 0.5, scan)
+                await plant.write(tag, "PV", float(number), scan)
 
 
 if __name__ == "__main__":

@@ -75,6 +75,8 @@ BY_HAND = {
     "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
     "equations": "the paper's equations and where they are in the code",
     "method": "how it works and what was tried; figures of the tries are of that time, others are quoted",
+    "live": "what the live link does and promises; tests/live and benchmarks/live.py hold it to that",
+    "live-security": "whom the live link believes; tests/opcua attacks it",
     "security": "what is trusted and promised; tests/properties/test_hostile_*.py and benchmarks/hostile.py attack it",
     "reading": "what the readers repair and what they refuse; tests/e2e/test_corpus.py runs it",
 }

@@ -27,7 +27,7 @@ class AsyncuaServer:
         started = threading.Event()
         self._started = started.set
         self._thread.start()
-        assert started.wait(60)
+        assert started.wait(180)
 
     async def _run(self, pair):
         self.server = Server(user_manager=self)
@@ -76,4 +76,4 @@ class AsyncuaServer:
     def close(self):
         """Stop it."""
         self._ended.set()
-        self._thread.join(20)
+        self._thread.join(60)

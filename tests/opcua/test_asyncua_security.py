@@ -11,6 +11,7 @@ pytest.importorskip("asyncua")
 
 from asyncua import ua
 
+from lostmotion.cli import main
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.live.opcua import client as client_module
 from lostmotion.live.opcua.certificates import own_certificate
@@ -220,3 +221,61 @@ def test_no_server_is_no_refusal(pki):
     with pytest.raises(FileAccessError, match="check that it runs") as told:
         asyncio.run(connected("opc.tcp://127.0.0.1:1/plant", Identity(pki)))
     assert not isinstance(told.value, RefusedError)
+
+
+def told(capsys, *words):
+    """Exit code of `lostmotion live` and all that it has said."""
+    with pytest.raises(SystemExit) as stop:
+        main(["live", *(str(word) for word in words)])
+    seen = capsys.readouterr()
+    assert "horse" not in seen.out + seen.err
+    return int(stop.value.code or 0), seen.out, seen.err
+
+
+def test_the_command_believes_a_fingerprint_and_nothing_less(server, pki, tmp_path, capsys):
+    own = tmp_path / "pki" / "own"
+    own.mkdir(parents=True)
+    for path in (pki / "own").iterdir():
+        (own / path.name).write_bytes(path.read_bytes())
+        (own / path.name).chmod(0o600)
+    server.users["reader"] = PASSWORD
+    user = tmp_path / "user.toml"
+    user.write_text(f'user = "reader"\npassword = "{PASSWORD}"\n')
+    user.chmod(0o600)
+    whom = (server.address, "--pki", own.parent, "--user-file", user)
+
+    code, _, said = told(capsys, "--discover", *whom)
+    assert code == 1
+    assert len(said.splitlines()) == 1
+    assert f"lostmotion live --trust {server.address}" in said
+    code, shown, _ = told(capsys, "--trust", *whom)
+    assert code == 1  # nobody is there to say yes
+    digits = shown.rpartition("SHA-256")[2].strip()
+    assert told(capsys, "--trust", *whom, "--fingerprint", digits[:-1] + "?")[0] == 1
+    assert told(capsys, "--discover", *whom)[0] == 1
+    assert told(capsys, "--trust", *whom, "--fingerprint", digits)[0] == 0
+    assert told(capsys, "--discover", *whom)[0] == 0
+    user.write_text(f'user = "reader"\npassword = "{PASSWORD}?"\n')
+    code, _, said = told(capsys, "--discover", *whom)
+    assert (code, "correct user and password" in said) == (1, True)
+    user.chmod(0o644)
+    assert "chmod 600" in told(capsys, "--discover", *whom)[2]
+
+
+def test_the_command_says_loudly_that_a_link_is_insecure(server, pki, capsys):
+    code, _, said = told(capsys, "--discover", server.address, "--pki", pki, "--insecure")
+    assert code == 0
+    assert said.startswith("INSECURE")
+    code, _, said = told(capsys, "--discover", "opc.tcp://192.0.2.1:4840", "--pki", pki, "--insecure")
+    assert (code, "on this machine" in said) == (1, True)
+
+
+def test_a_plant_file_holds_no_password(tmp_path, capsys):
+    loop = '[[loop]]\ntag = "a"\nop = "ns=2;s=A"\npv = "ns=2;s=B"\norders = [1, 0, 1]\ndt = 1.0\n'
+    for text in (
+        f'address = "opc.tcp://reader:{PASSWORD}@plc1"\n',
+        f'address = "opc.tcp://plc1"\npassword = "{PASSWORD}"\n',
+    ):
+        path = tmp_path / "plant.toml"
+        path.write_text(text + loop)
+        assert told(capsys, path)[0] == 1

@@ -38,13 +38,17 @@ class Recorder:
         self.folder = folder
         self.pieces = 0
         self._rows: list[tuple[datetime, str, float, str]] = []
+        self._last: dict[str, float] = {}  # stamp of each tag: a server tells the last value again to who comes back
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def add(self, stamp: float, tag: str, value: float, quality: str) -> None:
-        """Keep a value until the next piece."""
+        """Keep a value until the next piece; the same stamp again is the same value."""
+        if self._last.get(tag) == stamp:
+            return
+        self._last[tag] = stamp
         self._rows.append((datetime.fromtimestamp(stamp, UTC).replace(tzinfo=None), tag, value, quality))
 
     def write(self) -> Path | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Awaitable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Event
@@ -85,6 +85,7 @@ class Plant:
     def __init__(self, loops: Sequence[Watched], link: Awaitable[None]) -> None:
         self.loops, self._link = loops, link
         self._busy: set[Watched] = set()
+        self._fault: BaseException | None = None  # of ours: nothing may go on behind it
         self.longest_block = 0.0  # s for which the event loop came late
 
     async def run(self, stop: Event) -> None:
@@ -92,7 +93,7 @@ class Plant:
         link = asyncio.ensure_future(self._link)  # ends only by a fault of ours
         with ThreadPoolExecutor(1, "turns") as light, ThreadPoolExecutor(1, "first fits") as heavy:
             try:
-                while not stop.is_set() and not link.done():
+                while not stop.is_set() and not link.done() and self._fault is None:
                     self._hand_out(light, heavy)
                     before = time.monotonic()
                     await asyncio.sleep(LOOK)
@@ -105,6 +106,8 @@ class Plant:
                     await link
         for loop in self.loops:
             loop.end()
+        if self._fault is not None:
+            raise self._fault
         if not link.cancelled():
             link.result()
 
@@ -116,7 +119,10 @@ class Plant:
         for loops, pool in [*(([one], heavy) for one in long), (short, light)]:
             if loops:
                 self._busy.update(loops)
-                asyncio.get_running_loop().run_in_executor(pool, self._turns, loops)
+                pool.submit(self._turns, loops).add_done_callback(self._done)
+
+    def _done(self, turns: Future[None]) -> None:
+        self._fault = self._fault or turns.exception()
 
     def _turns(self, loops: Sequence[Watched]) -> None:
         for loop in loops:

@@ -20,7 +20,7 @@ from lostmotion.live.opcua.security import Identity, Offer, SecureClient, chosen
 from lostmotion.live.opcua.trust import TrustStore
 
 REQUEST = 8.0  # s for the answer to one request: a busy server is not a lost one
-WATCH = 2.5  # s between looks whether the server is still there, and for its answer
+WATCH = 5.0  # s between looks whether the server is still there, and for its answer
 SILENT = (TimeoutError, ConnectionError, AssertionError)  # the last: an answer that the library does not know
 NOT_THE_USER = {StatusCodes.BadUserAccessDenied, StatusCodes.BadIdentityTokenRejected}
 NOT_THE_USER |= {StatusCodes.BadIdentityTokenInvalid, StatusCodes.BadUserSignatureInvalid}

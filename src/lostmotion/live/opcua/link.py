@@ -15,6 +15,7 @@ from asyncua.client.client import Client
 from asyncua.common.node import Node
 from asyncua.common.subscription import DataChangeEvent, OverflowPolicy, StatusChangeEvent, SubEvent, Subscription
 from asyncua.ua.attribute_ids import AttributeIds
+from asyncua.ua.status_codes import StatusCodes
 from asyncua.ua.uaerrors import UaError
 
 from lostmotion.errors import LostMotionError, ParameterError
@@ -32,6 +33,11 @@ WAITING = 200_000  # values between the socket and the rows; more: the link is c
 PER_CALL = 200  # monitored items in one request
 LEAVE = 2.0  # s for a farewell
 FIRST_HANDLE = 1000
+NO_FILTERS = (
+    StatusCodes.BadFilterNotAllowed,
+    StatusCodes.BadMonitoredItemFilterUnsupported,
+    StatusCodes.BadMonitoredItemFilterInvalid,
+)
 FAILURES = (OSError, TimeoutError, UaError, LostMotionError)
 
 Connect = Callable[[], Awaitable[Client]]
@@ -182,10 +188,25 @@ class Link:
                 for k, (loop, _, node) in enumerate(some)
             ]
             self._routes |= {FIRST_HANDLE + first + k: (loop, role) for k, (loop, role, _) in enumerate(some)}
-            for (loop, role, node), answer in zip(some, await subscription.create_monitored_items(wanted), strict=True):
+            answers = await subscription.create_monitored_items(wanted)
+            plain = [k for k, answer in enumerate(answers) if _has_no_filters(answer)]
+            for k in plain:
+                wanted[k].RequestedParameters.Filter = None
+            for k, answer in zip(plain, await self._again(subscription, [wanted[k] for k in plain]), strict=True):
+                answers[k] = answer
+            for (loop, role, node), answer in zip(some, answers, strict=True):
                 if isinstance(answer, ua.StatusCode):
                     said = f"{role.upper()} {node.nodeid.to_string()} cannot be read: {answer.name}."
                     self._tell("note", loop.source.name, said)
+
+    async def _again(
+        self, subscription: Subscription, wanted: list[ua.MonitoredItemCreateRequest]
+    ) -> list[int | ua.StatusCode]:
+        """The same without a filter, from a server that knows none: it tells what has changed, and no new stamps."""
+        if not wanted:
+            return []
+        self._tell("note", "", f"The server tells changes only of {len(wanted)} nodes: on_change holds PV over that.")
+        return await subscription.create_monitored_items(wanted)
 
     async def _catch_up(self, client: Client, nodes: Sequence[tuple[Followed, str, Node]]) -> None:
         """Put what the server kept since the last row of each loop before what has come since."""
@@ -241,6 +262,10 @@ class Link:
         for loop in self.loops:
             loop.hand_over()
             loop.source.alive = heard
+
+
+def _has_no_filters(answer: int | ua.StatusCode) -> bool:
+    return isinstance(answer, ua.StatusCode) and answer.value in NO_FILTERS
 
 
 def _wanted(handle: int, node: Node, dt: float, publishing: float) -> ua.MonitoredItemCreateRequest:
