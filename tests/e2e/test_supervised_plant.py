@@ -16,7 +16,7 @@ from lostmotion.live.virtual_plc import VirtualPlc
 from tests.properties.test_supervised import quiet
 from tests.supervised_laws import violations
 
-SCANS = 2_000
+SCANS = 1_500
 
 
 class BadLink:
@@ -106,12 +106,12 @@ def campaign(seed, folder, share=0.05):
 
 
 @pytest.mark.statistics
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_campaign_of_faults_breaks_no_law(seed, tmp_path):
     one, inputs, cold, outputs, accepted = campaign(seed, tmp_path)
     broken = {law: count for law, count in violations(one, inputs, cold, outputs).items() if count}
     assert broken == {}
-    assert accepted > 3
+    assert accepted > 2
     names = [variable.name for variable in one.specification.section("output")]
     reasons = set(outputs[:, names.index("SHED_REASON")])
     assert len(reasons) > 4
@@ -124,7 +124,7 @@ def test_from_a_study_to_a_calmer_loop(tmp_path):
     part = 1.0 - np.exp(-0.5 / 4.0)
     model = lm.Hammerstein(lm.Backlash(2.0), lm.LinearModel([part - 1.0], [1.2 * part], 1, 0.5))
     study = lm.compensation_study(
-        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, runs=4, samples=1500, draws=2,
+        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, runs=2, samples=800, draws=1, cycle_samples=1500,
         sp_step=4.0,
     )  # fmt: skip
     assert study.safe
@@ -132,7 +132,7 @@ def test_from_a_study_to_a_calmer_loop(tmp_path):
         loop.block, loop.plc, AuditLog(tmp_path / "log"), name="FY-102", write=True, clock=lambda: loop.time
     )
     errors = []
-    for k in range(4_000):
+    for k in range(3_000):
         plant.step()
         plain.step()
         supervisor.cycle()
