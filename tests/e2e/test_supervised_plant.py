@@ -123,10 +123,10 @@ def test_from_a_study_to_a_calmer_loop(tmp_path):
     loop = plant.loops["FIC-102"]
     part = 1.0 - np.exp(-0.5 / 4.0)
     model = lm.Hammerstein(lm.Backlash(2.0), lm.LinearModel([part - 1.0], [1.2 * part], 1, 0.5))
+    small = {"runs": 2, "samples": 800, "draws": 1, "cycle_samples": 1500}
     study = lm.compensation_study(
-        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, runs=2, samples=800, draws=1, cycle_samples=1500,
-        sp_step=4.0,
-    )  # fmt: skip
+        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, sp_step=4.0, **small
+    )
     assert study.safe
     supervisor = Supervisor(
         loop.block, loop.plc, AuditLog(tmp_path / "log"), name="FY-102", write=True, clock=lambda: loop.time
