@@ -33,7 +33,7 @@ from tests.supervised_laws import played, random_supervision, violations  # noqa
 OUTPUT = ROOT / "docs" / "supervised.md"
 TEMPLATE = Path(__file__).parent / "supervised.md"
 SCANS = 1_000_000
-PART = 25_000
+PART = 125_000
 
 
 def main() -> None:

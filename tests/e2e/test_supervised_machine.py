@@ -12,7 +12,7 @@ from tests.plc.machine import run_in_c, run_in_machine
 from tests.supervised import source
 
 pytestmark = pytest.mark.statistics
-ROWS = 4_000
+ROWS = 2_500
 
 
 @pytest.mark.parametrize("real", REALS)
@@ -37,5 +37,5 @@ def test_st_and_c_agree_with_the_kernel(kind, real, tmp_path):
 @pytest.mark.parametrize("to", TARGETS)
 def test_every_dialect_by_the_replay(to):
     one = source("dead zone", "real")
-    proof = replay(TARGETS[to].files(one), one, rows=1_500)
+    proof = replay(TARGETS[to].files(one), one, rows=800)
     assert proof.agrees, proof.summary()

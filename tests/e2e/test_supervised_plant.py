@@ -16,7 +16,7 @@ from lostmotion.live.virtual_plc import VirtualPlc
 from tests.properties.test_supervised import quiet
 from tests.supervised_laws import violations
 
-SCANS = 2_000
+SCANS = 1_500
 
 
 class BadLink:
@@ -106,12 +106,12 @@ def campaign(seed, folder, share=0.05):
 
 
 @pytest.mark.statistics
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_campaign_of_faults_breaks_no_law(seed, tmp_path):
     one, inputs, cold, outputs, accepted = campaign(seed, tmp_path)
     broken = {law: count for law, count in violations(one, inputs, cold, outputs).items() if count}
     assert broken == {}
-    assert accepted > 3
+    assert accepted > 2
     names = [variable.name for variable in one.specification.section("output")]
     reasons = set(outputs[:, names.index("SHED_REASON")])
     assert len(reasons) > 4
@@ -123,16 +123,16 @@ def test_from_a_study_to_a_calmer_loop(tmp_path):
     loop = plant.loops["FIC-102"]
     part = 1.0 - np.exp(-0.5 / 4.0)
     model = lm.Hammerstein(lm.Backlash(2.0), lm.LinearModel([part - 1.0], [1.2 * part], 1, 0.5))
+    small = {"runs": 2, "samples": 800, "draws": 1, "cycle_samples": 1500}
     study = lm.compensation_study(
-        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, runs=4, samples=1500, draws=2,
-        sp_step=4.0,
-    )  # fmt: skip
+        model, lm.PI(0.5, 0.12), noise=0.05**2, op_now=45.0, block=loop.block.block, sp_step=4.0, **small
+    )
     assert study.safe
     supervisor = Supervisor(
         loop.block, loop.plc, AuditLog(tmp_path / "log"), name="FY-102", write=True, clock=lambda: loop.time
     )
     errors = []
-    for k in range(4_000):
+    for k in range(3_000):
         plant.step()
         plain.step()
         supervisor.cycle()

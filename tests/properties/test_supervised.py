@@ -13,7 +13,7 @@ from tests.exports import KINDS, REALS
 from tests.supervised import source
 from tests.supervised_laws import played, random_supervision, violations
 
-ROWS = 1_000 if os.environ.get("NUMBA_DISABLE_JIT") else 10_000
+ROWS = 1_000 if os.environ.get("NUMBA_DISABLE_JIT") else 4_000
 
 
 def quiet(kind, real="lreal"):
@@ -43,9 +43,7 @@ WRONG = {
     "sum <> checksum": ("FALSE", "checksum wrong"),
     "NOT good": ("FALSE", "active in a bad state"),
     "shown < show_scans": ("FALSE", "accepted unseen"),
-    "NOT auto_mode": ("FALSE", "active in a bad state"),
     "request_id < last_id": ("FALSE", "id used twice"),
-    "asked_second <> pend_second": ("FALSE", None),
 }
 
 
@@ -62,7 +60,4 @@ def test_a_block_that_breaks_a_law_is_seen(right):
     columns = [variable.name.lower() for variable in one.specification.section("input")]
     outputs = Program(text.replace(right, wrong)).run(one.values, columns, inputs, wanted)
     broken = violations(one, inputs, cold, np.asarray(outputs))
-    if law is None:
-        assert not np.array_equal(outputs, played(one, inputs, cold))
-    else:
-        assert broken[law] > 0, broken
+    assert broken[law] > 0, broken

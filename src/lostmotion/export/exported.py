@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import zlib
 from collections.abc import Mapping
@@ -43,13 +44,20 @@ class Exported:
 
     @property
     def files(self) -> dict[str, str]:
-        """Code, test vectors and commissioning page by file name."""
+        """Code, test vectors, commissioning page, and what a supervisor must know, by file name."""
         name = self.source.name
         return {
             **self.code,
             f"{name}_vectors.csv": vectors(self.source),
             f"{name}_commissioning.md": page(self.source, TARGETS[self.target], list(self.code)),
+            **self._supervisor(),
         }
+
+    def _supervisor(self) -> dict[str, str]:
+        """The block as its supervisor must know it, where it has one: ``SupervisedBlock.from_dict``."""
+        if not self.source.supervised:
+            return {}
+        return {f"{self.source.name}_supervisor.json": json.dumps(self.source.block.to_dict(), indent=1) + "\n"}
 
     def replay(self, rows: int = 10_000, seed: int = 0) -> Replay:
         """Execute the written code in plain Python over adversarial scans and compare it with the kernel."""
@@ -58,7 +66,8 @@ class Exported:
     def refuse(self, folder: str | os.PathLike[str], force: bool = False) -> None:
         """Raise FileAccessError where :meth:`write` could not write there."""
         place = Path(folder)
-        names = (*self.code, *(f"{self.source.name}_{rest}" for rest in ("vectors.csv", "commissioning.md")))
+        others = ("vectors.csv", "commissioning.md", *(["supervisor.json"] if self.source.supervised else []))
+        names = (*self.code, *(f"{self.source.name}_{rest}" for rest in others))
         there = [str(place / name) for name in names if os.path.lexists(place / name)]
         if there and not force:
             raise FileAccessError(f"expected new files, got {', '.join(there)}; use --force to replace them")
