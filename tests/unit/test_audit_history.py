@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -66,3 +67,18 @@ def test_a_window_that_a_later_run_has_as_well_counts_once() -> None:
     assert len(history([*once, *once]).rows) == 4
     with pytest.raises(ParameterError, match="rows of one loop"):
         history([])
+
+
+def test_the_size_of_all_windows_counts_no_data_twice() -> None:
+    sizes = [week(number, 3.0 + 0.03 * (-1.0) ** number) for number in range(6)]
+    found = history(sizes).size
+    assert found is not None
+    size, low, high = found
+    assert size == pytest.approx(3.0)
+    assert high - low == pytest.approx(0.2 / 6**0.5, rel=0.05)
+    longer = replace(sizes[0], window_end=sizes[0].window_end + timedelta(days=90))
+    assert history([longer]).size == pytest.approx((3.03, 2.93, 3.13))
+    assert history([*sizes, longer]).size == pytest.approx(found), "what overlaps a later one is left out"
+    assert history([*sizes, week(6, None, excluded=0.5)]).size is None, "cleared since"
+    assert history([week(number, 1.0 + 0.07 * number) for number in range(8)]).size is None, "it grows"
+    assert history([week(0, None, excluded=0.5)]).size is None

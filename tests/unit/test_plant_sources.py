@@ -11,8 +11,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, FileAccessError, InputError, LostMotionError, ParameterError
-from lostmotion.plant import PlantLoop, open_plant
+from lostmotion.plant import PlantLoop, files_source, open_plant
 from lostmotion.plant.address import Place, parsed, written
+from lostmotion.plant.period import Period
 from lostmotion.plant.pooled import pooled
 from lostmotion.records import LoopRecord
 from tests.plants import KINDS, START, TAGS, N, below_each_other, frame, make, put, side_by_side, signals
@@ -292,3 +293,43 @@ def test_records_of_other_rates_and_repeated_ones_are_left_out():
     with pytest.raises(DataError, match="records of one loop with dates"):
         pooled([record(0, 0), replace(record(1, 1), start=None)])
     assert START.tzinfo is UTC
+
+
+def unbroken(moments):
+    return pl.DataFrame({"time": moments, **signals(0, len(moments))})
+
+
+@pytest.mark.parametrize(
+    ("change", "read"),
+    [
+        (lambda rows: rows, 40),
+        (lambda rows: rows.with_columns(pl.col("time").dt.replace_time_zone(None)), 40),
+        (lambda rows: rows.with_columns(pl.col("time").dt.convert_time_zone("Asia/Tokyo")), 40),
+        (lambda rows: rows.with_columns(mode=pl.Series(["AUTO", *[None] * (N - 1)])), N),
+        (lambda rows: rows.with_columns(time=pl.col("time") + pl.duration(milliseconds=pl.col("PV").round() * 7)), N),
+        (lambda rows: rows.with_columns(pl.col("time").dt.to_string("%Y-%m-%d %H:%M:%S")), N),
+    ],
+)
+def test_of_parquet_only_the_rows_of_the_time_are_read(tmp_path, monkeypatch, change, read):
+    rows = change(unbroken([START + timedelta(seconds=k) for k in range(N)]))
+    rows.write_parquet(tmp_path / "FIC101.parquet", row_group_size=20)
+    since, until = START + timedelta(seconds=60), START + timedelta(seconds=100)
+    taken, table_of = [], files_source.table_of
+
+    def watched(*given, **more):
+        taken.append(table_of(*given, **more))
+        return taken[-1]
+
+    monkeypatch.setattr(files_source, "table_of", watched)
+    found = records(open_plant(tmp_path), since=since, until=until)["FIC101"]
+    monkeypatch.setattr(Period, "of", lambda *given: None)
+    whole = records(open_plant(tmp_path), since=since, until=until)["FIC101"]
+    assert [table.frame.shape[0] for table in taken] == [read, N]
+    for name in ("fingerprint", "start", "dt", "notes"):
+        assert getattr(found, name) == getattr(whole, name)
+
+
+def test_of_parquet_with_nothing_of_the_time_the_error_is_that_of_all(tmp_path):
+    unbroken([START + timedelta(seconds=k) for k in range(N)]).write_parquet(tmp_path / "FIC101.parquet")
+    found = records(open_plant(tmp_path), since=START + timedelta(days=9))["FIC101"]
+    assert "rows of 2026-03-10" in str(found)

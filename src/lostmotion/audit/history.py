@@ -11,7 +11,7 @@ from typing import Any
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.pooled.trend_of_size import NORMAL, SizeTrend, size_trend
 from lostmotion.errors import ParameterError
-from lostmotion.store.rows import CLEARED, UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import CLEARED, FAULTS, UNDATED, AssessmentRow, Stage
 
 DAY = 86400.0
 HORIZON = 3650.0  # days: later nobody plans
@@ -86,6 +86,22 @@ class LoopHistory:
     def sized(self) -> tuple[AssessmentRow, ...]:
         """Those that show a lost motion with an interval in % of span."""
         return tuple(row for row in self.rows if _percent(row) is not None)
+
+    @property
+    def size(self) -> tuple[float, float, float] | None:
+        """Size in % of span with its 95 % interval, of all windows together; None: none, cleared since, or changing.
+
+        Windows count that name the fault of the last one and do not overlap a later one: no data twice. Sizes that
+        are excluded are not joined: 95 % limits of several windows have no joint level.
+        """
+        told = [row for row in self.rows if row.verdict in FAULTS + CLEARED]
+        if not self.sized or told[-1].verdict in CLEARED or self.trend.seen:
+            return None
+        apart: list[AssessmentRow] = []
+        for row in reversed(self.sized):
+            if row.verdict == self.sized[-1].verdict and all(row.window_end <= one.window_start for one in apart):
+                apart.append(row)
+        return _together(apart)
 
     def reaches(self, limit: float) -> Crossing | None:
         """When the size reaches a limit, from its growth; None: it does not surely grow, or is there already.

@@ -17,7 +17,8 @@ from lostmotion.files.tags import loops_of
 from lostmotion.plant.address import Place, parsed, written
 from lostmotion.plant.contents import in_rows
 from lostmotion.plant.loop import PlantLoop
-from lostmotion.plant.parquet import Kind, is_parquet, schema_at, table_of, values_in
+from lostmotion.plant.parquet import ALWAYS, Kind, is_parquet, schema_at, table_of, values_in
+from lostmotion.plant.period import Period
 from lostmotion.plant.pooled import pooled
 from lostmotion.plant.reading import Reading, between, checked_range, record_of, tried, trust
 from lostmotion.plant.source import Unread
@@ -111,13 +112,13 @@ class FilesSource:
                 yield loop, DataError.expected(f"data of {loop.tag!r}", "no file", "name it in the loop list: file")
         parts: dict[str, list[Outcome]] = {tag: [] for tag in left}
         for files, here in wanted.items():
-            for loop, outcome in self._of_files(files, here):
+            for loop, outcome in self._of_files(files, here, Period(since, until)):
                 parts[loop.tag].append(outcome)
                 if len(parts[loop.tag]) == left[loop.tag]:
                     yield loop, _whole(parts.pop(loop.tag), since, until)
 
     def _of_files(
-        self, files: tuple[str, ...], wanted: Sequence[tuple[PlantLoop, Place]]
+        self, files: tuple[str, ...], wanted: Sequence[tuple[PlantLoop, Place]], period: Period
     ) -> Iterator[tuple[PlantLoop, Outcome]]:
         """Records of loops in the same files, opened once; one after another."""
         paths = tuple(self.root / file for file in files)
@@ -129,17 +130,20 @@ class FilesSource:
             return
         for loop, place in wanted:
             try:
-                yield loop, self._record(paths, content, loop, place)
+                yield loop, self._record(paths, content, loop, place, period)
             except BROKEN as error:
                 yield loop, tried(error, loop)
 
     def _opened(self, paths: Sequence[Path]) -> Opened:
         return opened(list(paths) if len(paths) > 1 else paths[0], trust=trust(self.reading))
 
-    def _record(self, paths: Sequence[Path], content: Opened | None, loop: PlantLoop, place: Place) -> LoopRecord:
+    def _record(
+        self, paths: Sequence[Path], content: Opened | None, loop: PlantLoop, place: Place, period: Period
+    ) -> LoopRecord:
         own = [name for name in (loop.op, loop.pv, loop.sp, loop.mode) if name]
         if content is None:
-            content = parquet_content(paths, place.loop, own)
+            told = bool(loop.time or loop.dt) or any(name in ("time", "dt") for name, _ in self.reading)
+            content = parquet_content(paths, place.loop, own, ALWAYS if told else period)
         return record_of(content, loop, place.loop, self.reading)
 
 
@@ -150,14 +154,14 @@ def _made(sources: tuple[Path, ...], reading: Reading, root: Path) -> FilesSourc
     return made
 
 
-def parquet_content(paths: Sequence[Path], name: str, columns: Collection[str]) -> Opened:
+def parquet_content(paths: Sequence[Path], name: str, columns: Collection[str], period: Period = ALWAYS) -> Opened:
     """Rows and columns of one loop; see :func:`lostmotion.plant.parquet.table_of`."""
     schema = schema_at(paths[0])
     if schema.kind is Kind.ROWS:
-        return Opened({name: table_of(paths, (), (), name)} if name else {"": table_of(paths, (), ())}, paths[0].stem)
+        return Opened({name: table_of(paths, (), (), name, period if name else ALWAYS)}, paths[0].stem)
     if schema.kind is Kind.LONG and not columns:
         columns = list(loops_of(values_in(paths, schema.by)).get(name, {}).values())
-    return Opened({"": table_of(paths, columns, columns)}, paths[0].stem)
+    return Opened({"": table_of(paths, columns, columns, period=period)}, paths[0].stem)
 
 
 def _whole(parts: Sequence[Outcome], since: datetime | None, until: datetime | None) -> Outcome:

@@ -18,7 +18,9 @@ from lostmotion.files.long import called
 from lostmotion.files.names import LONG
 from lostmotion.files.table import Table
 from lostmotion.files.tags import isa, loops_of
+from lostmotion.plant.period import Period
 
+ALWAYS = Period()
 MOST_READ = 12  # columns that are read although the loop may not need them
 LOOP_KEYS = (*LONG["tag"], "loop", "loop tag", "loopname", "loop name", "loop id")
 
@@ -140,7 +142,13 @@ def _stated(path: Path, column: str) -> list[str] | None:
     return [str(one.min) for one in stated if one is not None]
 
 
-def table_of(files: Sequence[Path], tags: Collection[str], columns: Collection[str], by_tag: str = "") -> Table:
+def table_of(
+    files: Sequence[Path],
+    tags: Collection[str],
+    columns: Collection[str],
+    by_tag: str = "",
+    period: Period = ALWAYS,
+) -> Table:
     """What one loop needs.
 
     Parameters
@@ -153,6 +161,8 @@ def table_of(files: Sequence[Path], tags: Collection[str], columns: Collection[s
         Of a table of COLUMNS: those of the loop; empty: all.
     by_tag : str
         Of a table of ROWS: the loop.
+    period : Period
+        All rows are read where those of the period alone could give another record.
 
     Raises
     ------
@@ -161,7 +171,7 @@ def table_of(files: Sequence[Path], tags: Collection[str], columns: Collection[s
     """
     schema = schema_at(files[0])
     try:
-        frame = _rows(files, schema, tags, columns, by_tag)
+        frame = _rows(files, schema, tags, columns, by_tag, period)
     except (pl.exceptions.PolarsError, OSError) as error:
         raise _damaged(files[0], error) from error
     if frame.is_empty():
@@ -172,16 +182,23 @@ def table_of(files: Sequence[Path], tags: Collection[str], columns: Collection[s
 
 
 def _rows(
-    files: Sequence[Path], schema: Schema, tags: Collection[str], columns: Collection[str], by_tag: str
+    files: Sequence[Path], schema: Schema, tags: Collection[str], columns: Collection[str], by_tag: str, period: Period
 ) -> pl.DataFrame:
     scan = _scan(files)
     if schema.kind is Kind.LONG:
         return scan.filter(pl.col(schema.by).is_in(list(tags))).collect() if tags else scan.collect()
     if schema.kind is Kind.ROWS and by_tag:
-        return scan.filter(pl.col(schema.by) == by_tag).drop(schema.by).collect()
+        mine = scan.filter(pl.col(schema.by) == by_tag).drop(schema.by)
+        return _of_period(mine, [name for name in schema.names if name != schema.by], period)
     dates = [] if usual("time", schema.names) else [name for name in _keys(files[0]) if name.lower() in DATE_KEYS]
     kept = needed(schema.names, columns) if columns else schema.names
-    return scan.select(*kept, *(name for name in dates if name not in kept)).collect()
+    own = [*kept, *(name for name in dates if name not in kept)]
+    return _of_period(scan.select(own), own, period)
+
+
+def _of_period(scan: pl.LazyFrame, names: Sequence[str], period: Period) -> pl.DataFrame:
+    found = period.of(scan, names)
+    return scan.collect() if found is None else found
 
 
 def needed(names: Sequence[str], columns: Collection[str]) -> tuple[str, ...]:
