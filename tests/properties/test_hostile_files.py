@@ -49,6 +49,14 @@ ARCHIVES = {
 }
 
 
+def test_members_without_a_name(tmp_path):
+    """Once an IndexError of zipfile, where it asks whether they are folders."""
+    sound = zipped({"a.csv": b"OP,PV\n1,2\n2,3\n", "\x01": b""})
+    for raw in (mutant("xlsx", 671, seed=19), sound.replace(b"\x01", b"\x00")):
+        (tmp_path / "a.zip").write_bytes(raw)
+        assert outcome(tmp_path / "a.zip") in ("read", "refused")
+
+
 @pytest.mark.parametrize("raw", ARCHIVES.values(), ids=ARCHIVES)
 def test_archives(tmp_path, raw):
     (tmp_path / "a.zip").write_bytes(b"PK\x03\x04" + raw[4:])

@@ -24,6 +24,9 @@ AT = 257  # bytes before it
 HEAD = 512
 BESIDE = ("readme", "license", "licence")  # files that are no data
 Files = list[tuple[Path, bytes]]
+_DAMAGED = (  # an IndexError: a member without a name
+    OSError, EOFError, zlib.error, zipfile.BadZipFile, tarfile.TarError, RuntimeError, IndexError,
+)  # fmt: skip
 
 
 def archived(path: Path) -> Files:
@@ -42,7 +45,7 @@ def archived(path: Path) -> Files:
     raw = read_bytes(path)
     try:
         return sorted(_zipped(raw, path.name) if kind == "zip" else _tarred(raw, path.name))
-    except (OSError, EOFError, zlib.error, zipfile.BadZipFile, tarfile.TarError, RuntimeError) as error:
+    except _DAMAGED as error:
         raise DataError.expected(
             "a whole archive", f"a damaged one, {path.name!r} ({error})", "pack it again"
         ) from error
@@ -53,7 +56,7 @@ def _kind(path: Path) -> str:
     start, inside = b"", b""
     if not is_file(path):  # a pipe would wait for whoever writes into it
         return ""
-    with suppress(OSError, EOFError, ValueError, zlib.error, zipfile.BadZipFile, RuntimeError):
+    with suppress(ValueError, *_DAMAGED):
         with path.open("rb") as stream:
             start = inside = stream.read(HEAD)
         if start.startswith(ZIP):
