@@ -171,7 +171,8 @@ def crowd(served: Served, clients: int, seconds: float, item: str) -> None:
     wrong = sum(status != 200 for status, _ in found)
     own = (spent(served.process.pid) - before) / max(len(found), 1)
     print(
-        f"\n{clients} clients for {seconds:g} s, an upload of {len(data) / 1e6:.0f} MB: {len(found)} answers, {wrong} not 200, ",
+        f"\n{clients} clients for {seconds:g} s, an upload of {len(data) / 1e6:.0f} MB: "
+        f"{len(found)} answers, {wrong} not 200, ",
         end="",
     )
     print(f"median {statistics.median(waits):.3f} s, p99 {waits[int(0.99 * len(waits))]:.3f} s, ", end="")
