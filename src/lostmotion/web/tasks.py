@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import traceback
 import zipfile
 from collections.abc import Callable, Mapping
@@ -51,6 +52,7 @@ from lostmotion.web.task import (
 from lostmotion.web.view_json import plain, view_to_json
 
 REPLAYED = 10_000  # scans
+COUNTED = re.compile(r"(\d{1,6}) of (\d{1,6})\b")
 MOST_MODES = 12  # words that are shown
 
 Tell = Callable[[str, float, str], None]
@@ -105,7 +107,7 @@ def _write(task: Task, name: str, data: Mapping[str, Any], words: str = "") -> N
 def _read(task: Task, tell: Tell) -> dict[str, Any]:
     tell("reading", 0.02, "")
     asked = task.chosen(READING)
-    with watched(lambda line: tell("reading", 0.05, line)):
+    with watched(lambda line: tell("reading", 0.05, line.replace(DROPPED, task.label))):
         content = _content(task.sources, tuple(_named(asked)), _trust(asked))
         look = looked(content, task.sources, asked)
         _write(task, LOOK, look)
@@ -118,7 +120,9 @@ def _read(task: Task, tell: Tell) -> dict[str, Any]:
     found: dict[str, Any] = {"record": repr(record), "tag": record.tag, "check": _check(checked, record)}
     tell("diagnosing", 0.35, "")
     try:
-        diagnosis = lm.diagnose(record, **task.chosen(JUDGING), progress=lambda line: tell("diagnosing", 0.4, line))
+        diagnosis = lm.diagnose(
+            record, **task.chosen(JUDGING), progress=lambda line: tell("diagnosing", share_of(line), line)
+        )
     except (LostMotionError, LinAlgError) as error:
         _write(task, RESULT, {**found, "error": said(error, task.label)})
         return {}
@@ -126,6 +130,18 @@ def _read(task: Task, tell: Tell) -> dict[str, Any]:
     view = diagnosis_view(diagnosis, task.label)
     _write(task, RESULT, found | _diagnosed(diagnosis, view), headline(view.row))
     return {}
+
+
+def share_of(line: str) -> float:
+    """Share of a reading and diagnosis that is done, from the words of the diagnosis.
+
+    Examples
+    --------
+    >>> share_of("windows"), share_of("7 of 14: day 7 12:00")
+    (0.35, 0.65)
+    """
+    found = COUNTED.match(line)
+    return 0.35 if found is None else round(0.35 + 0.6 * min(int(found[1]) / max(int(found[2]), 1), 1.0), 3)
 
 
 @lru_cache(maxsize=1)
