@@ -1,6 +1,6 @@
 """How quick the page is, whether it grows, and how it bears many readers: the real command, asked from outside.
 
-    python -m benchmarks.page [--loops 26000] [--views 1000] [--uploads 50] [--clients 50] [--seconds 20] [--store FILE]
+    python -m benchmarks.page [--loops 26000] [--views 1000] [--uploads 50] [--clients 50] [--seconds 20] ..
 
 Times of answers stand beside the processor time that the page itself spent on them: on a busy machine only the latter
 can be compared. What a browser shows is measured where Debian's chromium and playwright are there.
@@ -145,8 +145,8 @@ def at_work(client: Asking, data: bytes) -> Iterator[None]:
     thread.join()
 
 
-def crowd(served: Served, clients: int, seconds: float, item: str) -> None:
-    """Many clients that read at once, each with 0.2 s between its questions, while a file comes."""
+def crowd(served: Served, clients: int, seconds: float, pause: float, item: str) -> None:
+    """Many clients that read at once, while a file comes."""
     paths = [*QUERIES.values(), "/files", f"/api/v1/trend?source=file:{item}&start=1000&stop=200000"]
     found: list[tuple[int, float]] = []
     data = csv(2_500_000)
@@ -158,7 +158,7 @@ def crowd(served: Served, clients: int, seconds: float, item: str) -> None:
             status, _, waited = mine.get(paths[number % len(paths)])
             found.append((status, waited))
             number += 1
-            time.sleep(0.2)
+            time.sleep(pause)
 
     before = spent(served.process.pid)
     with at_work(Asking(served), data):
@@ -170,11 +170,8 @@ def crowd(served: Served, clients: int, seconds: float, item: str) -> None:
     waits = sorted(waited for _, waited in found)
     wrong = sum(status != 200 for status, _ in found)
     own = (spent(served.process.pid) - before) / max(len(found), 1)
-    print(
-        f"\n{clients} clients for {seconds:g} s, an upload of {len(data) / 1e6:.0f} MB: "
-        f"{len(found)} answers, {wrong} not 200, ",
-        end="",
-    )
+    said = f"{clients} clients, {pause:g} s between their questions, for {seconds:g} s, and an upload of"
+    print(f"\n{said} {len(data) / 1e6:.0f} MB: {len(found)} answers, {wrong} not 200, ", end="")
     print(f"median {statistics.median(waits):.3f} s, p99 {waits[int(0.99 * len(waits))]:.3f} s, ", end="")
     print(f"processor time {own:.4f} s each.")
 
@@ -219,6 +216,9 @@ def main() -> None:
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name, usual in (("loops", 26_000), ("views", 1000), ("uploads", 50), ("clients", 50), ("seconds", 20)):
         given.add_argument(f"--{name}", type=int, default=usual)
+    given.add_argument(
+        "--pauses", type=float, nargs="+", default=[3.0, 0.2], help="s between two questions of a client"
+    )
     given.add_argument("--store", type=Path, help="made, if it is not there; default: a temporary one")
     asked = given.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -236,7 +236,8 @@ def main() -> None:
             if CHROMIUM.exists():
                 shown(served, item)
             memory(served, client, asked.views, asked.uploads, item)
-            crowd(served, asked.clients, asked.seconds, item)
+            for pause in asked.pauses:
+                crowd(served, asked.clients, asked.seconds, pause, item)
         finally:
             served.stop()
 
