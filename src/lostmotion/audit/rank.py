@@ -154,7 +154,7 @@ def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[floa
     strokes = (row.travel or 0.0) / 100.0
     if strokes < BUSY or row.kind == "actuator":
         return worth, words
-    return worth + WORN * strokes / (strokes + BUSY), [*words, f"OP travels {strokes:.0f} full strokes an hour: wear"]
+    return worth + WORN * (1.0 - BUSY / strokes), [*words, f"OP travels {strokes:.0f} full strokes an hour: wear"]
 
 
 def _of_measurement(row: AssessmentRow) -> tuple[float, list[str]] | None:
