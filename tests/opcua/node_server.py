@@ -53,7 +53,8 @@ class NodeServer:
                 [shutil.which("node"), str(HERE / "server.js")],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True, env=environment,
             )  # fmt: skip
-        threading.Thread(target=self._listen, args=(self.process,), daemon=True).start()
+        self._listener = threading.Thread(target=self._listen, args=(self.process,), daemon=True)
+        self._listener.start()
         try:
             for name, port in self._ask(self.configs)["ready"].items():
                 self.configs[name]["port"] = port
@@ -87,9 +88,17 @@ class NodeServer:
         """As a power cut does."""
         self.process.kill()
         self.process.wait()
+        self._let_go()
+
+    def _let_go(self):
+        """Pipes that are left open are a warning, which is an error."""
+        self._listener.join(10)
+        with contextlib.suppress(OSError):
+            self.process.stdin.close()
+        self.process.stdout.close()
 
     def close(self):
-        """End it; the pipes too, which a warning would tell of."""
+        """End it."""
         with contextlib.suppress(OSError):
             self.process.stdin.close()
         try:
@@ -97,7 +106,7 @@ class NodeServer:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        self.process.stdout.close()
+        self._let_go()
 
     def __enter__(self):
         return self
