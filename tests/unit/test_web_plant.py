@@ -164,7 +164,7 @@ def test_json_has_the_names_of_the_rows(site):
     assert site.ask("/api/v1/groups").json()["groups"][0]["members"][0][0] == "FIC-1"
     assert site.ask("/api/v1/health").json()["cannot_tell"] == 1
     assert site.ask("/api/v1/counts?run=1").json()["verdict"] == {"none": 2}
-    assert site.ask("/api/v1/news").json()["news"][0]["what"] == "found"
+    assert site.ask("/api/v1/news").json()["news"][0]["what"] == "new finding"
 
 
 def test_json_of_reviews(tmp_path):

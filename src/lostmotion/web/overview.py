@@ -15,9 +15,10 @@ from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.health import Health, health_of_rows
 from lostmotion.audit.plant_view import CLEARED, FAULTS, RunFacts
 from lostmotion.audit.run_view import run_facts
-from lostmotion.report.plant.pages import NARROW
+from lostmotion.report.plant.pages import NARROW, NEW
 from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
 from lostmotion.report.plant.words import LETTER
+from lostmotion.store.changed import ORDER
 from lostmotion.store.news import New
 from lostmotion.store.overview import OF_LOOP, OF_ROW
 from lostmotion.store.queries import Line
@@ -28,7 +29,6 @@ from lostmotion.web.plant_query import NO_AREA, NO_LABEL, SORTS, Query
 
 TEXTS = frozenset(("verdict", "label", "split", "stage"))
 TYPES = {name: pl.String if name in TEXTS else pl.Float64 for name in OF_ROW}
-ORDER = ("found", "worse", "other", "better", "gone")  # of what is new
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Overview:
     @cached_property
     def new_tags(self) -> frozenset[str]:
         """Loops with a new or a worse finding."""
-        return frozenset(one.tag for one in self.news if one.what in ("found", "worse", "other"))
+        return frozenset(one.tag for one in self.news if one.what in NEW)
 
     def words(self, column: str) -> dict[str, int]:
         """How many loops have which word, the most frequent first."""

@@ -31,13 +31,6 @@ ORDERS = {
     "variability": "deviation of SP - PV", "travel": "travel of OP", "manual": "time in manual",
     "limited": "time at a limit", "missing": "time without values",
 }  # fmt: skip
-TOLD = {
-    "found": "new finding",
-    "worse": "grew",
-    "other": "another fault",
-    "better": "shrank",
-    "gone": "no longer found",
-}
 
 
 @dataclass(frozen=True)
@@ -159,7 +152,6 @@ def _parts(overview: Overview, query: Query) -> dict[str, Any]:
         "health": overview.health,
         "unread": overview.unread,
         "news": overview.news,
-        "told": TOLD,
         "groups": overview.groups,
         "period": seconds_words,
     }
