@@ -77,7 +77,7 @@ def filled(store: Store, loops: int, runs: int) -> None:
 
 def vary(store: Store, run: int) -> None:
     """The first run's rows, with other words and numbers."""
-    step = assessment.c.loop_id * 31 + run * 17
+    step = sa.cast(assessment.c.loop_id, sa.BigInteger) * 31 + run * 17
     words = {name: choice(step, of) for name, of in (("verdict", VERDICTS), ("severity", SEVERITIES))}
     with store.engine.connect().execution_options(writing=True) as connection, connection.begin():
         ids = list(connection.scalars(sa.select(assessment.c.loop_id).where(assessment.c.run_id == 1)))

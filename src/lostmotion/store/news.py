@@ -48,16 +48,26 @@ def news(connection: Connection, number: int, earlier: int, limit: int | None = 
     return [_new(*one) for one in differences(before, now)[:limit]]
 
 
-def _in_question(number: int, earlier: int) -> sa.Select[tuple[int]]:
-    """Loops with a fault in one of the runs, or that are in one of them only: all that can have changed."""
-    columns = assessment.c
-    of_runs = columns.run_id.in_((number, earlier)) & columns.newest
-    fault = sa.func.max(sa.case((columns.verdict.in_(FAULTS), 1), else_=0))
-    alone = sa.func.count() < 2
-    return sa.select(columns.loop_id).where(of_runs).group_by(columns.loop_id).having((fault == 1) | alone)
+def _in_question(number: int, earlier: int) -> sa.CompoundSelect[tuple[int]]:
+    """Loops that may have changed: in one of the runs only, or with a fault in one and another verdict or size."""
+    now, before = assessment.alias("now"), assessment.alias("before")
+    of_runs = assessment.c.run_id.in_((number, earlier)) & assessment.c.newest
+    alone = sa.select(assessment.c.loop_id).where(of_runs).group_by(assessment.c.loop_id)
+    apart = _ends(now)[0] > _ends(before)[1], _ends(now)[1] < _ends(before)[0]
+    both = sa.select(now.c.loop_id).join(before, before.c.loop_id == now.c.loop_id)
+    both = both.where((now.c.run_id == number) & now.c.newest & (before.c.run_id == earlier) & before.c.newest)
+    both = both.where(now.c.verdict.in_(FAULTS) | before.c.verdict.in_(FAULTS))
+    both = both.where(sa.or_(now.c.verdict != before.c.verdict, *apart))
+    return sa.union_all(alone.having(sa.func.count() < 2), both)
 
 
-def _rows(connection: Connection, number: int, loops: sa.Select[tuple[int]]) -> list[AssessmentRow]:
+def _ends(of: sa.Alias) -> tuple[sa.ColumnElement[float], sa.ColumnElement[float]]:
+    """Interval in % of span, a breath narrower: the rule itself decides what is on the edge."""
+    each = of.c.size_percent / sa.func.nullif(of.c.size, 0.0)
+    return of.c.low * each * (1.0 + 1e-9), of.c.high * each * (1.0 - 1e-9)
+
+
+def _rows(connection: Connection, number: int, loops: sa.CompoundSelect[tuple[int]]) -> list[AssessmentRow]:
     columns = assessment.c
     asked = sa.select(loop.c.tag, *(columns[name] for name in COMPARED)).join(loop, loop.c.id == columns.loop_id)
     asked = asked.where((columns.run_id == number) & columns.newest & columns.loop_id.in_(loops))
