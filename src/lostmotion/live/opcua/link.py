@@ -106,6 +106,21 @@ class Link:
         quiet.addHandler(logging.NullHandler())
         quiet.propagate = False
 
+    async def meet(self) -> None:
+        """Connect once and leave: who is not believed is known before anything long begins.
+
+        Raises
+        ------
+        ParameterError, RefusedError
+            Trying again does not help. A server that is only not there is told, and sought by :meth:`run`.
+        """
+        try:
+            await _leave(await self._connect())
+        except (ParameterError, RefusedError):
+            raise
+        except FAILURES as error:
+            self._say("lost", str(error)[:300] or type(error).__name__)
+
     async def run(self) -> None:
         """Connect, listen, and again after each loss."""
         while True:
