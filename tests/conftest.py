@@ -22,10 +22,10 @@ SLOW_DOCTESTS = {
 # Processes, files and texts: nothing of what they test is compiled code, or other tests run it with the JIT off.
 PROCESSES = {
     "contract": "documentation every_message pages public_names scripts sizes startup writing",
-    "e2e": "audit closed_output commands_of_batches demo_plant odd_words outside_tree page page_attacks plant_shared "
-    "refused_before_work report_in_browser several_files several_loops shared_data_reads stopped_batches "
-    "supervised_command supervised_machine",
-    "live": "discover joined link plant_file",
+    "e2e": "audit closed_output commands_of_batches demo_live demo_plant odd_words outside_tree page "
+    "page_attacks plant_shared refused_before_work report_in_browser several_files several_loops "
+    "shared_data_reads stopped_batches supervised_command supervised_machine",
+    "live": "discover joined link live_command plant_file plc_link",
     "opcua": "asyncua_security node_opcua node_restart",
     "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts database "

@@ -29,6 +29,8 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "audit": "Look at all loops of a plant: "
     "which valves need a hand, how sure that is, what swings with what, what is new.",
     "demo-plant": "Make a plant to try an audit on: a file a loop, a list of the loops, and the truth beside them.",
+    "demo-live": "Run a plant to try the live link on: "
+    "a level and a flow loop with worn valves, behind OPC UA on this machine.",
     "serve": "Show a plant, its loops and dropped records as a page in the browser, on this machine only.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }

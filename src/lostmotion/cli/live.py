@@ -85,6 +85,8 @@ class LinkOptions:
         check_address(address)
         pki = self.pki or (folder / said["pki"] if "pki" in said else default_pki())
         user = self.user_file or (folder / said["user_file"] if "user_file" in said else None)
+        if self.insecure and user is not None:
+            raise ParameterError.expected("--insecure without a user file", user, "leave one of them out")
         identity = Identity(pki, None if self.insecure else user_from(user))
         if self.insecure:
             typer.echo(INSECURE, err=True)
@@ -143,6 +145,7 @@ def _watch(loops: tuple[LoopSettings, ...], connect: Connect, state: Path | None
 
     with stop_on_signals() as stop:
         watch = Watch(loops, connect, _emit, Kinds(state, record))
+        watch.meet()  # compiling may take minutes
         warm()
         return asyncio.run(watch.run(stop))
 

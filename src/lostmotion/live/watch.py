@@ -73,7 +73,6 @@ class Watch:
             raise
         taps = () if self.recorder is None else (self._record,)
         self.link = Link(connect, followed, publishing, self._tell, taps)
-        self.plant = Plant(self.watched, self._work())
         for loop, model in zip(loops, models, strict=True):
             if model.accepted:
                 self._tell("note", loop.tag, f"ACCEPTED behind a closed gate: {model.accepted}.")
@@ -89,10 +88,18 @@ class Watch:
 
         return Watched(source, Service(source, kept, model.maker(loop), emit, loop.width_limit))
 
+    def meet(self) -> None:
+        """See :meth:`Link.meet`; what was opened is closed where the server is not believed."""
+        try:
+            asyncio.run(self.link.meet())
+        except BaseException:
+            self._open.close()
+            raise
+
     async def run(self, stop: Event) -> bool:
         """Work until `stop` is set; whether any loop could go on until then."""
         try:
-            await self.plant.run(stop)
+            await Plant(self.watched, self._work()).run(stop)
         finally:
             self._open.close()
             if self.recorder is not None:

@@ -106,6 +106,21 @@ class Link:
         quiet.addHandler(logging.NullHandler())
         quiet.propagate = False
 
+    async def meet(self) -> None:
+        """Connect once and leave: who is not believed is known before anything long begins.
+
+        Raises
+        ------
+        ParameterError, RefusedError
+            Trying again does not help. A server that is only not there is told, and sought by :meth:`run`.
+        """
+        try:
+            await leave(await self._connect())
+        except (ParameterError, RefusedError):
+            raise
+        except FAILURES as error:
+            self._say("lost", str(error)[:300] or type(error).__name__)
+
     async def run(self) -> None:
         """Connect, listen, and again after each loss."""
         while True:
@@ -124,7 +139,7 @@ class Link:
                     loop.hand_over()
                     loop.source.broken()
                 if client is not None:
-                    await _leave(client)
+                    await leave(client)
             await asyncio.sleep(RETRY)
 
     def _say(self, kind: str, message: str) -> None:
@@ -175,7 +190,7 @@ class Link:
         found = []
         for loop in self.loops:
             for role, name in loop.source.signals.nodes.items():
-                found.append((loop, role, client.get_node(await _resolved(client, name))))
+                found.append((loop, role, client.get_node(await resolved(client, name))))
         return found
 
     async def _monitor(self, subscription: Subscription, nodes: Sequence[tuple[Followed, str, Node]]) -> None:
@@ -284,7 +299,7 @@ def _wanted(handle: int, node: Node, dt: float, publishing: float) -> ua.Monitor
     )
 
 
-async def _resolved(client: Client, name: str) -> Any:
+async def resolved(client: Client, name: str) -> Any:
     """Node id; ``nsu=URI;s=..`` names the namespace, whose number may change when a server starts anew."""
     if not name.startswith("nsu="):
         return name
@@ -292,7 +307,7 @@ async def _resolved(client: Client, name: str) -> Any:
     return f"ns={await client.get_namespace_index(uri)};{rest}"
 
 
-async def _leave(client: Client) -> None:
+async def leave(client: Client) -> None:
     """Say farewell, as far as anybody listens."""
     with suppress(*FAILURES, asyncio.CancelledError):
         await asyncio.wait_for(client.disconnect(), LEAVE)
