@@ -16,7 +16,7 @@ from asyncua.server.server import Server
 
 from lostmotion.errors import FileAccessError
 from lostmotion.live.virtual_plant import HIGH, LOW, VirtualLoop, VirtualPlant
-from lostmotion.live.virtual_plc import WRITABLE
+from lostmotion.live.virtual_plc import DINT, WRITABLE
 
 HOST = "127.0.0.1"  # and no other: anybody who reaches it may write
 SPACE = "urn:lostmotion:demo"
@@ -135,13 +135,14 @@ class DemoServer:
     async def _take(self, loop: VirtualLoop) -> None:
         """The id of a request before the values that it stands for: they were written before it."""
         block = block_tag(loop.name)
-        loop.plc.write({name: self._value(f"{block}.{name.upper()}") for name in WRITABLE})
-        if self._value(f"{block}.ACCEPT"):
+        asked = {name: self._value(f"{block}.{name.upper()}") for name in WRITABLE}
+        loop.plc.write({name: value for name, value in asked.items() if isinstance(value, int) and abs(value) < DINT})
+        if self._value(f"{block}.ACCEPT") is True:
             loop.accept()
             await self._write(f"{block}.ACCEPT", False, datetime.now(UTC))
         sp = self._value(f"{loop_tag(loop.name)}.SP")
-        if math.isfinite(sp):
-            loop.sp = min(max(sp, LOW), HIGH)
+        if isinstance(sp, int | float) and math.isfinite(sp):
+            loop.sp = min(max(float(sp), LOW), HIGH)
 
     async def _show(self, stamp: datetime) -> None:
         for loop in self.plant.loops.values():
