@@ -1,8 +1,10 @@
 """``lostmotion demo-live``: its loops are found and watched, its blocks do what a supervisor and an operator say."""
 
 import asyncio
+import contextlib
 import itertools
 import json
+import math
 import os
 import re
 import signal
@@ -16,6 +18,8 @@ from types import SimpleNamespace
 import pytest
 
 pytest.importorskip("asyncua")
+
+from asyncua import ua
 
 from lostmotion.cli import main
 from lostmotion.live.audit_log import AuditLog
@@ -114,6 +118,25 @@ def test_a_request_is_shown_accepted_in_force_and_shed_without_a_heartbeat(plant
             time.sleep(0.05)
         seen = link.read(["force_id", "shed_reason"])
         assert seen == {"force_id": 0.0, "shed_reason": 2.0}
+
+
+def test_what_is_no_number_is_left_where_it_stands(plant):
+    odd = {
+        "LIC101.SP": [ua.Variant(math.nan, ua.VariantType.Double), ua.Variant("high"), ua.Variant(1e9)],
+        "LY101.HEARTBEAT": [ua.Variant(-(2**31), ua.VariantType.Int32), ua.Variant("high"), ua.Variant(None)],
+        "LY101.ACCEPT": [ua.Variant("yes"), ua.Variant(7)],
+    }
+
+    async def write(client):
+        for name, values in odd.items():
+            for value in values:
+                with contextlib.suppress(ua.UaError):  # some are refused by their type
+                    await client.get_node(f"ns=2;s={name}").write_value(value)
+                await asyncio.sleep(0.2)
+        await asyncio.sleep(0.3)
+        return await client.get_node("ns=2;s=LIC101.SP").read_value()
+
+    assert asyncio.run(on(plant, write)) == 100.0
 
 
 @pytest.mark.parametrize("words", [("--speed", "0"), ("--speed", "nan"), ("--seconds", "-1")])

@@ -13,10 +13,12 @@ from asyncua import ua
 
 from lostmotion.cli import main
 from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.live.link import LinkError
 from lostmotion.live.opcua import client as client_module
 from lostmotion.live.opcua.certificates import own_certificate
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.introduction import introduced
+from lostmotion.live.opcua.plc_link import PlcLink
 from lostmotion.live.opcua.refusal import RefusedError
 from lostmotion.live.opcua.secrets import Secret, User
 from lostmotion.live.opcua.security import Identity
@@ -183,6 +185,19 @@ def test_no_password_is_shown_whatever_goes_wrong(by, server, pki, store, caplog
     for text in [*shown, *logged, *capfd.readouterr()]:
         assert "horse" not in text
     assert b"horse" not in b"".join(path.read_bytes() for path in pki.rglob("*") if path.is_file())
+
+
+def test_the_link_of_a_supervisor_is_as_secure(server, pki, store, tmp_path):
+    block, who = {"heartbeat": "ns=2;s=PV"}, Identity(pki)
+    with PlcLink(server.address, block, who, store) as made:
+        assert made.read(["heartbeat"]) == {"heartbeat": 1.5}
+        with pytest.raises(LinkError, match="heartbeat"):
+            made.write({"heartbeat": 2})
+    with pytest.raises(RefusedError) as told:
+        PlcLink(server.address, block, who, TrustStore(tmp_path / "nobody"))
+    assert told.value.reason == "untrusted"
+    with pytest.raises(ParameterError, match="on this machine"):
+        PlcLink("opc.tcp://192.0.2.1:4840", block, who, insecure=True)
 
 
 def test_insecure_is_for_a_bench_on_this_machine(server, pki):

@@ -11,15 +11,17 @@ from datetime import UTC, datetime, timedelta
 from threading import Event
 from typing import Any, Self
 
-from asyncua import Server, ua
+from asyncua import ua
+from asyncua.server.server import Server
 
 from lostmotion.errors import FileAccessError
 from lostmotion.live.virtual_plant import HIGH, LOW, VirtualLoop, VirtualPlant
-from lostmotion.live.virtual_plc import WRITABLE
+from lostmotion.live.virtual_plc import DINT, WRITABLE
 
 HOST = "127.0.0.1"  # and no other: anybody who reaches it may write
 SPACE = "urn:lostmotion:demo"
-KEPT = 7200  # values of a history, an hour
+ANY_AGE: Any = None  # what a client writes may have no stamp
+KEPT = 7200  # values of a history, an hour in real time
 LATE = 2.0  # s behind the clock, from which the plant goes on from now instead of hurrying
 LOOK = 0.1  # s between looks whether to stop
 KINDS = {"bool": ua.VariantType.Boolean, "int": ua.VariantType.Int32, "real": ua.VariantType.Double}
@@ -90,10 +92,11 @@ class DemoServer:
             await self._server.start()
         except OSError as error:
             raise FileAccessError(f"expected a free port, got {self._port} in use; try --port 0") from error
-        self._port = self._server.bserver._server.sockets[0].getsockname()[1]
+        listening: Any = self._server.bserver
+        self._port = listening._server.sockets[0].getsockname()[1]
         for name, node in self._nodes.items():
             if name.endswith((".OP", ".PV", ".SP")):
-                await self._server.historize_node_data_change(node, period=None, count=KEPT)
+                await self._server.historize_node_data_change(node, ANY_AGE, KEPT)
         return self
 
     async def __aexit__(self, *_: object) -> None:
@@ -120,10 +123,11 @@ class DemoServer:
         await asyncio.sleep(0)
 
     async def _add(self, space: int, tag: str, kinds: Mapping[str, ua.VariantType], writable: Any) -> None:
-        folder = await self._server.nodes.objects.add_folder(ua.NodeId(tag, space), ua.QualifiedName(tag, space))
+        objects = self._server.nodes.objects
+        folder = await objects.add_folder(_id(space, tag), ua.QualifiedName(tag, space))
         for name, kind in kinds.items():
             first = "" if kind == ua.VariantType.String else 0
-            where = ua.NodeId(f"{tag}.{name}", space), ua.QualifiedName(name, space)
+            where = _id(space, f"{tag}.{name}"), ua.QualifiedName(name, space)
             self._nodes[f"{tag}.{name}"] = node = await folder.add_variable(*where, first, kind)
             if name in writable:
                 await node.set_writable()
@@ -131,13 +135,14 @@ class DemoServer:
     async def _take(self, loop: VirtualLoop) -> None:
         """The id of a request before the values that it stands for: they were written before it."""
         block = block_tag(loop.name)
-        loop.plc.write({name: self._value(f"{block}.{name.upper()}") for name in WRITABLE})
-        if self._value(f"{block}.ACCEPT"):
+        asked = {name: self._value(f"{block}.{name.upper()}") for name in WRITABLE}
+        loop.plc.write({name: value for name, value in asked.items() if isinstance(value, int) and abs(value) < DINT})
+        if self._value(f"{block}.ACCEPT") is True:
             loop.accept()
             await self._write(f"{block}.ACCEPT", False, datetime.now(UTC))
         sp = self._value(f"{loop_tag(loop.name)}.SP")
-        if math.isfinite(sp):
-            loop.sp = min(max(sp, LOW), HIGH)
+        if isinstance(sp, int | float) and math.isfinite(sp):
+            loop.sp = min(max(float(sp), LOW), HIGH)
 
     async def _show(self, stamp: datetime) -> None:
         for loop in self.plant.loops.values():
@@ -156,11 +161,16 @@ class DemoServer:
         return {**{name.upper(): values[name] for name in ("op", "pv", "sp")}, "MODE": "AUTO"}
 
     def _value(self, key: str) -> Any:
-        return self._server.read_attribute_value(self._nodes[key].nodeid).Value.Value
+        held = self._server.read_attribute_value(self._nodes[key].nodeid).Value
+        return None if held is None else held.Value
 
-    async def _write(self, key: str, value: Any, stamp: datetime, kind: ua.VariantType | None = None) -> None:
+    async def _write(self, key: str, value: Any, stamp: Any, kind: Any = None) -> None:
         data = ua.DataValue(ua.Variant(value, kind), SourceTimestamp=stamp, ServerTimestamp=stamp)
         await self._server.write_attribute_value(self._nodes[key].nodeid, data)
+
+
+def _id(space: int, text: str) -> ua.NodeId:
+    return ua.NodeId.from_string(f"ns={space};s={text}")
 
 
 def _types(signals: Mapping[str, Any]) -> dict[str, ua.VariantType]:

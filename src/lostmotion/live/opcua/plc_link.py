@@ -18,15 +18,15 @@ from lostmotion.errors import LostMotionError
 from lostmotion.live.link import LinkError
 from lostmotion.live.opcua.client import REQUEST, connected
 from lostmotion.live.opcua.data_value import quality_of
-from lostmotion.live.opcua.link import FAILURES, leave, resolved
+from lostmotion.live.opcua.link import FAILURES, Connect, leave, resolved
 from lostmotion.live.opcua.security import Identity
 from lostmotion.live.opcua.trust import TrustStore
 from lostmotion.live.virtual_plc import DINT, WRITABLE
 
 ANSWER = 3.0  # s for a read or a write: a block sheds after ten without a heartbeat
 OPENING = 3 * REQUEST  # s for endpoints, channel and session together
-KINDS = {kind.value: kind for kind in (ua.VariantType.Int32, ua.VariantType.Int64)}
-KINDS |= {kind.value: kind for kind in (ua.VariantType.Float, ua.VariantType.Double)}
+WHOLE = (ua.VariantType.Int32, ua.VariantType.Int64)
+KINDS: dict[Any, ua.VariantType] = {k.value: k for k in (*WHOLE, ua.VariantType.Float, ua.VariantType.Double)}
 Answer = TypeVar("Answer")
 
 
@@ -77,7 +77,7 @@ class PlcLink:
         *,
         answer: float = ANSWER,
     ) -> None:
-        self._connect = lambda: connected(address, identity, trust, insecure)
+        self._connect: Connect = lambda: connected(address, identity, trust, insecure)
         self._names, self._answer = dict(nodes), answer
         self._client: Client | None = None
         self._nodes: dict[str, ua.NodeId] = {}
@@ -229,5 +229,4 @@ def _number(name: str, data: ua.DataValue) -> float:
 def _data(name: str, value: int, kind: ua.VariantType | None) -> ua.DataValue:
     if kind is None:
         raise LinkError(f"expected a node with a whole number for {name}, got another type; make it a DINT")
-    whole = kind in (ua.VariantType.Int32, ua.VariantType.Int64)
-    return ua.DataValue(ua.Variant(int(value) if whole else float(value), kind), StatusCode=None)
+    return ua.DataValue(ua.Variant(int(value) if kind in WHOLE else float(value), kind), StatusCode=None)
