@@ -75,6 +75,7 @@ BY_HAND = {
     "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
     "equations": "the paper's equations and where they are in the code",
     "method": "how it works and what was tried; figures of the tries are of that time, others are quoted",
+    "page": "what the page shows and refuses; tests/e2e/test_page*.py and benchmarks/page.py hold it to that",
     "live": "what the live link does and promises; tests/live and benchmarks/live.py hold it to that",
     "live-security": "whom the live link believes; tests/opcua attacks it",
     "security": "what is trusted and promised; tests/properties/test_hostile_*.py and benchmarks/hostile.py attack it",

@@ -16,7 +16,6 @@ from lostmotion.cli.closed_output import SHOWN, say
 from lostmotion.cli.options import number
 from lostmotion.cli.progress import progress
 from lostmotion.errors import FileAccessError
-from lostmotion.files.paths import is_folder
 
 FORMATS = (".png", ".pdf", ".svg")
 
@@ -121,6 +120,8 @@ def places(files: list[Path], target: Path | None, what: str, ending: str) -> di
         return {}
     if len(files) == 1:
         return {files[0]: target}
+    from lostmotion.files.paths import is_folder  # the readers, which no command needs to be read
+
     if not is_folder(target):
         raise FileAccessError(f"expected a folder for the {what} of several files, got {target}; make it first")
     found = {file: target / f"{file.stem}{ending}" for file in files}
