@@ -81,7 +81,7 @@ class Loop {
     constructor(nodes, config) {
         Object.assign(this, { nodes, step: config.step ?? 0.1, width: config.width ?? 4, samples: [], quality: "Good" });
         Object.assign(this, { noise: random(config.seed ?? 1), pv: 50, op: 50, valve: 50, sum: 50, count: 0, timer: null });
-        this.at = Date.now();
+        this.at = Date.now() + 2000 * this.step; // the first sample apart from the values of the start
     }
 
     advance() {
