@@ -61,7 +61,7 @@ def _in_question(number: int, earlier: int) -> sa.CompoundSelect[tuple[int]]:
     return sa.union_all(alone.having(sa.func.count() < 2), both)
 
 
-def _ends(of: sa.Alias) -> tuple[sa.ColumnElement[float], sa.ColumnElement[float]]:
+def _ends(of: sa.FromClause) -> tuple[sa.ColumnElement[float], sa.ColumnElement[float]]:
     """Interval in % of span, a breath narrower: the rule itself decides what is on the edge."""
     each = of.c.size_percent / sa.func.nullif(of.c.size, 0.0)
     return of.c.low * each * (1.0 + 1e-9), of.c.high * each * (1.0 - 1e-9)
