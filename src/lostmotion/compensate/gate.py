@@ -207,7 +207,8 @@ def block_behind_gate(
 
 def accepted(found: Closed, reason: str | None) -> str:
     """Sentence that stays with what is made behind a closed gate."""
-    return f"{reason} (in spite of: {found.got}, where {found.expected} is expected)"
+    got = found.got.rstrip(". ")  # a sentence of its own elsewhere
+    return f"{reason} (in spite of: {got}, where {found.expected} is expected)"
 
 
 def reason_of(accept: str | None) -> str | None:

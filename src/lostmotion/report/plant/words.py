@@ -154,12 +154,10 @@ def window_words(row: AssessmentRow) -> str:
 
 
 def next_step(row: AssessmentRow) -> str:
-    """First thing to do, short."""
+    """First thing to do, short; empty where none is known."""
     if row.advice:
         return row.advice[0]
-    if row.stage is Stage.FAILED:
-        return "Mend the source, then run the audit again."
-    return row.reason if row.stage is Stage.SCREENED else ""
+    return "Mend the source, then run the audit again." if row.stage is Stage.FAILED else ""
 
 
 def typed_place(loop: PlantLoop, run: RunFacts) -> str:
