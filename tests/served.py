@@ -13,9 +13,9 @@ import numpy as np
 
 from lostmotion.files.results import write_json
 from lostmotion.records import LoopRecord
-from lostmotion.web.item import ABOUT, Item
-from lostmotion.web.kept_record import keep_record
-from lostmotion.web.task import RECORD
+from lostmotion.web.desk.item import ABOUT, Item
+from lostmotion.web.desk.kept_record import keep_record
+from lostmotion.web.worker.task import RECORD
 
 ROOT = Path(__file__).resolve().parents[1]
 

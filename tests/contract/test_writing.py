@@ -25,17 +25,19 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "live/run.py": {"save"},  # of a service, whose state goes through the writer
     "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
     "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
-    "web/overview.py": {"link"}, "web/plant_pages.py": {"link"},  # of a query: an address
-    "web/tasks.py": {"write_bytes"}, "web/kept_record.py": {"save"},
+    "web/plant/overview.py": {"link"}, "web/plant/pages.py": {"link"},  # of a query: an address
+    "web/worker/tasks.py": {"write_bytes"},
     # folders of the page itself, with names that it has made up: what was dropped, what was read for a trend
-    "web/desk.py": {"mkdir", "mkdtemp", "rmtree", "unlink"}, "web/browser.py": {"mkstemp"},
-    "web/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"}, "web/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
+    "web/desk/desk.py": {"mkdir", "mkdtemp", "rmtree", "unlink"}, "web/server/browser.py": {"mkstemp"},
+    "web/trend/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"},
+    "web/desk/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
 }  # fmt: skip
 NOT_FILES_BUT_OPENED = {  # the null device, a pipe, folders for their locks, the worker's own output
-    "cli/closed_output.py", "files/alone.py", "files/child.py", "files/undamaged.py", "web/work.py",
+    "cli/closed_output.py", "files/alone.py", "files/child.py", "files/undamaged.py", "web/worker/work.py",
     "audit/runner/limit.py",  # the null device
     "live/audit_log.py",  # lines are appended, each on the disk before anything is sent
-    "web/desk.py", "web/browser.py",  # what is dropped is streamed into a new file; the way of the token to the browser
+    "web/desk/desk.py",  # what is dropped is streamed into a new file
+    "web/server/browser.py",  # the way of the token to the browser
 }  # fmt: skip
 RUNS = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
 MODULES = {"pickle", "marshal", "shelve", "subprocess", "socket", "urllib", "http", "requests", "ctypes", "dill"}
@@ -83,9 +85,9 @@ def _harmless(called, node, on):
 
 
 PROCESSES = {  # this Python and a script or module of ours: no word of it is from outside
-    "files/reader_process.py": {"subprocess", "Popen"}, "web/worker.py": {"subprocess", "Popen"},
+    "files/reader_process.py": {"subprocess", "Popen"}, "web/worker/handle.py": {"subprocess", "Popen"},
     "audit/runner/limit.py": {"ctypes"},  # Python's own function that interrupts a thread of this process
-    "web/serve.py": {"socket"},  # listens; the core reaches out to nobody
+    "web/server/serve.py": {"socket"},  # listens; the core reaches out to nobody
 }  # fmt: skip
 
 
@@ -133,7 +135,7 @@ def test_the_one_process_is_this_python_and_a_script_of_ours():
 
 def test_the_worker_of_the_page_is_this_python_and_a_module_of_ours():
     """Its command is a list without a shell; tasks are lines of its standard input."""
-    path = CORE / "web" / "worker.py"
+    path = CORE / "web" / "worker" / "handle.py"
     (run,) = [node for called, node, on in calls(path) if called == "Popen"]
     assert "shell" not in {word.arg for word in run.keywords}
     assert ast.unparse(run.args[0]) == "command()"
@@ -142,7 +144,7 @@ def test_the_worker_of_the_page_is_this_python_and_a_module_of_ours():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.FunctionDef) and node.name == "command"
     ]
-    assert ast.unparse(made.body[-1]) == "return [sys.executable, '-P', '-m', 'lostmotion.web.work']"
+    assert ast.unparse(made.body[-1]) == "return [sys.executable, '-P', '-m', 'lostmotion.web.worker.work']"
 
 
 def _reaches_out(module):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from lostmotion.evaluate import random_faulty_loop
-from lostmotion.web.trend_slot import VENDOR
+from lostmotion.web.trend.slot import VENDOR
 from tests.plant_stores import plant_store
 from tests.served import ROOT, Served, long_record, put_on_desk
 from tests.unit.test_web_monitor import START, event, report

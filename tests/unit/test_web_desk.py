@@ -11,9 +11,9 @@ import pytest
 
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.files.writer import lock_file
-from lostmotion.web import worker as worker_module
-from lostmotion.web.desk import AT_ONCE, Desk, Limits
-from lostmotion.web.workspace import LOCK, PREFIX, STALE, sweep
+from lostmotion.web.desk.desk import AT_ONCE, Desk, Limits
+from lostmotion.web.desk.workspace import LOCK, PREFIX, STALE, sweep
+from lostmotion.web.worker import handle as worker_module
 
 SCRIPT = """
 import json, os, pathlib, sys, time

@@ -13,13 +13,13 @@ from lostmotion.audit.plant_view import LoopView
 from lostmotion.plant import PlantLoop
 from lostmotion.records import LoopRecord
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
-from lostmotion.web import worker as worker_module
 from lostmotion.web.app import create_app
-from lostmotion.web.desk import Desk, Limits
-from lostmotion.web.kept_record import keep_record
+from lostmotion.web.desk.desk import Desk, Limits
+from lostmotion.web.desk.kept_record import keep_record
+from lostmotion.web.desk.upload import AROUND
+from lostmotion.web.desk.view_json import view_to_json
 from lostmotion.web.page import Page
-from lostmotion.web.upload import AROUND
-from lostmotion.web.view_json import view_to_json
+from lostmotion.web.worker import handle as worker_module
 
 SCRIPT = """
 import json, pathlib, sys, time

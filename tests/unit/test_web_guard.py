@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from lostmotion.web.guard import HEADERS, Guard
+from lostmotion.web.server.guard import HEADERS, Guard
 
 BASE = "http://127.0.0.1:8000"
 HOSTS = ("127.0.0.1:8000", "localhost:8000")

@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from lostmotion.web import worker as worker_module
-from lostmotion.web.jobs import Jobs
-from lostmotion.web.worker import Worker, WorkerDiedError
+from lostmotion.web.worker import handle as worker_module
+from lostmotion.web.worker.handle import Worker, WorkerDiedError
+from lostmotion.web.worker.jobs import Jobs
 
 SCRIPT = """
 import json, os, sys, time
@@ -172,7 +172,7 @@ def test_a_result_that_cannot_be_kept_does_not_stop_the_jobs(caplog):
 
 def test_the_limit_of_memory_holds():
     script = (
-        "from lostmotion.web import work; work.ROOM = 1 << 28; work.limit()\n"
+        "from lostmotion.web.worker import work; work.ROOM = 1 << 28; work.limit()\n"
         "try:\n    block = bytearray(1 << 30)\nexcept MemoryError:\n    print('refused')"
     )
     environment = {**os.environ, "LOSTMOTION_MOST_GIB": "0.25"}
@@ -182,7 +182,9 @@ def test_the_limit_of_memory_holds():
 
 def test_the_worker_ends_with_the_page():
     """Its standard input is closed when the page dies, however that was."""
-    one = subprocess.Popen([sys.executable, "-m", "lostmotion.web.work"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    one = subprocess.Popen(
+        [sys.executable, "-m", "lostmotion.web.worker.work"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
     one.stdin.close()
     assert one.wait(30) == 0
     one.stdout.close()

@@ -16,10 +16,10 @@ from lostmotion.files.grid import Rows
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.packing import pack
 from lostmotion.online.service import KIND
-from lostmotion.web import monitor_pages
 from lostmotion.web.app import create_app
-from lostmotion.web.monitor import EVENTS, POINTS, Watched
-from lostmotion.web.monitor_pages import Board
+from lostmotion.web.monitors import pages as monitor_pages
+from lostmotion.web.monitors.monitor import EVENTS, POINTS, Watched
+from lostmotion.web.monitors.pages import Board
 from lostmotion.web.page import Page
 
 START = {"kind": "start", "source": "FIC-1.csv", "op": "OP", "pv": "PV", "dt": 1.0, "sample": 0, "message": ""}

@@ -5,8 +5,8 @@ import asyncio
 import pytest
 import uvicorn
 
-from lostmotion.web import patience
-from lostmotion.web.patience import Patience, PatientProtocol
+from lostmotion.web.server import patience
+from lostmotion.web.server.patience import Patience, PatientProtocol
 
 SHORT = 0.15  # s
 

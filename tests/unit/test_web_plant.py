@@ -15,7 +15,7 @@ from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
 from lostmotion.web.app import create_app
 from lostmotion.web.page import Page
-from lostmotion.web.plant_query import Query, loop_address
+from lostmotion.web.plant.query import Query, loop_address
 from tests.plant_rows import END, HOSTILE, START, finding, plant, sound
 from tests.plant_stores import TAGS, plant_store
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.records import LoopRecord
-from lostmotion.web.pyramid import Pyramid
-from lostmotion.web.records import Columns, keep, kept
-from lostmotion.web.trend import trend_of
+from lostmotion.web.trend.columns import Columns, keep, kept
+from lostmotion.web.trend.pyramid import Pyramid
+from lostmotion.web.trend.stretch import trend_of
 
 
 @settings(max_examples=60)

@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 from lostmotion.cli import main
-from lostmotion.web import browser
-from lostmotion.web.serve import is_local, names
+from lostmotion.web.server import browser
+from lostmotion.web.server.serve import is_local, names
 from tests.plant_stores import plant_store
 
 OTHER = "192.0.2.7"  # of another machine, in documents

@@ -10,11 +10,11 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError
-from lostmotion.web.desk import Desk
-from lostmotion.web.kept_record import keep_record, kept_record
-from lostmotion.web.task import BRIEF, DROPPED, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, Task, outcome_of
-from lostmotion.web.tasks import do
-from lostmotion.web.view_json import view_of_json
+from lostmotion.web.desk.desk import Desk
+from lostmotion.web.desk.kept_record import keep_record, kept_record
+from lostmotion.web.desk.view_json import view_of_json
+from lostmotion.web.worker.task import BRIEF, DROPPED, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, Task, outcome_of
+from lostmotion.web.worker.tasks import do
 
 
 def read(folder, data, label="FIC-1.csv", **asked):
@@ -97,14 +97,14 @@ def test_no_memory_and_a_bug_are_answers_too(tmp_path, monkeypatch):
     def all_of_it(*args, **kwargs):
         raise MemoryError
 
-    monkeypatch.setattr("lostmotion.web.tasks.opened", all_of_it)
+    monkeypatch.setattr("lostmotion.web.worker.tasks.opened", all_of_it)
     _, _, result = read(tmp_path, "OP,PV\n1,2\n", op="x1")
     assert "LOSTMOTION_MOST_GIB" in result["error"]["text"]
 
     def bug(*args, **kwargs):
         raise KeyError("x")
 
-    monkeypatch.setattr("lostmotion.web.tasks.opened", bug)
+    monkeypatch.setattr("lostmotion.web.worker.tasks.opened", bug)
     _, _, result = read(tmp_path, "OP,PV\n1,2\n", op="x2")
     assert result["error"]["text"] == "The worker failed: KeyError: 'x'"
 

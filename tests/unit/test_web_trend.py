@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
-from lostmotion.web.trend import trend_of
+from lostmotion.web.trend.stretch import trend_of
 
 
 @given(

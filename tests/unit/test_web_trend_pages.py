@@ -14,15 +14,15 @@ from starlette.datastructures import QueryParams
 
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
-from lostmotion.web import loop_records
 from lostmotion.web.app import create_app
-from lostmotion.web.desk import Desk
-from lostmotion.web.loop_records import LoopRecords, Read, read_again
+from lostmotion.web.desk.desk import Desk
 from lostmotion.web.page import Page
-from lostmotion.web.records import Columns, kept
-from lostmotion.web.trend_pages import sources
-from lostmotion.web.trend_slot import LEAST, asked, slot, steps
-from lostmotion.web.trend_sources import Source
+from lostmotion.web.trend import loop_records
+from lostmotion.web.trend.columns import Columns, kept
+from lostmotion.web.trend.loop_records import LoopRecords, Read, read_again
+from lostmotion.web.trend.pages import sources
+from lostmotion.web.trend.slot import LEAST, asked, slot, steps
+from lostmotion.web.trend.sources import Source
 from tests.plant_rows import HOSTILE, finding, trace
 from tests.plant_stores import plant_store
 from tests.served import put_on_desk

@@ -14,7 +14,7 @@ from lostmotion.cli.options import number
 from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
 
 if TYPE_CHECKING:
-    from lostmotion.web.serve import Door
+    from lostmotion.web.server.serve import Door
 
 SHORTEST = 20  # characters of a token that is kept in a file: 32 random bytes are 43
 SQLITE = b"SQLite format 3\0"
@@ -69,10 +69,10 @@ def _serve(
     given: list[str], store: str | None, door: Door, open_browser: bool, read_only: bool, keep: Path | None,
     monitors: tuple[str, ...],
 ) -> None:  # fmt: skip
-    from lostmotion.web.browser import open_in_browser
-    from lostmotion.web.desk import Desk
+    from lostmotion.web.desk.desk import Desk
     from lostmotion.web.page import Page
-    from lostmotion.web.serve import serve as answer
+    from lostmotion.web.server.browser import open_in_browser
+    from lostmotion.web.server.serve import serve as answer
 
     files, store = _sorted(given, store)
     if store is not None:
@@ -124,7 +124,7 @@ def _check(store: str) -> None:
 
 def _door(bind: str, port: int, token_file: Path | None) -> Door:
     _need_packages()
-    from lostmotion.web.serve import Door, is_local
+    from lostmotion.web.server.serve import Door, is_local
 
     if token_file is None and not is_local(bind):
         raise ParameterError.expected(

@@ -15,8 +15,11 @@ from starlette.staticfiles import StaticFiles
 
 from lostmotion.errors import FileAccessError, LostMotionError, one_line
 from lostmotion.report.plant import stylesheet
-from lostmotion.web import file_pages, monitor_pages, plant_pages, trend_pages
+from lostmotion.web.desk import pages as file_pages
+from lostmotion.web.monitors import pages as monitor_pages
 from lostmotion.web.page import Page, told
+from lostmotion.web.plant import pages as plant_pages
+from lostmotion.web.trend import pages as trend_pages
 
 PARTS = (plant_pages, file_pages, trend_pages, monitor_pages)
 STATIC = Path(__file__).with_name("static")
@@ -27,7 +30,7 @@ SAID = {
 
 
 def create_app(page: Page) -> Starlette:
-    """Application without its guard (:class:`lostmotion.web.guard.Guard`), which the server puts around it."""
+    """Application without its guard (:class:`lostmotion.web.server.guard.Guard`), which the server puts around it."""
 
     def refused(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)  # noqa: S101  registered for it

@@ -13,7 +13,7 @@ from starlette.responses import HTMLResponse, JSONResponse, Response
 from lostmotion.report.plant.pages import with_code
 
 if TYPE_CHECKING:
-    from lostmotion.web.desk import Desk
+    from lostmotion.web.desk.desk import Desk
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from lostmotion.files.writer import write_bytes
 from lostmotion.plant import PlantLoop, PlantSource, open_plant
 from lostmotion.plant.files_source import FilesSource
 from lostmotion.store.store import Store
-from lostmotion.web.records import keep
-from lostmotion.web.work import limit
+from lostmotion.web.trend.columns import keep
+from lostmotion.web.worker.work import limit
 
 AT_ONCE = 2  # readers
 SECONDS = 120.0  # of one

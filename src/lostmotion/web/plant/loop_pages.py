@@ -17,11 +17,11 @@ from lostmotion.errors import DataError, FileAccessError, LostMotionError, Param
 from lostmotion.report.plant import loop_page, loop_report
 from lostmotion.report.plant.words import files_of, moment_words
 from lostmotion.store.run_rows import ReviewState
-from lostmotion.web.overview import Overview
 from lostmotion.web.page import Page, answer, told
-from lostmotion.web.plant import Plant
-from lostmotion.web.plant_query import Query, loop_address
-from lostmotion.web.trend_pages import trend_slot
+from lostmotion.web.plant.overview import Overview
+from lostmotion.web.plant.query import Query, loop_address
+from lostmotion.web.plant.stored import Plant
+from lostmotion.web.trend.pages import trend_slot
 
 MOST_FORM = 16_384  # bytes of a form
 MOST_WHO, MOST_NOTE = 100, 2000  # characters

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from lostmotion.errors import DataError
 from lostmotion.files.results import read_json
 from lostmotion.files.writer import Buffer, write_folder, write_together
 from lostmotion.records import LoopRecord
+from lostmotion.web.trend.columns import array_bytes
 
 COLUMNS = ("op", "pv", "sp", "position", "mode")
 FACTS = ("dt", "tag", "source", "gaps", "notes", "loop_type", "made_up", "gap_seconds", "op_unit", "pv_unit")
@@ -29,7 +29,7 @@ def keep_record(folder: Path, record: LoopRecord) -> None:
     about["start"] = None if record.start is None else record.start.isoformat()
     found = {name: getattr(record, name) for name in COLUMNS}
     columns = {name: values for name, values in found.items() if values is not None}
-    files: dict[str, Buffer] = {f"{name}.npy": _bytes(values) for name, values in columns.items()}
+    files: dict[str, Buffer] = {f"{name}.npy": array_bytes(values) for name, values in columns.items()}
     files[ABOUT] = json.dumps({**about, "columns": list(columns)}, allow_nan=False).encode()
     if folder.is_dir():
         write_together({folder / name: data for name, data in files.items()}, force=True)
@@ -58,9 +58,3 @@ def kept_record(folder: Path) -> LoopRecord:
         return LoopRecord(**columns, **{**known, **tuples, **spans}, start=about["start"])
     except (KeyError, TypeError, ValueError, OSError, IndexError) as error:
         raise DataError.expected("a record as it was kept", type(error).__name__, "read the file again") from error
-
-
-def _bytes(values: Any) -> memoryview:
-    stream = io.BytesIO()
-    np.save(stream, np.ascontiguousarray(values), allow_pickle=False)
-    return stream.getbuffer()

@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from lostmotion.errors import DataError
 from lostmotion.files.schema import checked, each, group, number, or_null, parsed, row, text, whole
-from lostmotion.files.writer import write_folder
+from lostmotion.files.writer import Buffer, write_folder
 from lostmotion.records import LoopRecord
 from lostmotion.records.modes import rows_of
-from lostmotion.web.pyramid import Pyramid, Rows, levels
+from lostmotion.web.trend.pyramid import Pyramid, Rows, levels
 
 SIGNALS = ("sp", "pv", "op", "position")
 KINDS = ("missing", "manual", "at a limit")  # what a diagnosis does not use
@@ -92,10 +92,13 @@ def keep(record: LoopRecord, folder: Path) -> None:
         The folder cannot be made.
     """
     columns = Columns.of(record, blocks=True)
-    files = {FACTS: json.dumps(dict(columns.facts), allow_nan=False).encode(), "gaps.npy": _bytes(columns.gaps)}
+    files: dict[str, Buffer] = {
+        FACTS: json.dumps(dict(columns.facts), allow_nan=False).encode(),
+        "gaps.npy": array_bytes(columns.gaps),
+    }
     for name, pyramid in columns.signals.items():
-        files |= {f"{name}.{part}.npy": _bytes(getattr(pyramid, part)) for part in ("values", "low", "high")}
-    files |= {f"{kind}.npy": _bytes(columns.shaded.get(kind, np.empty((0, 2), np.int64))) for kind in KINDS}
+        files |= {f"{name}.{part}.npy": array_bytes(getattr(pyramid, part)) for part in ("values", "low", "high")}
+    files |= {f"{kind}.npy": array_bytes(columns.shaded.get(kind, np.empty((0, 2), np.int64))) for kind in KINDS}
     write_folder(folder, files)
 
 
@@ -126,6 +129,13 @@ def kept(folder: Path) -> Columns:
         raise DataError.expected("kept columns", str(error)[:200], "read the record again") from error
 
 
+def array_bytes(values: npt.NDArray[Any]) -> memoryview:
+    """An array as the bytes of an .npy file."""
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.ascontiguousarray(values), allow_pickle=False)
+    return stream.getbuffer()
+
+
 def stretches(flags: npt.NDArray[np.bool_]) -> Rows:
     """First row and row behind the last of each stretch of True, shape (m, 2).
 
@@ -148,12 +158,6 @@ def _unused(record: LoopRecord) -> dict[str, Rows]:
         margin = MARGIN * (high - low)
         found["at a limit"] = stretches((record.op <= low + margin) | (record.op >= high - margin))
     return found
-
-
-def _bytes(values: npt.NDArray[Any]) -> bytes:
-    stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.ascontiguousarray(values), allow_pickle=False)
-    return stream.getvalue()
 
 
 def _mapped(path: Path, size: int | None = None) -> npt.NDArray[Any]:

@@ -14,13 +14,13 @@ from lostmotion.errors import ParameterError
 from lostmotion.report.digits import plain
 from lostmotion.report.plant.svg.actuator_chart import actuator_chart
 from lostmotion.report.plant.words import NO_ANSWER, moment_words, seconds_words
-from lostmotion.web.records import Columns
-from lostmotion.web.trend import rows_between, trend_of
-from lostmotion.web.trend_sources import Source
-from lostmotion.web.trend_svg import charts, plane, signal_names
+from lostmotion.web.trend.columns import Columns
+from lostmotion.web.trend.sources import Source
+from lostmotion.web.trend.stretch import rows_between, trend_of
+from lostmotion.web.trend.svg import charts, plane, signal_names
 
 WIDTH = 900  # pixels of a picture that does not know its screen
-VENDOR = Path(__file__).with_name("static") / "vendor" / "uPlot.iife.min.js"  # by `make web`; SVG without it
+VENDOR = Path(__file__).parents[1] / "static" / "vendor" / "uPlot.iife.min.js"  # by `make web`; SVG without it
 LEAST = 8  # rows of the narrowest zoom
 PARTS = 12  # rows of the table
 MOST_STRETCHES = 12  # that are listed in words

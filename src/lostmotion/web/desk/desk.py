@@ -16,10 +16,10 @@ from lostmotion.files.gathered import gathered, grouped
 from lostmotion.files.results import write_json
 from lostmotion.files.writer import lock_file
 from lostmotion.store.encoded import as_json
-from lostmotion.web.item import ABOUT, Item, clean_label, present
-from lostmotion.web.jobs import Job, Jobs
-from lostmotion.web.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
-from lostmotion.web.workspace import LOCK, workspace
+from lostmotion.web.desk.item import ABOUT, Item, clean_label, present
+from lostmotion.web.desk.workspace import LOCK, workspace
+from lostmotion.web.worker.jobs import Job, Jobs
+from lostmotion.web.worker.task import DROPPED, EXPORT, RESULT, STUDY, Task, failure, keep_result
 
 AT_ONCE = 20  # loops of one file that are diagnosed without being asked for
 WRITES = {"read": RESULT, "study": STUDY, "block": EXPORT}

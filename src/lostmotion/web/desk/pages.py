@@ -14,14 +14,14 @@ from starlette.routing import Route
 
 from lostmotion.files.results import read_json
 from lostmotion.report.plant import loop_report
-from lostmotion.web.asked import fields, in_fields, number, settings_of, study_given, way_of
-from lostmotion.web.desk import Desk
-from lostmotion.web.file_views import as_json, columns_context, file_context, files_context
-from lostmotion.web.item import Item
+from lostmotion.web.desk.desk import Desk
+from lostmotion.web.desk.fields import fields, in_fields, number, settings_of, study_given, way_of
+from lostmotion.web.desk.item import Item
+from lostmotion.web.desk.upload import received
+from lostmotion.web.desk.views import as_json, columns_context, file_context, files_context
 from lostmotion.web.page import Page, answer, environment
-from lostmotion.web.task import BLOCK
-from lostmotion.web.trend_pages import trend_slot
-from lostmotion.web.upload import received
+from lostmotion.web.trend.pages import trend_slot
+from lostmotion.web.worker.task import BLOCK
 
 Handler = Callable[[Request, Desk, Item], Response]
 Change = Callable[[Desk, Item, dict[str, str]], Response]

@@ -55,7 +55,7 @@ class Worker:
         Parameters
         ----------
         task : mapping
-            Fields of :class:`lostmotion.web.tasks.Task`.
+            Fields of :class:`lostmotion.web.worker.tasks.Task`.
         seconds : float
             After which the process is killed.
         hear : callable
@@ -132,7 +132,7 @@ def _told(
 
 def command() -> list[str]:
     """Give the command line: this Python with a module of ours; no text from outside is part of it."""
-    return [sys.executable, "-P", "-m", "lostmotion.web.work"]
+    return [sys.executable, "-P", "-m", "lostmotion.web.worker.work"]
 
 
 def _started() -> subprocess.Popen[str]:

@@ -9,8 +9,8 @@ from typing import Any
 
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.errors import DataError, one_line
-from lostmotion.web.task import BRIEF, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, brief_of, failure, outcome_of
-from lostmotion.web.view_json import view_of_json
+from lostmotion.web.desk.view_json import view_of_json
+from lostmotion.web.worker.task import BRIEF, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, brief_of, failure, outcome_of
 
 ABOUT = "about.json"
 LABEL = 120  # characters
@@ -67,13 +67,13 @@ class Item:
 
     @property
     def record_path(self) -> Path | None:
-        """Folder of the record that was read (:mod:`lostmotion.web.kept_record`); None: not yet."""
+        """Folder of the record that was read (:mod:`lostmotion.web.desk.kept_record`); None: not yet."""
         folder = self.folder / RECORD
         return folder if folder.is_dir() else None
 
     @property
     def look(self) -> dict[str, Any] | None:
-        """Columns, rows, roles, loops (:func:`lostmotion.web.looked.looked`)."""
+        """Columns, rows, roles, loops (:func:`lostmotion.web.worker.looked.looked`)."""
         return outcome_of(self.folder, LOOK)
 
     @property

@@ -13,10 +13,10 @@ from starlette.routing import Route
 
 from lostmotion.report.plant.svg.trend_chart import trend_charts
 from lostmotion.web.page import Page, answer, told
-from lostmotion.web.trend import WIDEST, rows_between, trend_of
-from lostmotion.web.trend_slot import Slot, asked, slot
-from lostmotion.web.trend_sources import Source, Sources
-from lostmotion.web.trend_svg import signal_names, time_axis
+from lostmotion.web.trend.slot import Slot, asked, slot
+from lostmotion.web.trend.sources import Source, Sources
+from lostmotion.web.trend.stretch import WIDEST, rows_between, trend_of
+from lostmotion.web.trend.svg import signal_names, time_axis
 
 USUAL = 1000  # pixels
 

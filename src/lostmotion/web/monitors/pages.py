@@ -12,8 +12,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from lostmotion.web.monitor import Said, Watched
-from lostmotion.web.monitor_svg import width_chart
+from lostmotion.web.monitors.monitor import Said, Watched
+from lostmotion.web.monitors.svg import width_chart
 from lostmotion.web.page import Page, answer, told
 
 EVERY = 1.0  # s between looks at the files while somebody listens

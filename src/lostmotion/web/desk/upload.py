@@ -12,8 +12,8 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 
 from lostmotion.errors import InputError
-from lostmotion.web.desk import Desk, Draft, too_large
-from lostmotion.web.item import Item
+from lostmotion.web.desk.desk import Desk, Draft, too_large
+from lostmotion.web.desk.item import Item
 
 if TYPE_CHECKING:
     from python_multipart.multipart import MultipartCallbacks

@@ -31,9 +31,10 @@ from lostmotion.report.plant import LoopView, diagnosis_view
 from lostmotion.report.plant.words import headline
 from lostmotion.report.solution_text import outcome
 from lostmotion.report.study_text import HEAD, ROWS, case_cells
-from lostmotion.web.kept_record import keep_record, kept_record
-from lostmotion.web.looked import looked
-from lostmotion.web.task import (
+from lostmotion.web.desk.kept_record import keep_record, kept_record
+from lostmotion.web.desk.view_json import plain, view_to_json
+from lostmotion.web.worker.looked import looked
+from lostmotion.web.worker.task import (
     BLOCK,
     DROPPED,
     EXPORT,
@@ -49,7 +50,6 @@ from lostmotion.web.task import (
     failure,
     keep_result,
 )
-from lostmotion.web.view_json import plain, view_to_json
 
 REPLAYED = 10_000  # scans
 COUNTED = re.compile(r"(\d{1,6}) of (\d{1,6})\b")

@@ -16,11 +16,11 @@ from starlette.routing import Route
 
 from lostmotion.audit.health import Health
 from lostmotion.errors import ParameterError
-from lostmotion.web.loop_pages import MOST_FORM, attached, put_review, tag_of
-from lostmotion.web.overview import Overview
 from lostmotion.web.page import Page, told
-from lostmotion.web.plant import Plant
-from lostmotion.web.plant_query import Query
+from lostmotion.web.plant.loop_pages import MOST_FORM, attached, put_review, tag_of
+from lostmotion.web.plant.overview import Overview
+from lostmotion.web.plant.query import Query
+from lostmotion.web.plant.stored import Plant
 
 ROOT = "/api/v1"
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from lostmotion.web.guard import App, Receive, Scope, Send
+from lostmotion.web.server.guard import App, Receive, Scope, Send
 
 HEAD = 10.0  # s from the connection, or the first sign of another request, to the end of the head
 PIECE = 20.0  # s from piece to piece

@@ -17,7 +17,7 @@ from lostmotion.report.plant.svg.chart import chart, line, stretched, upright
 from lostmotion.report.plant.svg.element import element, percent
 from lostmotion.report.plant.words import UNITS, moment_words, seconds_words
 from lostmotion.store.rows import UNDATED, AssessmentRow, TraceRow
-from lostmotion.web.records import Columns
+from lostmotion.web.trend.columns import Columns
 
 LETTERS = {"manual": "M", "at a limit": "L", "missing": "X"}  # stand in a shaded stretch that is wide enough
 WIDE = 0.012  # share of the picture that a letter needs
@@ -42,7 +42,7 @@ def signal_names(columns: Columns) -> dict[str, str]:
 
 
 def charts(found: Mapping[str, Any], columns: Columns) -> tuple[Markup, Markup]:
-    """PV and SP, and OP with the position, of what :func:`lostmotion.web.trend.trend_of` gives."""
+    """PV and SP, and OP with the position, of what :func:`lostmotion.web.trend.stretch.trend_of` gives."""
     axis, names = time_axis(columns, found["start"], found["stop"]), signal_names(columns)
     length = (found["stop"] - found["start"]) * found["dt"] / axis["scale"]
     x = Axis(0.0, length, axis["name"], most=6)

@@ -10,7 +10,7 @@ from lostmotion.audit.plant_view import LoopView
 from lostmotion.audit.stored_loop import stored_loop
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
 from lostmotion.store.store import Store
-from lostmotion.web.overview import Overview
+from lostmotion.web.plant.overview import Overview
 
 KEPT = 3  # overviews: 26,000 loops are some 10 MB each
 YOUNG = 5.0  # s for which a run that is at work is not looked at again

@@ -10,8 +10,8 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
-from lostmotion.web.pyramid import Pyramid, Rows
-from lostmotion.web.records import Columns
+from lostmotion.web.trend.columns import Columns
+from lostmotion.web.trend.pyramid import Pyramid, Rows
 
 WIDEST = 4000  # pixels that are drawn apart
 

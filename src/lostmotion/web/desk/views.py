@@ -14,11 +14,11 @@ from lostmotion.audit.plant_view import FAULTS
 from lostmotion.export.dialects import TARGETS
 from lostmotion.export.names import LONGEST
 from lostmotion.report.plant import LoopPage, LoopView, loop_page
-from lostmotion.web.asked import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, in_fields, way_words
-from lostmotion.web.desk import Desk
-from lostmotion.web.item import Item
-from lostmotion.web.jobs import Job
-from lostmotion.web.trend_slot import Slot
+from lostmotion.web.desk.desk import Desk
+from lostmotion.web.desk.fields import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, in_fields, way_words
+from lostmotion.web.desk.item import Item
+from lostmotion.web.trend.slot import Slot
+from lostmotion.web.worker.jobs import Job
 
 PHASES = {
     "read": ("reading", "checking", "diagnosing"),

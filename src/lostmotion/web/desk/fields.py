@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
 from lostmotion.errors import ParameterError
-from lostmotion.web.task import JUDGING, READING
+from lostmotion.web.worker.task import JUDGING, READING
 
 MOST_FORM = 65_536  # bytes
 NONE, COLUMN = "none", "="  # value of "do not read it"; sign before the name of a column

@@ -1,4 +1,4 @@
-"""``python -m lostmotion.web.work``: the worker of a page, with limits; tasks come in as lines of JSON, news go out so.
+"""``python -m lostmotion.web.worker.work``: the worker of a page, with limits; tasks in and news out as lines of JSON.
 
 A process of its own, because a file from outside may take all memory there is, or never end: it is killed then, and the
 page goes on. Nothing but JSON passes between the two, so a reader gone wrong can make the page run nothing.
@@ -42,8 +42,8 @@ def main() -> None:
     limit()
     waiting: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(sys.stdin, waiting), daemon=True).start()
-    from lostmotion.web.task import Task  # noqa: PLC0415
-    from lostmotion.web.tasks import do  # noqa: PLC0415  seconds, under the limits
+    from lostmotion.web.worker.task import Task  # noqa: PLC0415
+    from lostmotion.web.worker.tasks import do  # noqa: PLC0415  seconds, under the limits
 
     while True:
         data: Mapping[str, Any] = json.loads(waiting.get())

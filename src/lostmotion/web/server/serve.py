@@ -15,10 +15,10 @@ import uvicorn
 
 from lostmotion.errors import ParameterError
 from lostmotion.web.app import create_app
-from lostmotion.web.guard import Guard
-from lostmotion.web.monitor_pages import end_streams
+from lostmotion.web.monitors.pages import end_streams
 from lostmotion.web.page import Page
-from lostmotion.web.patience import Patience, PatientProtocol
+from lostmotion.web.server.guard import Guard
+from lostmotion.web.server.patience import Patience, PatientProtocol
 
 HEAD_BYTES = 32_768  # of a request before its body
 KEEP_ALIVE = 5  # s

@@ -14,11 +14,11 @@ from lostmotion.audit.plant_view import PlantView
 from lostmotion.report.plant.ranking import lines
 from lostmotion.report.plant.words import moment_words, seconds_words
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
-from lostmotion.web import api, loop_pages
-from lostmotion.web.overview import Overview, Shown
 from lostmotion.web.page import Page, answer, rendered, told
-from lostmotion.web.plant import Plant
-from lostmotion.web.plant_query import SORTS, Query
+from lostmotion.web.plant import api, loop_pages
+from lostmotion.web.plant.overview import Overview, Shown
+from lostmotion.web.plant.query import SORTS, Query
+from lostmotion.web.plant.stored import Plant
 
 SHORT = 10  # lines of a table on the page of the plant; the page of each has all
 HEADS = (  # of the ranking: text, name of the order

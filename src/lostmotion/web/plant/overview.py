@@ -25,7 +25,7 @@ from lostmotion.store.queries import Line
 from lostmotion.store.rows import GroupRow, Stage
 from lostmotion.store.run_rows import ReviewState, RunRow, UnreadRow
 from lostmotion.store.store import Store
-from lostmotion.web.plant_query import NO_AREA, NO_LABEL, SORTS, Query
+from lostmotion.web.plant.query import NO_AREA, NO_LABEL, SORTS, Query
 
 TEXTS = frozenset(("verdict", "label", "split", "stage"))
 TYPES = {name: pl.String if name in TEXTS else pl.Float64 for name in OF_ROW}

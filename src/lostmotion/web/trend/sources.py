@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.store.rows import AssessmentRow, TraceRow
 from lostmotion.store.store import Store
-from lostmotion.web.jobs import OPEN
-from lostmotion.web.kept_record import ABOUT, kept_record
-from lostmotion.web.loop_records import LoopRecords, Read
-from lostmotion.web.records import Columns, keep, kept
+from lostmotion.web.desk.kept_record import ABOUT, kept_record
+from lostmotion.web.trend.columns import Columns, keep, kept
+from lostmotion.web.trend.loop_records import LoopRecords, Read
+from lostmotion.web.worker.jobs import OPEN
 
 if TYPE_CHECKING:
     from lostmotion.web.page import Page

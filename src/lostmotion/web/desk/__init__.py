@@ -1,0 +1,1 @@
+"""Dropped files and what became of them."""

@@ -1,0 +1,1 @@
+"""A plant from its store: ranking, loops, reviews, JSON."""

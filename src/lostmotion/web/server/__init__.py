@@ -1,0 +1,1 @@
+"""Socket, token, limits of time."""

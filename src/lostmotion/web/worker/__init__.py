@@ -1,0 +1,1 @@
+"""The process that reads, diagnoses and studies, and its jobs."""
