@@ -153,6 +153,7 @@ def test_the_trend_is_drawn_by_svg_where_there_is_no_uplot_and_by_links_without_
     plain = site.open(site.trend, java_script_enabled=False)
     plain.get_by_role("button", name="Zoom in").click()
     assert "start=250000" in plain.url
+    plain.wait_for_load_state()  # the address changes before the page is there
     assert plain.locator("svg.chart:visible").count() >= 2
     assert "missing: 2026-03-06" in plain.inner_text(".stretches")
     plain.context.close()
