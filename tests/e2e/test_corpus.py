@@ -9,9 +9,9 @@ import zipfile
 import numpy as np
 import pytest
 
-from lostmotion.cli import main
 from lostmotion.errors import InputError
 from lostmotion.files import read_loop
+from tests.command import run
 
 N = 240
 DT = 5
@@ -216,13 +216,6 @@ AMBIGUOUS = {  # text, and whether the original comes out of the first command
     "decimal marks of two kinds": (table("Time;OP;PV", []) + '0;1,5;2.5\n5;1,6;2.6\n', None),
     "neither time nor dt": ("\n".join(["OP,PV", *(f"{o},{p}" for o, p in zip(OP, PV, strict=True)), ""]), None),
 }  # fmt: skip
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.mark.parametrize("case", AMBIGUOUS)

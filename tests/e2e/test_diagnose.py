@@ -8,19 +8,12 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.cli import main
 from lostmotion.cli.diagnose import LoopType
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.files import write_columns
+from tests.command import run
 from tests.diagnoses import CASES, example, loop_record, variant
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 def strict(text):

@@ -5,19 +5,12 @@ import json
 import pytest
 
 import lostmotion as lm
-from lostmotion.cli import main
 from lostmotion.export import TARGETS, Exported, Replay
+from tests.command import run
 from tests.fits import made_fit
 
 pytestmark = pytest.mark.statistics
 BASICS = ("--name", "FY_101", "--date", "2026-01-31")
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.fixture(scope="module")

@@ -6,20 +6,13 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.cli import main
 from lostmotion.errors import Status
 from lostmotion.files import write_columns
+from tests.command import run
 from tests.fits import made_fit
 
 BASICS = ("--name", "FY_101", "--date", "2026-01-31", "--replay", 100)
 WHY = "seen on the bench, J. Doe"
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.fixture

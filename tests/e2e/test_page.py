@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 
@@ -14,21 +13,9 @@ from tests.plant_stores import plant_store
 from tests.served import ROOT, Served, long_record, put_on_desk
 from tests.unit.test_web_monitor import START, event, report
 
-CHROMIUM = Path("/usr/bin/chromium")
 AXE = ROOT / ".cache/web/axe.min.js"
 WIDTHS = (390, 1280, 1920)
 PATIENCE = 90_000  # ms; machines of tests are busy
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if not CHROMIUM.exists():
-        pytest.skip(f"{CHROMIUM} is not there")
-    api = pytest.importorskip("playwright.sync_api")
-    with api.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 class Site:

@@ -5,10 +5,10 @@ import json
 import pytest
 
 import lostmotion as lm
-from lostmotion.cli import main
 from lostmotion.errors import FileAccessError
 from lostmotion.files import writer
 from tests import commands_that_write as commands
+from tests.command import run
 
 RECORD = "t_s,OP,PV\n" + "".join(f"{k},{(k // 9) % 7},{(k * k) % 11}\n" for k in range(300))
 FIGURES = {
@@ -18,13 +18,6 @@ FIGURES = {
     "simulate": ["simulate", *commands.LOOP, *commands.RUNS],
     "design": ["design", *commands.ZONE, *commands.TEST],
 }
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.fixture

@@ -4,16 +4,9 @@ import json
 
 import pytest
 
-from lostmotion.cli import main
 from lostmotion.compensate.supervised import SupervisedBlock
+from tests.command import run
 from tests.exports import block
-
-
-def run(capsys, *words):
-    with pytest.raises(SystemExit) as stop:
-        main([str(word) for word in words])
-    seen = capsys.readouterr()
-    return int(stop.value.code or 0), seen.out, seen.err
 
 
 @pytest.fixture
