@@ -32,7 +32,7 @@ PROCESSES = {
     "dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
     "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "
     "plant_sources read_loop run_many store store_bad_input supervised_export times units web_desk web_files "
-    "web_guard web_jobs web_monitor web_patience web_plant web_records web_serve web_tasks web_trend "
+    "web_guard web_jobs web_kept web_monitor web_patience web_plant web_records web_serve web_tasks web_trend "
     "web_trend_pages wording write writer",
 }
 TESTS = Path(__file__).parent

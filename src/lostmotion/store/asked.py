@@ -29,6 +29,11 @@ class Asked:
         with told(self.name), self.engine.connect() as connection, connection.begin():
             yield connection
 
+    def stamp(self) -> tuple[Any, ...]:
+        """What changes with every review and every write of an audit; as long as it is the same so is every answer."""
+        with self._reading() as connection:
+            return queries.stamp(connection)
+
     def runs(self, limit: int | None = None) -> list[RunRow]:
         """Runs, the newest first."""
         with self._reading() as connection:

@@ -91,12 +91,18 @@ def encoded(row: Any, *apart: str) -> dict[str, Any]:
 
 def decoded(row: type[Row], values: Mapping[Any, Any], **given: Any) -> Row:
     """Row from values by column; `given` are fields that stand elsewhere."""
-    read = {
-        one.name: _OUT[one.kind](values[one.column], one) if values[one.column] is not None else None
-        for one in coded(row)
-        if one.name not in given
-    }
-    return row(**read, **given)
+    read = dict(given)
+    if row not in _DECODERS:
+        _DECODERS[row] = tuple((one.name, one.column, one.of or _OUT.get(one.kind)) for one in coded(row))
+    for name, column, convert in _DECODERS[row]:
+        if name not in given:
+            value = values[column]
+            read[name] = value if value is None or convert is None else convert(value)
+    return row(**read)
+
+
+# name, column and conversion of each field; None: the driver has what is wanted
+_DECODERS: dict[type[Any], tuple[tuple[str, str, Callable[[Any], Any] | None], ...]] = {}
 
 
 def _into(one: Coded, value: Any) -> Any:
@@ -160,19 +166,24 @@ def _plain(value: Any) -> Any:
     return number if math.isfinite(number) else None
 
 
+def _read_json(text: str) -> Any:
+    return () if text == "[]" else _tupled(json.loads(text))
+
+
 def _tupled(value: Any) -> Any:
-    if isinstance(value, list):
-        return tuple(_tupled(one) for one in value)
-    return {key: _tupled(one) for key, one in value.items()} if isinstance(value, dict) else value
+    kind = type(value)
+    if kind is list:
+        return tuple([_tupled(one) if type(one) in _NESTED else one for one in value])
+    if kind is dict:
+        return {key: _tupled(one) if type(one) in _NESTED else one for key, one in value.items()}
+    return value
+
+
+_NESTED = (list, dict)
 
 
 _INTO: dict[Kind, Callable[[Any], Any]] = {
     "text": lambda value: clean(str(value)), "float": _number, "int": int, "bool": bool, "moment": utc, "bytes": bytes,
     "json": as_json,
 }  # fmt: skip
-_OUT: dict[Kind, Callable[[Any, Coded], Any]] = {
-    "text": lambda value, one: one.of(value) if one.of else value,
-    "float": lambda value, _: value, "int": lambda value, _: value, "bool": lambda value, _: bool(value),
-    "moment": lambda value, _: value, "bytes": lambda value, _: bytes(value),
-    "json": lambda value, _: _tupled(json.loads(value)),
-}  # fmt: skip
+_OUT: dict[Kind, Callable[[Any], Any]] = {"bool": bool, "bytes": bytes, "json": _read_json}

@@ -82,6 +82,19 @@ class Lines:
     lines: tuple[Line, ...] = field(default_factory=tuple)
 
 
+LAST_REVIEW = sa.select(sa.func.max(review.c.id)).scalar_subquery()
+STAMP = sa.select(run.c.id, run.c.state, run.c.heartbeat, run.c.ended, LAST_REVIEW).order_by(run.c.id.desc()).limit(1)
+
+
+def stamp(connection: Connection) -> tuple[Any, ...]:
+    """The newest run and the last review.
+
+    Audits write in the newest run only, and each transaction of theirs is a beat of its heart; one that abandons
+    earlier runs begins or goes on with the newest. Reviews are numbered, and only added.
+    """
+    return tuple(connection.execute(STAMP).first() or ())
+
+
 def runs(connection: Connection, limit: int | None = None) -> list[RunRow]:
     """Runs, the newest first."""
     asked = sa.select(run).order_by(run.c.id.desc()).limit(limit)

@@ -65,11 +65,11 @@ class Line:
 
 
 def lines(
-    view: PlantView, rows: Sequence[AssessmentRow], address: Callable[[str], str], new: frozenset[str]
+    view: PlantView, rows: Sequence[AssessmentRow], address: Callable[[str], str], new: frozenset[str], first: int = 1
 ) -> list[Line]:
-    """Lines of rows, in their order."""
+    """Lines of rows, in their order; `first` is the place of the first."""
     most = scale(rows)
-    return [_line(view, row, place, address, most, row.tag in new) for place, row in enumerate(rows, 1)]
+    return [_line(view, row, place, address, most, row.tag in new) for place, row in enumerate(rows, first)]
 
 
 def scale(rows: Sequence[AssessmentRow]) -> float:

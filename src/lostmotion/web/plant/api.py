@@ -23,6 +23,7 @@ from lostmotion.web.plant.query import Query
 from lostmotion.web.plant.stored import Plant
 
 ROOT = "/api/v1"
+SIMPLE = frozenset((str, int, bool, type(None)))  # what JSON has as it is
 
 
 def routes(page: Page, plant: Plant) -> list[Route]:
@@ -39,7 +40,7 @@ def routes(page: Page, plant: Plant) -> list[Route]:
                 return told(page, request, 404, "No such loop", "The run has no loop of this name.")
             return JSONResponse(found) if not isinstance(found, Response) else found
 
-        return answered
+        return plant.answers.route(answered)
 
     def runs(request: Request) -> Response:  # noqa: ARG001  the signature of a route
         return JSONResponse({"runs": plain(plant.runs())})
@@ -51,7 +52,7 @@ def routes(page: Page, plant: Plant) -> list[Route]:
         return JSONResponse({"reviews": plain(await run_in_threadpool(plant.store.reviews, tag))}, 201)
 
     return [
-        Route(f"{ROOT}/runs", runs),
+        Route(f"{ROOT}/runs", plant.answers.route(runs, keep=False)),
         Route(f"{ROOT}/loops", of_run(_loops)),
         Route(f"{ROOT}/loops/{{tag:path}}", of_run(_loop)),
         Route(f"{ROOT}/groups", of_run(_groups)),
@@ -72,17 +73,29 @@ def plain(value: Any) -> Any:
     >>> plain(GroupRow(1, float("inf"), "FIC-1", None, "", ()))
     {'number': 1, 'period': None, 'source': 'FIC-1', 'confidence': None, 'why': '', 'members': []}
     """
-    if is_dataclass(value):
-        return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    if isinstance(value, float):
+    kind = type(value)
+    if kind in SIMPLE:
+        return value
+    if kind is float:
         return value if math.isfinite(value) else None
+    if kind is tuple or kind is list:
+        return [plain(one) for one in value]
     if isinstance(value, datetime):
         return value.isoformat()
-    return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    names = _names(kind)
+    return {name: plain(getattr(value, name)) for name in names} if names else value
+
+
+def _names(kind: type[Any]) -> tuple[str, ...]:
+    """Fields of a row; none of what is no row."""
+    if kind not in _NAMES:
+        _NAMES[kind] = tuple(one.name for one in fields(kind)) if is_dataclass(kind) else ()
+    return _NAMES[kind]
+
+
+_NAMES: dict[type[Any], tuple[str, ...]] = {}
 
 
 def _loops(plant: Plant, overview: Overview, query: Query, request: Request) -> dict[str, Any]:  # noqa: ARG001
@@ -102,10 +115,10 @@ def _loops(plant: Plant, overview: Overview, query: Query, request: Request) -> 
 
 
 def _loop(plant: Plant, overview: Overview, query: Query, request: Request) -> Any:  # noqa: ARG001
-    view = plant.loop(overview, tag_of(request))
-    if view is None:
+    said = plant.loop(overview, tag_of(request))
+    if said is None:
         return None
-    tag = view.row.tag
+    view, tag = said.view, said.view.row.tag
     found = {
         "run": overview.run.number,
         "loop": plain(plant.store.loop(tag)),
@@ -115,7 +128,7 @@ def _loop(plant: Plant, overview: Overview, query: Query, request: Request) -> A
         "growth": view.growth,
         "group": plain(view.group),
         "model": json.loads(view.trace.model) if view.trace is not None and view.trace.model else None,
-        "reviews": plain(plant.store.reviews(tag)),
+        "reviews": plain(said.reviews),
     }
     return JSONResponse(found, headers=attached(f"{tag}.json") if request.query_params.get("download") else None)
 

@@ -14,14 +14,14 @@ from starlette.routing import Route
 
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
-from lostmotion.report.plant import loop_page, loop_report
+from lostmotion.report.plant import loop_report
 from lostmotion.report.plant.words import files_of, moment_words
 from lostmotion.store.run_rows import ReviewState
 from lostmotion.web.page import Page, answer, told
 from lostmotion.web.plant.overview import Overview
 from lostmotion.web.plant.query import Query, loop_address
-from lostmotion.web.plant.stored import Plant
-from lostmotion.web.trend.pages import trend_slot
+from lostmotion.web.plant.stored import Plant, Told
+from lostmotion.web.trend.pages import loop_slot
 
 MOST_FORM = 16_384  # bytes of a form
 MOST_WHO, MOST_NOTE = 100, 2000  # characters
@@ -30,27 +30,27 @@ MOST_WHO, MOST_NOTE = 100, 2000  # characters
 def routes(page: Page, plant: Plant) -> list[Route]:
     """Routes of loops."""
 
-    def found(request: Request) -> tuple[Query, Overview, LoopView] | None:
+    def found(request: Request) -> tuple[Query, Overview, Told] | None:
         query = Query.of(request.query_params)
         overview = plant.brief(query.run)
-        view = None if overview is None else plant.loop(overview, tag_of(request))
-        return None if overview is None or view is None else (query, overview, view)
+        said = None if overview is None else plant.loop(overview, tag_of(request))
+        return None if overview is None or said is None else (query, overview, said)
 
     def show(request: Request) -> Response:
         known = found(request)
         if known is None:
             return _unknown(page, request)
-        query, overview, view = known
-        trend = trend_slot(page, request, f"loop:{view.row.tag}", overview.run.number)
-        context = _context(page, plant, overview, query, view)
+        query, overview, said = known
+        trend = loop_slot(page, request, overview.run, said.view.row, said.view.trace)
+        context = _context(page, overview, query, said)
         return answer(page, request, "loop_page.html.j2", trend=trend, **context)
 
     def report(request: Request) -> Response:
         known = found(request)
         if known is None:
             return _unknown(page, request)
-        tag = known[2].row.tag
-        return Response(loop_report(known[2]), media_type="text/html", headers=attached(f"{tag}.html"))
+        view = known[2].view
+        return Response(loop_report(view), media_type="text/html", headers=attached(f"{view.row.tag}.html"))
 
     async def review(request: Request) -> Response:
         given = await form_of(request)
@@ -65,7 +65,7 @@ def routes(page: Page, plant: Plant) -> list[Route]:
         if known is None:
             return _unknown(page, request)
         try:
-            where = await run_in_threadpool(_study, page, known[1], known[2])
+            where = await run_in_threadpool(_study, page, known[1], known[2].view)
         except LostMotionError as error:
             return told(page, request, 409, "Not possible", str(error))
         return RedirectResponse(where, 303)
@@ -73,8 +73,8 @@ def routes(page: Page, plant: Plant) -> list[Route]:
     return [
         Route("/loops/{tag:path}/review", review, methods=["POST"]),
         Route("/loops/{tag:path}/study", study, methods=["POST"]),
-        Route("/loops/{tag:path}/report.html", report),
-        Route("/loops/{tag:path}", show),
+        Route("/loops/{tag:path}/report.html", plant.answers.route(report, keep=False)),
+        Route("/loops/{tag:path}", plant.answers.route(show, keep=False)),
     ]
 
 
@@ -127,16 +127,15 @@ def _unknown(page: Page, request: Request) -> Response:
     return told(page, request, 404, "No such loop", "The run has no loop of this name.")
 
 
-def _context(page: Page, plant: Plant, overview: Overview, query: Query, view: LoopView) -> dict[str, Any]:
-    tag, words = view.row.tag, query.words()
-    said = plant.store.reviews(tag)
+def _context(page: Page, overview: Overview, query: Query, said: Told) -> dict[str, Any]:
+    tag, words = said.view.row.tag, query.words()
     return {
         "query": query,
-        "view": view,
-        "loop_page": loop_page(view),
+        "view": said.view,
+        "loop_page": said.page,
         "run": overview.run,
         "began": moment_words(overview.run.began),
-        "reviews": [(moment_words(one.at), str(one.state), one.who, one.note) for one in reversed(said)],
+        "reviews": [(moment_words(one.at), str(one.state), one.who, one.note) for one in reversed(said.reviews)],
         "states": [str(state) for state in ReviewState],
         "review_address": loop_address(tag, words, "review"),
         "study_address": loop_address(tag, words, "study") if page.desk is not None else "",

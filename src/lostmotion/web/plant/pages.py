@@ -75,8 +75,8 @@ def routes(page: Page) -> list[Route]:
         return answer(page, request, "plant_list.html.j2", what=what, most=1000, **context)
 
     return [
-        Route("/", start),
-        Route("/plant/{what:str}", _known(page, listed)),
+        Route("/", plant.answers.route(start)),
+        Route("/plant/{what:str}", plant.answers.route(_known(page, listed))),
         *loop_pages.routes(page, plant),
         *api.routes(page, plant),
     ]
@@ -162,8 +162,7 @@ def ranking(overview: Overview, query: Query, shown: Shown) -> list[Any]:
     reviews = {line.loop.tag: str(line.review) for line in shown.lines if line.review != ReviewState.NEW}
     rows = [line.row for line in shown.lines]
     view = PlantView(overview.facts, tuple(as_loop(line.loop) for line in shown.lines), tuple(rows), reviews=reviews)
-    found = lines(view, rows, query.loop, overview.new_tags)
-    return [replace(one, place=place) for place, one in enumerate(found, shown.first)]
+    return lines(view, rows, query.loop, overview.new_tags, shown.first)
 
 
 def heads(query: Query) -> list[Head | str]:

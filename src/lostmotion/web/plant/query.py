@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 from urllib.parse import quote, urlencode
 
@@ -93,10 +94,17 @@ class Query:
 
     def words(self, **changes: Any) -> str:
         """As it stands in an address, "?.." or nothing; another filter or order begins at its first page."""
-        if changes and "page" not in changes:
+        if not changes:
+            return self._words
+        if "page" not in changes:
             changes["page"] = 1
-        wanted = asdict(replace(self, **changes))
-        told = {k: int(v) if isinstance(v, bool) else v for k, v in wanted.items() if v != getattr(PLAIN, k)}
+        return replace(self, **changes)._words
+
+    @cached_property
+    def _words(self) -> str:
+        """Once for the hundreds of links of a page."""
+        named = ((name, getattr(self, name)) for name in NAMES)
+        told = {k: int(v) if isinstance(v, bool) else v for k, v in named if v != getattr(PLAIN, k)}
         return f"?{urlencode(told)}" if told else ""
 
     def link(self, **changes: Any) -> str:
@@ -110,6 +118,7 @@ class Query:
 
 CHOICES = ("area", "type", "verdict", "label", "split", "review")
 PLAIN = Query()
+NAMES = tuple(one.name for one in fields(Query))
 
 
 def loop_address(tag: str, words: str = "", part: str = "") -> str:

@@ -5,15 +5,45 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict
+from functools import cached_property
+
+from starlette.requests import Request
 
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.audit.stored_loop import stored_loop
-from lostmotion.store.run_rows import ReviewState, RunRow, RunState
+from lostmotion.report.plant import LoopPage, loop_page
+from lostmotion.store.run_rows import ReviewRow, ReviewState, RunRow, RunState
 from lostmotion.store.store import Store
+from lostmotion.web.plant.kept import Answers, Kept
 from lostmotion.web.plant.overview import Overview
+from lostmotion.web.plant.query import Query
 
 KEPT = 3  # overviews: 26,000 loops are some 10 MB each
+LOOPS = 200  # of which it is kept what is said: some 100 kB each
 YOUNG = 5.0  # s for which a run that is at work is not looked at again
+
+
+class Told:
+    """What is said of a loop.
+
+    Parameters
+    ----------
+    store : Store
+    view : LoopView
+    """
+
+    def __init__(self, store: Store, view: LoopView) -> None:
+        self._store, self.view = store, view
+
+    @cached_property
+    def page(self) -> LoopPage:
+        """Its texts, tables and pictures."""
+        return loop_page(self.view)
+
+    @cached_property
+    def reviews(self) -> list[ReviewRow]:
+        """What was decided about it, the oldest first."""
+        return self._store.reviews(self.view.row.tag)
 
 
 class Plant:
@@ -33,6 +63,8 @@ class Plant:
     def __init__(self, address: str) -> None:
         self.address = address
         self.store = Store(address, write=False)
+        self.answers = Answers(self.store.stamp, self._settled)
+        self._loops: Kept[Told] = Kept(LOOPS)
         self._kept: OrderedDict[tuple[object, ...], Overview] = OrderedDict()
         self._made: dict[int, tuple[float, tuple[object, ...]]] = {}
         self._lock = threading.Lock()
@@ -69,9 +101,24 @@ class Plant:
         self._made = {run.number: (time.monotonic(), key)}
         return key
 
-    def loop(self, overview: Overview, tag: str) -> LoopView | None:
+    def _settled(self, request: Request) -> bool:
+        """Whether a request asks for a run that is finished."""
+        overview = self.brief(Query.of(request.query_params).run)
+        return overview is not None and overview.run.state is RunState.FINISHED
+
+    def loop(self, overview: Overview, tag: str) -> Told | None:
         """What a run and those before say of a loop; None: the run does not know it."""
-        return stored_loop(self.store, overview.run, tag, overview.facts, overview.groups)
+        name, stamp = (overview.run.number, tag), self.store.stamp()
+        known = self._loops.get(name, stamp)
+        if known is not None:
+            return known
+        view = stored_loop(self.store, overview.run, tag, overview.facts, overview.groups)
+        if view is None:
+            return None
+        found = Told(self.store, view)
+        if overview.run.state is RunState.FINISHED:
+            self._loops.put(name, stamp, found)
+        return found
 
     def review(self, tag: str, state: ReviewState, who: str, note: str) -> None:
         """Put a decision down.

@@ -12,6 +12,8 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from lostmotion.report.plant.svg.trend_chart import trend_charts
+from lostmotion.store.rows import AssessmentRow, TraceRow
+from lostmotion.store.run_rows import RunRow
 from lostmotion.web.page import Page, answer, told
 from lostmotion.web.trend.slot import Slot, asked, slot
 from lostmotion.web.trend.sources import Source, Sources
@@ -39,6 +41,11 @@ def trend_slot(page: Page, request: Request, key: str, run: int | None = None) -
     """
     source = sources(page).of(key, run)
     return None if source is None else slot(source, request.url.path, request.query_params)
+
+
+def loop_slot(page: Page, request: Request, made: RunRow, row: AssessmentRow, trace: TraceRow | None) -> Slot:
+    """The same of a loop of the plant that somebody has found already: its run, row and stored picture."""
+    return slot(sources(page).of_loop(made, row, trace), request.url.path, request.query_params)
 
 
 def routes(page: Page) -> list[Route]:

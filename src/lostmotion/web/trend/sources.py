@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.store.rows import AssessmentRow, TraceRow
+from lostmotion.store.run_rows import RunRow
 from lostmotion.store.store import Store
 from lostmotion.web.desk.kept_record import ABOUT, kept_record
 from lostmotion.web.trend.columns import Columns, keep, kept
@@ -62,6 +63,7 @@ class Sources:
 
     def __init__(self, page: Page) -> None:
         self._page = page
+        self._store: Store | None = None
         self._loops = LoopRecords()
         self._opened: OrderedDict[Path, Columns] = OrderedDict()
         self._lock = threading.Lock()
@@ -89,23 +91,29 @@ class Sources:
         columns = self._open(own, lambda: keep(kept_record(place), own))
         return Source(key, item.name, "ready", columns=columns, row=row, trace=trace)
 
-    def _loop(self, key: str, tag: str, run: int | None) -> Source | None:
-        if self._page.store is None:
-            return None
-        with Store(self._page.store, write=False) as store:
-            past = [pair for pair in store.history(tag) if run is None or pair[0].number == run]
-            loop = store.loop(tag)
-            if loop is None or not past:
-                return None
-            made = past[0][0]
-            row = max((one for of, one in past if of.number == made.number), key=lambda one: one.priority or 0.0)
-            traces = store.traces(made.number, tag)
-        trace = next((one for one in traces if one.window_start == row.window_start), next(iter(traces), None))
-        read = self._loops.ask(Read(self._page.store, made.number, made.source, tag))
+    def of_loop(self, made: RunRow, row: AssessmentRow, trace: TraceRow | None) -> Source:
+        """Source of a loop of the plant that somebody has found already: its run, row and stored picture."""
+        tag, key = row.tag, f"loop:{row.tag}"
+        read = self._loops.ask(Read(str(self._page.store), made.number, made.source, tag))
         if isinstance(read, str) or read is None:
             why = read or "The data of the loop are being read."
             return Source(key, tag, "gone" if read else "reading", why, row=row, trace=trace)
         return Source(key, tag, "ready", columns=self._open(read), row=row, trace=trace)
+
+    def _loop(self, key: str, tag: str, run: int | None) -> Source | None:  # noqa: ARG002  as of a file
+        if self._page.store is None:
+            return None
+        store = self._store or Store(self._page.store, write=False)
+        self._store = store  # opened once: that takes longer than all questions
+        newest = store.history(tag, 1)
+        made = store.run(run) if run is not None else newest[0][0] if newest else None
+        rows = store.windows(made.number, tag) if made is not None else []
+        if made is None or not rows:
+            return None
+        row = max(rows, key=lambda one: one.priority or 0.0)
+        traces = store.traces(made.number, tag)
+        trace = next((one for one in traces if one.window_start == row.window_start), next(iter(traces), None))
+        return self.of_loop(made, row, trace)
 
     def _open(self, folder: Path, make: Callable[[], None] | None = None) -> Columns:
         """Columns of a folder, which is made if it is not there."""

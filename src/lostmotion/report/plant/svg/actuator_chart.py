@@ -11,7 +11,6 @@ from markupsafe import Markup
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import LostMotionError
-from lostmotion.models.registry import actuator_from_dict
 from lostmotion.report.digits import bracketed, plain
 from lostmotion.report.plant.svg.axis import Axis
 from lostmotion.report.plant.svg.chart import chart, line, stretched, upright
@@ -28,7 +27,7 @@ def model_of(trace: TraceRow) -> dict[str, Any]:
     """What the trace says of the fitted actuator; empty where there is none or it cannot be read."""
     try:
         found = json.loads(trace.model) if trace.model else {}
-        actuator_from_dict(found.get("actuator", {}))
+        _actuator(found.get("actuator", {}))
     except (ValueError, TypeError, AttributeError, KeyError, LostMotionError):
         return {}
     return dict(found)
@@ -107,7 +106,7 @@ def _interval(model: Mapping[str, Any], name: str) -> str:
 
 
 def _positions(actuator: Mapping[str, Any], op: FloatArray) -> FloatArray:
-    return np.asarray(actuator_from_dict(dict(actuator))(op), dtype=np.float64)
+    return np.asarray(_actuator(dict(actuator))(op), dtype=np.float64)
 
 
 def _resized(model: Mapping[str, Any], end: int) -> dict[str, Any] | None:
@@ -139,3 +138,9 @@ def _paired(trace: TraceRow, row: AssessmentRow, op: FloatArray, pv: FloatArray)
         return op, pv
     even = count // 2 * 2
     return op[:even].reshape(-1, 2).mean(axis=1), pv[:even].reshape(-1, 2).mean(axis=1)
+
+
+def _actuator(data: dict[str, Any]) -> Any:
+    from lostmotion.models.registry import actuator_from_dict  # noqa: PLC0415  compiled kernels, for who draws one
+
+    return actuator_from_dict(data)

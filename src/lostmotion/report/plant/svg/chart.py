@@ -48,12 +48,10 @@ def line(kind: str, x: Axis, y: Axis, across: FloatArray, up: FloatArray) -> Mar
     """Line through points, broken where one is not known."""
     right, down = _places(x, across, WIDE), HIGH - _places(y, up, HIGH)
     known = np.isfinite(right) & np.isfinite(down)
-    parts = []
-    before = False
-    for here, one, other in zip(known.tolist(), right.tolist(), down.tolist(), strict=True):
-        if here:
-            parts.append(f"{'' if before else 'M'}{one:.0f} {other:.0f}")
-        before = here
+    starts = known & ~np.concatenate([[False], known[:-1]])
+    points = zip(starts[known].tolist(), np.rint(right[known]).astype(int).tolist(),
+                 np.rint(down[known]).astype(int).tolist(), strict=True)  # fmt: skip
+    parts = [f"M{one} {other}" if first else f"{one} {other}" for first, one, other in points]
     return element("path", class_=kind, d=" ".join(parts), vector_effect="non-scaling-stroke") if parts else Markup("")
 
 

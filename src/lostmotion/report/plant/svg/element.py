@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from functools import cache
+
 from markupsafe import Markup, escape
+
+PLAIN = re.compile(r"[\w .,:;%#()/+-]*", re.ASCII).fullmatch  # nothing in it has a meaning in HTML
 
 
 def element(name: str, *children: str | Markup, **attributes: object) -> Markup:
@@ -15,13 +20,22 @@ def element(name: str, *children: str | Markup, **attributes: object) -> Markup:
     >>> str(element("text", "<a>", x=1.50, text_anchor="end", class_='"x"', y=None))
     '<text x="1.5" text-anchor="end" class="&#34;x&#34;">&lt;a&gt;</text>'
     """
-    said = "".join(
-        f' {key.rstrip("_").replace("_", "-")}="{escape(short(value))}"'
-        for key, value in attributes.items()
-        if value is not None
-    )
+    said = "".join(f' {_name(key)}="{_text(value)}"' for key, value in attributes.items() if value is not None)
     inside = "".join(map(escape, children))
     return Markup(f"<{name}{said}>{inside}</{name}>")  # noqa: S704  everything in it is escaped
+
+
+@cache
+def _name(key: str) -> str:
+    return key.rstrip("_").replace("_", "-")
+
+
+def _text(value: object) -> str:
+    """A page has thousands of them, most of them numbers and words that nothing needs to be escaped in."""
+    text = short(value)
+    if isinstance(text, str):
+        return text if PLAIN(text) else escape(text)
+    return str(text) if isinstance(text, int) else escape(text)
 
 
 def short(value: object) -> object:
