@@ -72,25 +72,25 @@ def indices(result: Any, **options: Any) -> Any:
     raise NotImplementedError(f"no indices for {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report")
+@_carried_out_by("lostmotion.report.verbs")
 def summary(result: Any, **options: Any) -> str:
-    """Text of a result (registered by ``lostmotion.report``)."""
+    """Text of a result (registered by ``lostmotion.report.verbs``)."""
     raise NotImplementedError(f"no summary for {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report")
+@_carried_out_by("lostmotion.report.verbs")
 def frame(result: Any, **options: Any) -> Any:
-    """A result as a data frame (registered by ``lostmotion.report``)."""
+    """A result as a data frame (registered by ``lostmotion.report.verbs``)."""
     raise NotImplementedError(f"no table of {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report")
+@_carried_out_by("lostmotion.report.verbs")
 def html(result: Any, **options: Any) -> str:
-    """A result as HTML for notebooks (registered by ``lostmotion.report``)."""
+    """A result as HTML for notebooks (registered by ``lostmotion.report.verbs``)."""
     raise NotImplementedError(f"no HTML of {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report")
+@_carried_out_by("lostmotion.report.verbs")
 def remarks(result: Any, **options: Any) -> tuple[str, ...]:
-    """Sentences about the data of a result (registered by ``lostmotion.report``)."""
+    """Sentences about the data of a result (registered by ``lostmotion.report.verbs``)."""
     raise NotImplementedError(f"no remarks on {type(result).__name__}")

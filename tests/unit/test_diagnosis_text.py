@@ -8,7 +8,8 @@ import pytest
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.report import diagnosis_line, diagnosis_table
-from lostmotion.report.diagnosis_text import bar, probability, signed, verdict_sentence
+from lostmotion.report.diagnosis_text import bar, probability, verdict_sentence
+from lostmotion.report.digits import signed
 from tests.diagnoses import CASES, KINDS, example, loop_record, variant
 
 

@@ -12,7 +12,7 @@ import pytest
 from lostmotion.audit.assess.from_diagnosis import row_of, trace_of
 from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.plant import PlantLoop
-from lostmotion.report.plant import diagnosis_report, diagnosis_view
+from lostmotion.report.plant.of_diagnosis import diagnosis_report, diagnosis_view
 from lostmotion.store.rows import Stage
 from tests.diagnoses import CASES, example, variant
 

@@ -79,3 +79,11 @@ def test_a_worker_that_screens_loads_no_fit():
     assert "lostmotion.diagnose.harris" in loaded
     apart = ("lostmotion.identify", "scipy.signal", "scipy.stats", "scipy.optimize", "sqlalchemy", "jinja2")
     assert not [name for name in apart if name in loaded]
+
+
+def test_the_page_of_a_store_begins_without_numba():
+    code = "import sys, lostmotion.web.server.serve; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    apart = ("numba", "lostmotion.identify", "lostmotion.compensate", "scipy.signal", "scipy.stats", "matplotlib")
+    assert not [name for name in apart if name in loaded]

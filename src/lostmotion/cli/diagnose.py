@@ -126,6 +126,6 @@ def _together(
 def _write_report(path: Path | None, found: Diagnosis, source: str, output: OutputOptions) -> None:
     """Write the page of a loop, where it is wanted."""
     if path is not None:
-        from lostmotion.report.plant import diagnosis_report
+        from lostmotion.report.plant.of_diagnosis import diagnosis_report
 
         output.write_text(path, diagnosis_report(found, source))

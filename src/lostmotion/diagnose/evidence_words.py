@@ -7,6 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+KIND = {
+    "actuator": "It comes from the actuator.",
+    "tuning": "It comes from the tuning: controller and process together are hardly damped at this period.",
+    "disturbance": "It comes from outside: the loop itself is damped at this period.",
+    "sensor": "It comes from the measurement: PV moves in coarse steps.",
+    "unknown": "Where it comes from is not known.",
+    "none": "",
+}
 LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
     {
         "memory": ("sticking predicts", "log(1 + gain / 3), in likelihood over a linear process"),

@@ -1,6 +1,8 @@
-"""Estimation beside the plant: rows come in, reports and events go out, and everything can be stopped and gone on."""
+"""Estimation beside the plant: rows come in, reports and events go out, and everything can be stopped and gone on.
 
-from lostmotion.online.monitor import OnlineMonitor
-from lostmotion.online.trend import Line, Reach, Trend
+Names are loaded when they are used: who only looks at what a monitor has written needs no estimator.
+"""
 
-__all__ = ["Line", "OnlineMonitor", "Reach", "Trend"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,6 +10,7 @@ from typing import Any
 from lostmotion.errors import DataError
 from lostmotion.files.schema import checked, kept, parsed
 
+STATE = "lostmotion online state 1"  # kind of the file of `--state`
 _CHECK = 32  # bytes of the hash at the end
 
 

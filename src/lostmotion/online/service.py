@@ -16,11 +16,10 @@ from lostmotion.files.layout import Layout
 from lostmotion.files.schema import anything, checked, group, table
 from lostmotion.files.writer import lock_file, refuse, sweep, write_bytes
 from lostmotion.online.monitor import OnlineMonitor
-from lostmotion.online.packing import pack, unpack
+from lostmotion.online.packing import STATE, pack, unpack
 from lostmotion.online.source import RowSource
 from lostmotion.online.stored import REMEDY, WHAT, Check, check_position
 
-KIND = "lostmotion online state 1"
 HEADER = group(settings=table(anything), position=table(anything))
 POLL = 0.5  # s between looks at a file that does not grow
 SAVE_EVERY = 1.0  # s: while catching up the state is not written more often than this
@@ -85,7 +84,7 @@ class Kept:
             data = path.read_bytes()
         except OSError as error:
             raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-        header, blob = unpack(KIND, data)
+        header, blob = unpack(STATE, data)
         checked(header, HEADER, WHAT, REMEDY)
         stored = header["settings"]
         for name, value in self.settings.items():
@@ -104,7 +103,7 @@ class Kept:
         if self.path is None or (not hurry and now - self._saved < SAVE_EVERY):
             return
         header = {"settings": self.settings, "position": source.position}
-        write_bytes(self.path, pack(KIND, header, monitor.to_bytes() if monitor is not None else b""), force=True)
+        write_bytes(self.path, pack(STATE, header, monitor.to_bytes() if monitor is not None else b""), force=True)
         self._saved = now
 
 

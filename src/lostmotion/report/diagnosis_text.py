@@ -6,24 +6,15 @@ import math
 
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import Item
-from lostmotion.diagnose.evidence_words import LABEL, balance, cause, probability
+from lostmotion.diagnose.evidence_words import KIND, LABEL, balance, cause, probability
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
-from lostmotion.report.digits import bracketed, digits, plain, span
+from lostmotion.report.digits import FINEST, bracketed, digits, plain, signed, span
 from lostmotion.report.fit_text import fill, head
 
-FINEST = 0.02
-KIND = {
-    "actuator": "It comes from the actuator.",
-    "tuning": "It comes from the tuning: controller and process together are hardly damped at this period.",
-    "disturbance": "It comes from outside: the loop itself is damped at this period.",
-    "sensor": "It comes from the measurement: PV moves in coarse steps.",
-    "unknown": "Where it comes from is not known.",
-    "none": "",
-}
 MARK = 0.5  # log-odds of one mark of a bar
 MOST_MARKS = 12
 
@@ -161,11 +152,6 @@ def _row(item: Item) -> str:
     return (
         f"  {name:18} {item.value:7.2f} {signed(item.weight):>8}  {bar(item.weight):{MOST_MARKS}}  {meaning}".rstrip()
     )
-
-
-def signed(value: float) -> str:
-    """Number with its sign, "0" where it rounds to nothing."""
-    return "0" if abs(value) < 0.005 else f"{value:+.2f}"
 
 
 def bar(value: float) -> str:

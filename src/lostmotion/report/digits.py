@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+FINEST = 0.02  # of a size: no interval is finer than the digits of this error
 HOPELESS = 1e3  # a standard error this many times its value says nothing about it
 
 
@@ -73,3 +74,8 @@ def plain(value: float) -> str:
     ('5060', '37.6', '0.0123', '320000000')
     """
     return f"{float(f'{value:.3g}'):.9g}"
+
+
+def signed(value: float) -> str:
+    """Number with its sign, "0" where it rounds to nothing."""
+    return "0" if abs(value) < 0.005 else f"{value:+.2f}"

@@ -8,8 +8,7 @@ from markupsafe import Markup
 
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.diagnose.evidence_words import LABEL
-from lostmotion.report.diagnosis_text import signed
-from lostmotion.report.digits import bracketed, plain
+from lostmotion.report.digits import bracketed, plain, signed
 from lostmotion.report.plant.changes import said
 from lostmotion.report.plant.sizes import history_picture, history_rows
 from lostmotion.report.plant.svg.actuator_chart import (

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import PlantView, SizePoint
-from lostmotion.report.diagnosis_text import FINEST
-from lostmotion.report.digits import digits, span
+from lostmotion.report.digits import FINEST, digits, span
 from lostmotion.report.plant.svg.history_chart import history_chart
 from lostmotion.report.plant.words import moment_words, sized
 

@@ -9,12 +9,11 @@ from pathlib import Path
 
 from lostmotion.audit.plant_view import FAULTS, RunFacts
 from lostmotion.audit.row_facts import ends_percent
-from lostmotion.diagnose.evidence_words import probability
+from lostmotion.diagnose.evidence_words import KIND, probability
 from lostmotion.files.paths import is_pattern
 from lostmotion.plant import PlantLoop
 from lostmotion.plant.address import parsed
-from lostmotion.report.diagnosis_text import FINEST, KIND
-from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.digits import FINEST, digits, plain, span
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 
 NO_ANSWER = "–"

@@ -11,8 +11,6 @@ from typing import Any
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import FAULTS
-from lostmotion.export.dialects import TARGETS
-from lostmotion.export.names import LONGEST
 from lostmotion.report.plant import LoopPage, LoopView, loop_page
 from lostmotion.web.desk.desk import Desk
 from lostmotion.web.desk.fields import COLUMN, LOOP_TYPES, NONE, ROLES, SETTING, TITLE, in_fields, way_words
@@ -151,6 +149,8 @@ def _select(role: str, asked: Any, found: str | None, columns: list[str]) -> dic
 
 def block_context(item: Item, verdict: str) -> dict[str, Any]:
     """The way to a block, as far as it went."""
+    from lostmotion.export.dialects import TARGETS  # noqa: PLC0415  a second; the page of a plant does without
+
     study, export = item.study, item.export
     closed = None
     if study is not None and study.get("outcome") == "closed":
@@ -176,6 +176,8 @@ def block_name(text: str) -> str:
     >>> block_name("FIC-101 (new)"), block_name("..")
     ('FY_FIC_101_new', 'FY_1')
     """
+    from lostmotion.export.names import LONGEST  # noqa: PLC0415
+
     words = re.findall(r"[A-Za-z0-9]+", text)
     return f"FY_{'_'.join(words) or '1'}"[:LONGEST].rstrip("_")
 

@@ -27,7 +27,8 @@ from lostmotion.files.writer import write_bytes
 from lostmotion.records import LoopRecord
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.report.fit_text import UNEARNED, dynamics, finding, parameter_rows, sentence
-from lostmotion.report.plant import LoopView, diagnosis_view
+from lostmotion.report.plant import LoopView
+from lostmotion.report.plant.of_diagnosis import diagnosis_view
 from lostmotion.report.plant.words import headline
 from lostmotion.report.solution_text import outcome
 from lostmotion.report.study_text import HEAD, ROWS, case_cells
