@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +16,14 @@ import pytest
 import lostmotion as lm
 from lostmotion.files.grid import Rows
 from lostmotion.online import OnlineMonitor
-from lostmotion.online.packing import pack
-from lostmotion.online.service import KIND
+from lostmotion.online.packing import STATE, pack
 from lostmotion.web.app import create_app
+from lostmotion.web.monitors import monitor as monitor_module
 from lostmotion.web.monitors import pages as monitor_pages
-from lostmotion.web.monitors.monitor import EVENTS, POINTS, Watched
+from lostmotion.web.monitors.loop_log import EVENTS, POINTS
+from lostmotion.web.monitors.monitor import MOST_LOOPS, Watched
 from lostmotion.web.monitors.pages import Board
+from lostmotion.web.monitors.said import Said
 from lostmotion.web.page import Page
 
 START = {"kind": "start", "source": "FIC-1.csv", "op": "OP", "pv": "PV", "dt": 1.0, "sample": 0, "message": ""}
@@ -45,34 +49,43 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "fic1.jsonl"
 
 
+class One(Watched):
+    """A place with one loop."""
+
+    def see(self) -> Said:
+        """What is said of it."""
+        (said,) = self.look()
+        return said
+
+
 def test_a_file_that_grows_is_followed_line_by_line(path: Path) -> None:
-    watched = Watched(str(path))
-    assert "no such file" in watched.look().trouble
+    watched = One(str(path))
+    assert "no such file" in watched.see().trouble
     write(path, START, report(100))
-    first = watched.look()
+    first = watched.see()
     assert (first.trouble, first.status, len(first.points)) == ("", "ok", 1)
     assert first.numbers()[0] == ("width", "2.00", "1.8 .. 2.2")
     half = json.dumps(report(200, 3.0))
     write(path, half[:30])
-    assert watched.look().points == first.points
+    assert watched.see().points == first.points
     write(path, half[30:] + "\n", event(250))
-    again = watched.look()
+    again = watched.see()
     assert [point[1] for point in again.points] == [2.0, 3.0]
     assert again.said_before("events") == [("", "It moved <b>250</b>.")]
     assert again.version > first.version
-    assert watched.look().version == again.version
+    assert watched.see().version == again.version
     json.dumps(again.to_dict(), allow_nan=False)
 
 
 def test_a_file_that_is_cut_or_replaced_is_read_anew(path: Path) -> None:
-    watched = Watched(str(path))
+    watched = One(str(path))
     write(path, START, report(100), report(200))
-    assert len(watched.look().points) == 2
+    assert len(watched.see().points) == 2
     write(path, START, mode="w")
-    assert watched.look().points == ()
+    assert watched.see().points == ()
     write(path.with_suffix(".new"), report(300))
     path.with_suffix(".new").replace(path)
-    assert len(watched.look().points) == 1
+    assert len(watched.see().points) == 1
 
 
 def test_what_is_none_of_a_monitor_is_counted_and_nothing_grows_for_ever(path: Path) -> None:
@@ -83,12 +96,12 @@ def test_what_is_none_of_a_monitor_is_counted_and_nothing_grows_for_ever(path: P
     ]  # fmt: skip
     write(path, "no json\n", "[" * 100_000 + "\n", *hostile, *(event(number) for number in range(2 * EVENTS)))
     write(path, *(report(number) for number in range(3 * POINTS)))
-    said = Watched(str(path)).look()
+    said = One(str(path)).see()
     assert said.bad == 5
     assert len(said.events) == EVENTS
     assert len(said.points) <= POINTS
     write(path, "x" * 3_000_000)
-    assert Watched(str(path)).look().bad == 6
+    assert One(str(path)).see().bad == 6
 
 
 @pytest.fixture(scope="module")
@@ -100,18 +113,18 @@ def state() -> bytes:
     estimator = lm.RecursiveML(na=1, nb=0, delay=1, noise="white", start_samples=300, dt=1.0)
     monitor = OnlineMonitor(estimator, dt=1.0, report_every=200, trend_every=400)
     monitor.take(Rows(np.arange(2000.0), u, y))
-    return pack(KIND, {"settings": {}, "position": {}}, monitor.to_bytes())
+    return pack(STATE, {"settings": {}, "position": {}}, monitor.to_bytes())
 
 
 def test_a_state_file_tells_the_same(path: Path, state: bytes) -> None:
     path.write_bytes(state)
-    said = Watched(str(path)).look()
+    said = One(str(path)).see()
     assert said.trouble == ""
     assert said.status == "ok"
     assert abs(float(said.numbers()[0][1]) - 2.0) < 0.3
     assert len(said.points) >= 3
     path.write_bytes(state[: len(state) // 2])
-    assert "damaged" in Watched(str(path)).look().trouble
+    assert "damaged" in One(str(path)).see().trouble
 
 
 @pytest.fixture
@@ -155,7 +168,7 @@ async def test_who_listens_is_told_what_is_new(path: Path, monkeypatch: pytest.M
     assert await anext(stream) == ": still here\n\n"
     write(path, report(100))
     news = await anext(stream)
-    assert json.loads(news.split("data: ")[1]) == {"monitor": 0, "name": path.name, "status": "ok", "version": 2}
+    assert json.loads(news.split("data: ")[1]) == {"monitor": 0, "name": "FIC-1.csv", "status": "ok", "version": 2}
     await stream.aclose()  # type: ignore[attr-defined]
     await asyncio.sleep(0.1)
     assert board._task is not None
@@ -180,3 +193,108 @@ async def test_a_listener_that_does_not_take_its_news_is_sent_away(path: Path) -
     for one in others:
         await one.aclose()  # type: ignore[attr-defined]
     assert not board.full
+
+
+def live(tag: str, sample: int, minute: int, **other: Any) -> dict[str, Any]:
+    made = {**report(sample, **other), "tag": tag, "time": f"2026-03-01T00:{minute:02d}:00.000Z"}
+    return {**made, "counts": {"samples": sample, "missing": 3, "manual": 0, "frozen": 2}}
+
+
+def link(kind: str, message: str) -> dict[str, Any]:
+    return {"tag": "", "kind": kind, "time": "2026-03-01T00:03:00.000Z", "message": message}
+
+
+def test_each_loop_of_one_file_has_its_own_story(path: Path) -> None:
+    write(path, link("connected", "Connected."), *({**START, "source": tag, "tag": tag} for tag in ("A", "B")))
+    write(path, live("A", 60, 1), live("B", 60, 1, width=5.0), {**event(61), "tag": "B"}, live("A", 120, 2, width=3.0))
+    watched = Watched(str(path))
+    one, other = watched.look()
+    assert [(said.title, len(said.points), len(said.events)) for said in (one, other)] == [("A", 2, 0), ("B", 1, 1)]
+    assert [said.numbers()[0][1] for said in (one, other)] == ["3.00", "5.00"]
+    assert one.used == "120 samples, of these not learned from: 3 missing, 2 frozen"
+    assert [one.every, other.every] == [60.0, 60.0]
+    write(path, link("lost", "nobody is there"), {"tag": "A", "kind": "failed", "message": "The order is wrong."})
+    one, other = watched.look()
+    assert (one.status, other.status) == ("given up", "silent")
+    assert one.warnings[0] == "The monitor has given this loop up: The order is wrong."
+    assert any("no link to its server: nobody is there" in text for text in other.warnings)
+    write(path, link("connected", "Connected."), {"tag": "C", "kind": "note", "message": "New."})
+    found = watched.look()
+    assert [said.link for said in found] == ["", "", ""]
+    assert [text for _, text in found[1].said_before("notes")] == ["Connected.", "nobody is there", "Connected."]
+
+
+def test_only_loops_of_which_something_is_new_are_told(path: Path) -> None:
+    write(path, live("A", 60, 1), live("B", 60, 1))
+    watched = Watched(str(path))
+    before = [said.version for said in watched.look()]
+    assert [said.version for said in watched.look()] == before
+    write(path, live("B", 120, 2))
+    after = [said.version for said in watched.look()]
+    assert after[0] == before[0]
+    assert after[1] > max(before)
+
+
+def test_a_monitor_that_has_ended_is_silent(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(path, {**START, "tag": "A"}, live("A", 60, 1), live("A", 120, 2))
+    clock = [0.0]
+    monkeypatch.setattr(monitor_module.time, "time", lambda: clock[0])
+    told = datetime(2026, 3, 1, 0, 2, tzinfo=UTC).timestamp()
+    watched = One(str(path))
+    clock[0] = told + 179.0
+    alive = watched.see()
+    assert (alive.status, alive.warnings, alive.last_heard) == ("ok", [], "2026-03-01 00:02:00 UTC")
+    clock[0] = told + 181.0
+    dead = watched.see()
+    assert dead.status == "silent"
+    assert "since 2026-03-01 00:02:00 UTC, though something was due every 60 s" in dead.warnings[0]
+    assert dead.version > alive.version
+    os.utime(path, (told + 200.0, told + 200.0))
+    write(path, live("A", 180, 3))
+    os.utime(path, (told + 200.0, told + 200.0))
+    clock[0] = told + 201.0
+    assert watched.see().status == "ok"
+
+
+def test_a_folder_of_states_has_a_loop_in_each(tmp_path: Path, state: bytes) -> None:
+    folder = tmp_path / "states"
+    folder.mkdir()
+    watched = Watched(str(folder))
+    assert "no state is in this folder" in watched.look()[0].trouble
+    (folder / "FIC%2F101.state").write_bytes(state)
+    (folder / "LIC 7.state").write_bytes(state[:50])
+    (folder / ".LIC 7.state.lock").touch()
+    first, second = watched.look()
+    assert (first.title, first.status, first.trouble) == ("FIC/101", "ok", "")
+    assert first.used.startswith("2000 samples")
+    assert (second.title, second.status) == ("LIC 7", "cannot be read")
+    os.utime(folder / "FIC%2F101.state", (1.7e9, 1.7e9))
+    assert watched.look()[0].status == "silent"
+    (folder / "FIC%2F101.state").unlink()
+    assert [said.title for said in watched.look()] == ["LIC 7"]
+
+
+def test_tags_of_a_hostile_file_do_not_grow_for_ever(path: Path) -> None:
+    write(path, *({"tag": f"T{number}", "kind": "note", "message": ""} for number in range(MOST_LOOPS + 10)))
+    write(path, {"tag": "x" * 1000, "kind": "note"}, {"tag": ["x"], "kind": "note"}, {"tag": "new", "kind": "odd"})
+    found = Watched(str(path)).look()
+    assert len(found) == MOST_LOOPS
+    assert found[0].bad == 13
+
+
+@pytest.mark.anyio
+async def test_the_page_lists_all_loops_and_shows_those_that_need_somebody(path: Path) -> None:
+    write(path, *(live(f"FIC-{number:03d}", 60, 1) for number in range(80)), {**event(61), "tag": "FIC-077"})
+    async with client(path) as asked:
+        page = (await asked.get("/monitors")).text
+        assert page.count("data-monitor=") == page.count("data-row=") == monitor_pages.MOST_SHOWN
+        assert "80 loops; shown are the 60" in page
+        assert 'id="monitor-77"' in page
+        one = (await asked.get("/monitors?text=fic-042")).text
+        assert one.count("data-monitor=") == 1
+        assert "No loop fits" in (await asked.get("/monitors?text=<b>")).text
+        part = (await asked.get("/monitors?part=77")).text
+        assert 'data-row="77"' in part
+        told = (await asked.get("/api/v1/monitors")).json()["monitors"]
+        assert [one["monitor"] for one in told] == list(range(80))
+        assert told[77]["tag"] == "FIC-077"

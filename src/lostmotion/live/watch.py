@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event, Lock
 from typing import Any
@@ -130,7 +131,8 @@ class Watch:
             self.recorder.add(value.stamp, f"{loop.source.name}.{role.upper()}", value.value, quality_of(data))
 
     def _tell(self, kind: str, tag: str, message: str) -> None:
-        self._said({"tag": tag, "kind": kind, "message": message})
+        when = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        self._said({"tag": tag, "kind": kind, "time": when, "message": message})
 
     def _said(self, message: dict[str, Any]) -> None:
         with self._lock:

@@ -1,4 +1,4 @@
-"""Running monitors: what `online` reports, as it comes."""
+"""Running monitors: what `online` and `live` report, as it comes."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ EVERY = 1.0  # s between looks at the files while somebody listens
 BEAT = 15.0  # s of silence after which a comment is sent: a client that is gone is noticed then at the latest
 MOST_CLIENTS = 20  # that listen
 WAITING = 32  # news that wait for a client; one that is further behind is sent away and asks anew
+MOST_SHOWN = 60  # loops of one page, each with its chart
 LONGEST = 300.0  # s of one stream: browsers come again by themselves, and forgotten ones end
 
 
@@ -28,12 +29,17 @@ class Board:
 
     def __init__(self, paths: Sequence[str]) -> None:
         self.watched = [Watched(path) for path in paths]
+        self._numbers: dict[tuple[int, str], int] = {}
         self._listening: set[asyncio.Queue[str | None]] = set()
         self._task: asyncio.Task[None] | None = None
 
-    def look(self) -> list[Said]:
-        """What all of them say."""
-        return [one.look() for one in self.watched]
+    def look(self) -> dict[int, Said]:
+        """What is said of each loop, by a number that it keeps: more loops may come."""
+        found = {}
+        for place, watched in enumerate(self.watched):
+            for said in watched.look():
+                found[self._numbers.setdefault((place, said.tag), len(self._numbers))] = said
+        return found
 
     @property
     def full(self) -> bool:
@@ -77,17 +83,17 @@ class Board:
 
     async def _watch(self) -> None:
         """Look at the files as long as somebody listens."""
-        before = [one.version for one in await run_in_threadpool(self.look)]
+        before = {number: one.version for number, one in (await run_in_threadpool(self.look)).items()}
         while self._listening:
             await asyncio.sleep(EVERY)
             said = await run_in_threadpool(self.look)
-            for number, one in enumerate(said):
-                if one.version != before[number]:
+            for number, one in said.items():
+                if one.version != before.get(number):
                     self._tell(number, one)
-            before = [one.version for one in said]
+            before = {number: one.version for number, one in said.items()}
 
     def _tell(self, number: int, said: Said) -> None:
-        data = {"monitor": number, "name": said.name, "status": said.status, "version": said.version}
+        data = {"monitor": number, "name": said.title, "status": said.status, "version": said.version}
         text = f"event: changed\ndata: {json.dumps(data)}\n\n"
         for one in tuple(self._listening):
             if one.full():
@@ -116,14 +122,20 @@ def routes(page: Page) -> list[Route]:
     def monitors(request: Request) -> Response:
         said = board(page.monitors).look()
         part = request.query_params.get("part", "")
-        if part.isascii() and part.isdigit() and int(part) < len(said):
-            return answer(page, request, "monitor.html.j2", **_shown(int(part), said[int(part)]))
+        if part.isascii() and part.isdigit() and len(part) < 10 and int(part) in said:
+            return answer(page, request, "monitor_part.html.j2", **_shown(int(part), said[int(part)]))
         if part:
             return told(page, request, 404, "Not found", "There is no such monitor.")
-        return answer(page, request, "monitors.html.j2", monitors=[_shown(*pair) for pair in enumerate(said)])
+        wanted = request.query_params.get("text", "")[:200].casefold()
+        chosen = {number: one for number, one in said.items() if wanted in one.title.casefold()}
+        first = dict(sorted(chosen.items(), key=lambda pair: _urgency(pair[1]))[:MOST_SHOWN])
+        shown = [_shown(number, one) for number, one in chosen.items() if number in first]
+        context = {"text": wanted, "total": len(said), "chosen": len(chosen)}
+        return answer(page, request, "monitors.html.j2", monitors=shown, **context)
 
     def as_json(request: Request) -> Response:  # noqa: ARG001  the signature of a route
-        return JSONResponse({"monitors": [said.to_dict() for said in board(page.monitors).look()]})
+        said = board(page.monitors).look()
+        return JSONResponse({"monitors": [{"monitor": number, **one.to_dict()} for number, one in said.items()]})
 
     async def events(request: Request) -> Response:
         mine = board(page.monitors)
@@ -132,6 +144,11 @@ def routes(page: Page) -> list[Route]:
         return StreamingResponse(mine.news(), media_type="text/event-stream")
 
     return [Route("/monitors", monitors), Route("/monitors/events", events), Route("/api/v1/monitors", as_json)]
+
+
+def _urgency(said: Said) -> int:
+    """What a person has to look at comes first: a monitor that says nothing, a loop with events, the rest."""
+    return 0 if said.warnings else 1 if said.events else 2
 
 
 def _shown(number: int, said: Said) -> dict[str, Any]:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from lostmotion.arrays import FloatArray
 from lostmotion.report.plant.svg.axis import Axis
 from lostmotion.report.plant.svg.chart import chart, line, region, stretched
 from lostmotion.report.plant.words import UNITS, moment_words
+from lostmotion.web.monitors.said import Point
 
-Point = tuple[Any, float, float | None, float | None]
+GAP = 3.0  # usual times between two reports
 
 
 def width_chart(points: Sequence[Point]) -> Markup:
@@ -29,10 +31,20 @@ def width_chart(points: Sequence[Point]) -> Markup:
     )
     y = Axis(0.0, 1.1 * float(np.max([values, high])) or 1.0, "width, units of OP", most=4)
     across = np.array(times)
-    edge = [*zip(across, low, strict=True), *zip(across[::-1], high[::-1], strict=True)]
-    said = f"Width of the dead zone in {len(points)} reports with its 95 % interval."
-    band = region("interval", x, y, edge)
-    return chart("Width over time", said, x, y, stretched(band, line("pv", x, y, across, values)), height=170)
+    marks = []
+    for part in _stretches(across):
+        edge = [*zip(across[part], low[part], strict=True), *zip(across[part][::-1], high[part][::-1], strict=True)]
+        marks += [region("interval", x, y, edge), line("pv", x, y, across[part], values[part])]
+    gaps = f" {len(marks) // 2 - 1} gaps." if len(marks) > 2 else ""
+    said = f"Width of the dead zone in {len(points)} reports with its 95 % interval.{gaps}"
+    return chart("Width over time", said, x, y, stretched(*marks), height=170)
+
+
+def _stretches(times: FloatArray) -> list[slice]:
+    """Parts without a gap: reports that came as often as usual."""
+    steps = np.diff(times)
+    ends = [0, *(np.flatnonzero(steps > GAP * np.median(steps)) + 1).tolist(), times.size]
+    return [slice(first, stop) for first, stop in pairwise(ends)]
 
 
 def _times(given: Sequence[Any]) -> tuple[list[float], str]:
