@@ -14,7 +14,7 @@ import numpy as np
 from lostmotion.files.results import write_json
 from lostmotion.records import LoopRecord
 from lostmotion.web.desk.item import ABOUT, Item
-from lostmotion.web.desk.kept_record import keep_record
+from lostmotion.web.kept_record import keep_record
 from lostmotion.web.worker.task import RECORD
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -173,3 +173,20 @@ def test_one_row_a_loop_leads_and_the_others_are_listed():
     assert len(loop_page(view.loop_view("FIC-1")).windows) == 2
     with pytest.raises(KeyError):
         view.loop_view("FIC-9")
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        ({"probability": 0.48}, "neither shown nor excluded: its probability is 48 %"),
+        ({"why": "OP hardly moved"}, "the evidence lacks what is said above"),
+        ({"status": "CANNOT_TELL"}, ""),
+        ({"verdict": "stiction"}, ""),
+    ],
+)
+def test_a_good_fit_beside_cannot_tell_is_explained(other, words):
+    row = finding(**{"verdict": "cannot tell", "kind": "unknown", **other})
+    view = replace(plant().loop_view("FIC-1"), row=row)
+    said = "The fit is OK, and does not contradict this" in loop_report(view)
+    assert said == bool(words)
+    assert words in loop_report(view)

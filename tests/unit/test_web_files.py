@@ -15,9 +15,9 @@ from lostmotion.records import LoopRecord
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 from lostmotion.web.app import create_app
 from lostmotion.web.desk.desk import Desk, Limits
-from lostmotion.web.desk.kept_record import keep_record
 from lostmotion.web.desk.upload import AROUND
 from lostmotion.web.desk.view_json import view_to_json
+from lostmotion.web.kept_record import keep_record
 from lostmotion.web.page import Page
 from lostmotion.web.worker import handle as worker_module
 

@@ -7,7 +7,9 @@ from typing import Any
 import httpx
 import pytest
 
+from lostmotion.errors import ParameterError
 from lostmotion.web.server.guard import HEADERS, Guard
+from lostmotion.web.server.serve import public_origin
 
 BASE = "http://127.0.0.1:8000"
 HOSTS = ("127.0.0.1:8000", "localhost:8000")
@@ -185,3 +187,74 @@ async def test_a_token_of_a_file_lets_in_everybody_who_has_it() -> None:
             assert (await browser.get("/")).status_code == 200
             browser.cookies.clear()
         assert (await browser.get("/?token=other")).status_code == 403
+
+
+PUBLIC = "https://valves.example"
+
+
+def behind() -> httpx.AsyncClient:
+    """A browser that comes through a proxy which ends TLS: to the page it speaks plain HTTP."""
+    guard = Guard(app, TOKEN, ("valves.example", "valves.example:443"), once=False, public=PUBLIC)
+    return httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url="http://valves.example")
+
+
+async def test_behind_a_proxy_the_cookie_is_for_tls_and_this_name_only() -> None:
+    async with behind() as browser:
+        cookie = (await browser.get(f"/?token={TOKEN}")).headers["set-cookie"]
+        assert cookie.startswith("__Host-lostmotion_")
+        for part in ("Secure", "HttpOnly", "SameSite=Strict", "Path=/"):
+            assert part in cookie.split("; ")
+        assert "domain" not in cookie.lower()
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        "http://valves.example", "https://valves.example:8443", "https://valves.example.evil.example", "null",
+        "https://evil.example", "https://evil.valves.example", "http://127.0.0.1:8000", "https://valves.example, x",
+        "https://valves.example/", "https://valves.example@evil.example", "",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize(
+    "forged",
+    [{}, {"x-forwarded-proto": "https", "x-forwarded-host": "evil.example", "forwarded": "host=evil.example"}],
+)
+async def test_behind_a_proxy_writes_come_from_the_public_page_alone(origin: str, forged: dict[str, str]) -> None:
+    async with behind() as browser:
+        cookie = (await browser.get(f"/?token={TOKEN}")).headers["set-cookie"].partition(";")[0]
+        known = {"cookie": cookie, **forged}  # httpx itself keeps a Secure cookie from plain HTTP, as a browser does
+        assert (await browser.get("/", headers=known)).text == "secret"
+        assert (await browser.post("/x", headers={**known, "origin": origin})).status_code == 403
+        assert (await browser.post("/x", headers=known)).status_code == 403
+        assert (await browser.post("/x", headers={**known, "origin": PUBLIC})).status_code == 200
+        assert (await browser.post("/x", headers={"origin": PUBLIC})).status_code == 403, "without the cookie"
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1:8000", "localhost", "evil.example", "valves.example:8443", "valves.example.evil.example", ""]
+)
+async def test_behind_a_proxy_no_other_name_is_known(host: str) -> None:
+    async with behind() as browser:
+        forged = {"host": host, "x-forwarded-host": "valves.example", "authorization": f"Bearer {TOKEN}"}
+        assert (await browser.get(f"/?token={TOKEN}", headers=forged)).status_code == 421
+
+
+async def test_headers_of_a_proxy_are_not_believed() -> None:
+    async with client() as browser:
+        await browser.get(f"/?token={TOKEN}")
+        forged = {"origin": "https://127.0.0.1:8000", "x-forwarded-proto": "https"}
+        assert (await browser.post("/x", headers=forged)).status_code == 403
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "http://valves.example", "valves.example", "https://", "https://valves.example/page", "https://a@valves.example",
+        "https://valves.example?x", "https://valves.example#x", "https://vàlves.example", "https://valves.example:x",
+        "https://valves.example:99999", "https://*.example", "https://valves..example", "https://[::1]", "ftp://a.b",
+        "https://valves.example\\@evil.example", "https://val ves.example", "https://-a.example",
+    ],
+)  # fmt: skip
+async def test_a_public_address_is_a_name_and_a_port(given: str) -> None:
+    with pytest.raises(ParameterError, match="public address"):
+        public_origin(given)

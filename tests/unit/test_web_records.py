@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lostmotion.errors import DataError, FileAccessError
+from lostmotion.errors import DataError
 from lostmotion.records import LoopRecord
-from lostmotion.web.trend.columns import Columns, keep, kept
+from lostmotion.web.kept_record import keep_record, kept_columns, kept_record
+from lostmotion.web.trend.columns import KINDS, Columns
 from lostmotion.web.trend.pyramid import Pyramid
 from lostmotion.web.trend.stretch import trend_of
 
@@ -72,8 +73,8 @@ def record() -> LoopRecord:
 def test_what_is_kept_is_answered_as_in_memory(
     record: LoopRecord, tmp_path: Path, start: int, stop: int, width: int
 ) -> None:
-    keep(record, tmp_path / "kept")
-    from_disk = trend_of(kept(tmp_path / "kept"), start, stop, width)
+    keep_record(tmp_path / "kept", record)
+    from_disk = trend_of(kept_columns(tmp_path / "kept"), start, stop, width)
     assert from_disk == trend_of(Columns.of(record, blocks=True), start, stop, width)
     plain = trend_of(record, start, stop, width)
     assert {key: plain[key] for key in ("shaded", "gaps", "from", "to", "rows")} == {
@@ -90,35 +91,50 @@ def test_moments_count_what_gaps_left_out(record: LoopRecord) -> None:
     assert trend_of(record, 0, 9000, 2)["gaps"] == [(1000.0, 3660.0)]
 
 
-def test_a_folder_is_kept_once_and_whole(record: LoopRecord, tmp_path: Path) -> None:
-    keep(record, tmp_path / "kept")
-    with pytest.raises(FileAccessError):
-        keep(record, tmp_path / "kept")
+def test_a_folder_is_whole_and_replaced_as_a_whole(record: LoopRecord, tmp_path: Path) -> None:
+    keep_record(tmp_path / "kept", record)
+    before = kept_columns(tmp_path / "kept")
+    keep_record(tmp_path / "kept", record.cut(0, 5000))
+    assert len(before.signals["op"].values) == 9000, "what is open stays as it was"
     assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == ["kept"]
+
+
+def test_one_folder_gives_the_record_and_what_is_drawn(record: LoopRecord, tmp_path: Path) -> None:
+    folder = tmp_path / "kept"
+    keep_record(folder, record)
+    again, drawn = kept_record(folder), kept_columns(folder)
+    for name in ("op", "pv", "sp"):
+        np.testing.assert_array_equal(getattr(again, name), drawn.signals[name].values)
+    assert sorted(path.name for path in folder.glob("op*")) == ["op.high.npy", "op.low.npy", "op.npy"]
+    for kind in KINDS:  # as an earlier version kept it
+        (folder / f"{kind}.npy").unlink()
+    for path in (*folder.glob("*.low.npy"), *folder.glob("*.high.npy")):
+        path.unlink()
+    assert trend_of(kept_columns(folder), 0, 9000, 300) == trend_of(drawn, 0, 9000, 300)
 
 
 @pytest.mark.parametrize(
     ("name", "content"),
     [
-        ("facts.json", b"{}"),
-        ("facts.json", b"no json"),
-        ("op.values.npy", b"\x93NUMPY"),
+        ("record.json", b"{}"),
+        ("record.json", b"no json"),
+        ("op.npy", b"\x93NUMPY"),
         ("op.low.npy", None),
-        ("op.values.npy", "short"),
-        ("op.values.npy", "pickle"),
+        ("op.npy", "short"),
+        ("op.npy", "pickle"),
     ],
 )
 def test_a_foreign_or_damaged_folder_is_told(record: LoopRecord, tmp_path: Path, name: str, content: object) -> None:
     folder = tmp_path / "kept"
-    keep(record, folder)
+    keep_record(folder, record)
     if content is None:
         (folder / name).unlink()
     elif isinstance(content, bytes):
         (folder / name).write_bytes(content)
     else:
         np.save(folder / name, np.array([1.0]) if content == "short" else np.array([{}], dtype=object))
-    with pytest.raises(DataError, match="kept columns"):
-        kept(folder)
+    with pytest.raises(DataError, match="a kept record"):
+        kept_columns(folder)
 
 
 def test_a_short_signal_has_no_blocks() -> None:

@@ -11,8 +11,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import DataError
 from lostmotion.web.desk.desk import Desk
-from lostmotion.web.desk.kept_record import keep_record, kept_record
 from lostmotion.web.desk.view_json import view_of_json
+from lostmotion.web.kept_record import keep_record, kept_record
 from lostmotion.web.worker.task import BRIEF, DROPPED, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, Task, outcome_of
 from lostmotion.web.worker.tasks import do
 

@@ -16,9 +16,10 @@ from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
 from lostmotion.web.app import create_app
 from lostmotion.web.desk.desk import Desk
+from lostmotion.web.kept_record import kept_columns
 from lostmotion.web.page import Page
 from lostmotion.web.trend import loop_records
-from lostmotion.web.trend.columns import Columns, kept
+from lostmotion.web.trend.columns import Columns
 from lostmotion.web.trend.loop_records import LoopRecords, Read, read_again
 from lostmotion.web.trend.pages import sources
 from lostmotion.web.trend.slot import LEAST, asked, slot, steps
@@ -158,7 +159,7 @@ def test_a_loop_is_read_again_from_where_the_audit_found_it(tmp_path: Path, monk
     monkeypatch.setattr(loop_records, "limit", lambda: None)
     read = Read(plant_store(tmp_path), 2, str(tmp_path / "plant"), "FIC-1")
     read_again(read, str(tmp_path))
-    assert len(kept(tmp_path / read.name)) == 4000
+    assert len(kept_columns(tmp_path / read.name)) == 4000
     (tmp_path / "plant" / "record.csv").write_text("nothing\n")
     other = Read(read.store, 2, read.source, "FIC-2")
     read_again(other, str(tmp_path))

@@ -31,7 +31,10 @@ Open = Annotated[bool, typer.Option("--open/--no-open", help="Open the page in t
 ReadOnly = Annotated[bool, typer.Option("--read-only", help="Nothing can be dropped, reviewed or started.")]
 Monitors = Annotated[
     list[str] | None,
-    number("--monitor", "JSON lines of `lostmotion online`, or the file of its --state; as often as there are some."),
+    number("--monitor", "What `lostmotion online` or `live` prints, or its --state; as often as there are some."),
+]
+PublicUrl = Annotated[
+    str | None, number("--public-url", "https://NAME of a proxy with TLS in front of the page; needs --token-file.")
 ]
 Keep = Annotated[Path | None, number("--keep", "Folder for dropped files and results; default: gone at the end.")]
 
@@ -46,6 +49,7 @@ def serve(
     read_only: ReadOnly = False,
     keep: Keep = None,
     monitor: Monitors = None,
+    public_url: PublicUrl = None,
 ) -> None:
     """Show a plant, its loops and dropped records as a page in the browser, on this machine only.
 
@@ -57,7 +61,8 @@ def serve(
     Ctrl-C ends it, with exit code 0.
     """
     try:
-        _serve(sources or [], store, _door(bind, port, token_file), open_browser, read_only, keep, tuple(monitor or ()))
+        door = _door(bind, port, token_file, public_url)
+        _serve(sources or [], store, door, open_browser, read_only, keep, tuple(monitor or ()))
     except LostMotionError as error:
         from lostmotion.cli.failure import say_error
 
@@ -122,10 +127,13 @@ def _check(store: str) -> None:
         pass
 
 
-def _door(bind: str, port: int, token_file: Path | None) -> Door:
+def _door(bind: str, port: int, token_file: Path | None, public_url: str | None) -> Door:
     _need_packages()
-    from lostmotion.web.server.serve import Door, is_local
+    from lostmotion.web.server.serve import Door, is_local, public_origin
 
+    public = None if public_url is None else public_origin(public_url)
+    if public is not None and token_file is None:
+        raise ParameterError.expected("--token-file for a page that others reach", "none", "make one")
     if token_file is None and not is_local(bind):
         raise ParameterError.expected(
             f"--token-file for {bind}, which other machines reach", "none", "make one, or leave --bind out"
@@ -137,7 +145,7 @@ def _door(bind: str, port: int, token_file: Path | None) -> Door:
             "with TLS.",
             err=True,
         )
-    return Door(bind, port, None if token_file is None else _token(token_file))
+    return Door(bind, port, None if token_file is None else _token(token_file), public)
 
 
 def _token(path: Path) -> str:

@@ -17,7 +17,7 @@ from lostmotion.html_table import html_list, html_panel, html_table
 from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report import diagnosis_text, fit_text, pooled_text, recursive_text, solution_text, study_text
-from lostmotion.report.digits import bracketed, digits, plain, span
+from lostmotion.report.digits import bracketed, digits, plain, signed, span
 from lostmotion.report.facts_text import found_in
 
 PARAMETERS = ("", "estimate", "std. error", "95 % interval", "")
@@ -88,7 +88,7 @@ def _size(size: float) -> str:
 
 def _evidence(item: Item) -> tuple[str, str, str, str]:
     name, meaning = LABEL.get(item.name, (item.name, item.meaning))
-    return name, f"{item.value:.2f}", diagnosis_text.signed(item.weight), meaning
+    return name, f"{item.value:.2f}", signed(item.weight), meaning
 
 
 def pooled_html(found: PooledDiagnosis) -> str:

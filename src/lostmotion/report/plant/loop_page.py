@@ -23,6 +23,7 @@ from lostmotion.report.plant.svg.trend_chart import trend_charts, trend_table
 from lostmotion.report.plant.words import (
     LETTER,
     NO_ANSWER,
+    beside_fit,
     headline,
     next_command,
     number_words,
@@ -45,6 +46,7 @@ class LoopPage:
     tag: str
     headline: str
     where_from: str
+    beside_fit: str
     label: str
     letter: str
     review: str
@@ -86,6 +88,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         tag=row.tag,
         headline=headline(row),
         where_from=where_from(row),
+        beside_fit=beside_fit(row),
         label=row.label,
         letter=LETTER.get(row.label, "?"),
         review=view.review,

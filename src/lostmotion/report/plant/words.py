@@ -114,6 +114,26 @@ def where_from(row: AssessmentRow) -> str:
     return KIND.get(row.kind, "")
 
 
+def beside_fit(row: AssessmentRow) -> str:
+    """Why a good fit does not contradict a verdict of "cannot tell"; empty where there are not both.
+
+    Examples
+    --------
+    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, stage=Stage.ASSESSED, status="OK", probability=0.48)
+    >>> "neither shown nor excluded: its probability is 48 %" in beside_fit(row)
+    True
+    """
+    if row.verdict != "cannot tell" or row.status != "OK" or row.stage is not Stage.ASSESSED:
+        return ""
+    known = "" if row.probability is None else f": its probability is {probability(row.probability)}"
+    open_ = "the evidence lacks what is said above" if row.why else f"a fault is neither shown nor excluded{known}"
+    return (
+        "The fit is OK, and does not contradict this: it says how well its model follows PV, and its sizes and their "
+        "intervals hold if that model is true. The verdict asks whether the actuator is at fault, and weighs all that "
+        f"the record shows, the fit among it; here {open_}. Take the sizes of the fit as a suspicion, not as a finding."
+    )
+
+
 def seconds_words(seconds: float) -> str:
     """Length of time.
 

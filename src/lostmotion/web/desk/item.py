@@ -67,7 +67,7 @@ class Item:
 
     @property
     def record_path(self) -> Path | None:
-        """Folder of the record that was read (:mod:`lostmotion.web.desk.kept_record`); None: not yet."""
+        """Folder of the record that was read (:mod:`lostmotion.web.kept_record`); None: not yet."""
         folder = self.folder / RECORD
         return folder if folder.is_dir() else None
 

@@ -141,7 +141,7 @@ def routes(page: Page) -> list[Route]:
         mine = board(page.monitors)
         if mine.full:
             return told(page, request, 503, "Too many listeners", f"At most {MOST_CLIENTS} can listen at once.")
-        return StreamingResponse(mine.news(), media_type="text/event-stream")
+        return StreamingResponse(mine.news(), media_type="text/event-stream", headers={"x-accel-buffering": "no"})
 
     return [Route("/monitors", monitors), Route("/monitors/events", events), Route("/api/v1/monitors", as_json)]
 

@@ -48,19 +48,25 @@ class Guard:
         Refuse every request that changes something.
     once : bool
         Whether the address is used up by the first browser; False: for everybody who was given the token.
+    public : str, optional
+        Origin under which a proxy that ends TLS shows the page, as "https://valves.example". Changes are then taken
+        from it alone, and the cookie is for it alone. No header of a proxy is believed: anybody can send them.
     """
 
     def __init__(
-        self, app: App, token: str, hosts: Iterable[str], read_only: bool = False, *, once: bool = True
-    ) -> None:
+        self, app: App, token: str, hosts: Iterable[str], read_only: bool = False, *, once: bool = True,
+        public: str | None = None,
+    ) -> None:  # fmt: skip
         self._app = app
         self._token = token
         self._hosts = {host.lower() for host in hosts}
         self._read_only = read_only
         self._once = once
+        self._public = public
         self._session = secrets.token_urlsafe(32)
         self._spent = False
-        self.cookie = "lostmotion_" + "".join(sign for sign in min(self._hosts, default="") if sign.isalnum())
+        name = "lostmotion_" + "".join(sign for sign in min(self._hosts, default="") if sign.isalnum())
+        self.cookie = name if public is None else f"__Host-{name}"  # no neighbouring name can set one that is called so
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or have it answered."""
@@ -87,7 +93,8 @@ class Guard:
         if self._read_only:
             return 403, "The page is read-only here."
         origin = headers.get("origin")
-        same = origin is not None and origin.lower() in {f"{scope['scheme']}://{host}" for host in self._hosts}
+        own = {self._public} if self._public is not None else {f"{scope['scheme']}://{host}" for host in self._hosts}
+        same = origin is not None and origin.lower() in own
         if not same and not (origin is None and self._bears(headers)):
             return 403, "Refused: the request comes from another page."
         return None
@@ -125,7 +132,7 @@ class Guard:
             return
         where = _where(scope, fields)
         cookie = f"{self.cookie}={self._session}; HttpOnly; SameSite=Strict; Path=/"
-        secure = "; Secure" if scope["scheme"] == "https" else ""
+        secure = "; Secure" if self._public is not None or scope["scheme"] == "https" else ""
         if _by_itself(headers):
             await _answer(send, 303, "", {"location": where, "set-cookie": cookie + secure})
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 import signal
 import socket
@@ -10,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 from typing import Any
+from urllib.parse import urlsplit
 
 import uvicorn
 
@@ -24,6 +26,7 @@ HEAD_BYTES = 32_768  # of a request before its body
 KEEP_ALIVE = 5  # s
 LAST = 5  # s in which answers may end once the page is stopped
 MOST_CONNECTIONS = 200
+NAME = re.compile(r"(?!-)[a-z0-9-]+(?:\.[a-z0-9-]+)*")  # of a public address
 LOCAL = ("127.0.0.1", "::1", "localhost")
 STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name))
 
@@ -40,11 +43,14 @@ class Door:
         0: one that is free.
     token : str, optional
         None: one is made, for one browser and for programs. Given: for everybody who has it.
+    public : str, optional
+        Of :func:`public_origin`: a proxy that ends TLS shows the page there, and only there it answers.
     """
 
     address: str = LOCAL[0]
     port: int = 0
     token: str | None = None
+    public: str | None = None
 
 
 def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
@@ -63,10 +69,11 @@ def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
         The port is taken, or the address is none of this machine.
     """
     with _bound(door) as bound:
-        hosts = names(door.address, bound.getsockname()[1])
+        hosts = names(door.address, bound.getsockname()[1]) if door.public is None else public_names(door.public)
         token = door.token or secrets.token_urlsafe(32)
-        guarded = Guard(create_app(page), token, hosts, page.read_only, once=door.token is None)
-        server = _Server(_config(Patience(guarded)), lambda: ready(f"http://{hosts[0]}/?token={token}"))
+        guarded = Guard(create_app(page), token, hosts, page.read_only, once=door.token is None, public=door.public)
+        shown = door.public or f"http://{hosts[0]}"
+        server = _Server(_config(Patience(guarded)), lambda: ready(f"{shown}/?token={token}"))
         server.run([bound])
 
 
@@ -90,6 +97,46 @@ def names(address: str, port: int) -> list[str]:
     known += ["127.0.0.1"] if everywhere else []
     ported = [f"{name}:{port}" for name in dict.fromkeys(known)]
     return ported + [name.rpartition(":")[0] for name in ported if port == 80]  # browsers leave the usual one out
+
+
+def public_origin(given: str) -> str:
+    """Origin of an address at which a proxy shows the page, as a browser says it.
+
+    Raises
+    ------
+    ParameterError
+        It is none of https, holds more than a name and a port, or a name that no browser sends.
+
+    Examples
+    --------
+    >>> public_origin("https://Valves.example/"), public_origin("https://valves.example:8443")
+    ('https://valves.example', 'https://valves.example:8443')
+    """
+    try:
+        parts = urlsplit(given)
+        name, port = parts.hostname or "", parts.port
+    except ValueError:
+        parts, name, port = urlsplit(""), "", None
+    bare = not (parts.username or parts.password or parts.query or parts.fragment) and parts.path in ("", "/")
+    plain = parts.netloc.rpartition(":")[0] if port is not None else parts.netloc
+    if parts.scheme != "https" or not NAME.fullmatch(name) or plain.lower() != name or not bare:
+        raise ParameterError.expected(
+            "https://NAME or https://NAME:PORT as the public address", repr(given[:200]),
+            "give the page a name of its own, without a path; letters beyond a to z as xn--..",
+        )  # fmt: skip
+    return f"https://{name}" + (f":{port}" if port not in (None, 443) else "")
+
+
+def public_names(origin: str) -> list[str]:
+    """What a browser says as the host of a public address; a usual port may be said or not.
+
+    Examples
+    --------
+    >>> public_names("https://valves.example"), public_names("https://valves.example:8443")
+    (['valves.example', 'valves.example:443'], ['valves.example:8443'])
+    """
+    host = origin.removeprefix("https://")
+    return [host] if ":" in host else [host, f"{host}:443"]
 
 
 def _bracketed(address: str) -> str:

@@ -1,35 +1,23 @@
-"""Columns of a record as a page draws them: in memory, or kept in a folder and mapped from there."""
+"""Columns of a record as a page draws them, wherever they lie (:mod:`lostmotion.web.kept_record`)."""
 
 from __future__ import annotations
 
-import io
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.errors import DataError
-from lostmotion.files.schema import checked, each, group, number, or_null, parsed, row, text, whole
-from lostmotion.files.writer import Buffer, write_folder
 from lostmotion.records import LoopRecord
 from lostmotion.records.modes import rows_of
-from lostmotion.web.trend.pyramid import Pyramid, Rows, levels
+from lostmotion.web.trend.pyramid import Pyramid, Rows
 
 SIGNALS = ("sp", "pv", "op", "position")
 KINDS = ("missing", "manual", "at a limit")  # what a diagnosis does not use
-FACTS = "facts.json"
 MARGIN = 1e-3  # of the span: as near to its end OP is at a limit
 _TEXTS = ("tag", "source", "op_unit", "pv_unit")
-_SCHEMA = group(
-    rows=whole(2), dt=number(1e-9), start=or_null(text(40)), signals=each(text(20), len(SIGNALS)),
-    gap_seconds=each(number(), 1 << 24), op_span=or_null(row(number(), number())),
-    pv_span=or_null(row(number(), number())), **{name: text() for name in _TEXTS},
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -83,59 +71,6 @@ class Columns:
         return datetime.fromisoformat(start) + timedelta(seconds=at * self.dt + sum(lost[:behind]))
 
 
-def keep(record: LoopRecord, folder: Path) -> None:
-    """Write the columns of a record into a folder that is not there yet; it appears with all of them at once.
-
-    Raises
-    ------
-    FileAccessError
-        The folder cannot be made.
-    """
-    columns = Columns.of(record, blocks=True)
-    files: dict[str, Buffer] = {
-        FACTS: json.dumps(dict(columns.facts), allow_nan=False).encode(),
-        "gaps.npy": array_bytes(columns.gaps),
-    }
-    for name, pyramid in columns.signals.items():
-        files |= {f"{name}.{part}.npy": array_bytes(getattr(pyramid, part)) for part in ("values", "low", "high")}
-    files |= {f"{kind}.npy": array_bytes(columns.shaded.get(kind, np.empty((0, 2), np.int64))) for kind in KINDS}
-    write_folder(folder, files)
-
-
-def kept(folder: Path) -> Columns:
-    """Columns that were kept; the signals stay on the disk until they are drawn.
-
-    Raises
-    ------
-    DataError
-        They are not there, not whole, or no columns of a record.
-    """
-    try:
-        facts = checked(parsed((folder / FACTS).read_bytes()), _SCHEMA, "kept columns", "read the record again")
-        rows = facts["rows"]
-        blocks = sum(count for _, count in levels(rows))
-        signals = {
-            name: Pyramid(
-                _mapped(folder / f"{name}.values.npy", rows),
-                _mapped(folder / f"{name}.low.npy", blocks),
-                _mapped(folder / f"{name}.high.npy", blocks),
-            )
-            for name in SIGNALS
-            if name in facts["signals"]
-        }
-        shaded = {kind: _mapped(folder / f"{kind}.npy") for kind in KINDS}
-        return Columns(facts, signals, shaded, _mapped(folder / "gaps.npy"))
-    except (OSError, ValueError) as error:
-        raise DataError.expected("kept columns", str(error)[:200], "read the record again") from error
-
-
-def array_bytes(values: npt.NDArray[Any]) -> memoryview:
-    """An array as the bytes of an .npy file."""
-    stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.ascontiguousarray(values), allow_pickle=False)
-    return stream.getbuffer()
-
-
 def stretches(flags: npt.NDArray[np.bool_]) -> Rows:
     """First row and row behind the last of each stretch of True, shape (m, 2).
 
@@ -157,12 +92,4 @@ def _unused(record: LoopRecord) -> dict[str, Rows]:
         low, high = record.op_span
         margin = MARGIN * (high - low)
         found["at a limit"] = stretches((record.op <= low + margin) | (record.op >= high - margin))
-    return found
-
-
-def _mapped(path: Path, size: int | None = None) -> npt.NDArray[Any]:
-    """Array of a file; an empty one cannot be mapped."""
-    found: npt.NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
-    if size is not None and found.shape != (size,):
-        raise ValueError(f"{path.name} has the shape {found.shape}, not ({size},)")
     return found

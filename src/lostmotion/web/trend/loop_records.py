@@ -20,7 +20,7 @@ from lostmotion.files.writer import write_bytes
 from lostmotion.plant import PlantLoop, PlantSource, open_plant
 from lostmotion.plant.files_source import FilesSource
 from lostmotion.store.store import Store
-from lostmotion.web.trend.columns import keep
+from lostmotion.web.kept_record import keep_record
 from lostmotion.web.worker.work import limit
 
 AT_ONCE = 2  # readers
@@ -135,7 +135,7 @@ def read_again(read: Read, home: str) -> None:
             raise LostMotionError("there is no such loop in them any more")  # noqa: TRY301
         if isinstance(found[1], LostMotionError):
             raise found[1]
-        keep(found[1], Path(home) / read.name)
+        keep_record(Path(home) / read.name, found[1])
     except LostMotionError as error:
         write_bytes(Path(home) / f"{read.name}.txt", one_line(str(error)).encode(), force=True)
 

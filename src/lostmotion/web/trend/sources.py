@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +12,8 @@ from lostmotion.errors import DataError, FileAccessError
 from lostmotion.store.rows import AssessmentRow, TraceRow
 from lostmotion.store.run_rows import RunRow
 from lostmotion.store.store import Store
-from lostmotion.web.desk.kept_record import ABOUT, kept_record
-from lostmotion.web.trend.columns import Columns, keep, kept
+from lostmotion.web.kept_record import ABOUT, kept_columns
+from lostmotion.web.trend.columns import Columns
 from lostmotion.web.trend.loop_records import LoopRecords, Read
 from lostmotion.web.worker.jobs import OPEN
 
@@ -65,7 +64,7 @@ class Sources:
         self._page = page
         self._store: Store | None = None
         self._loops = LoopRecords()
-        self._opened: OrderedDict[Path, Columns] = OrderedDict()
+        self._opened: OrderedDict[tuple[Path, int], Columns] = OrderedDict()
         self._lock = threading.Lock()
 
     def of(self, key: str, run: int | None = None) -> Source | None:
@@ -86,10 +85,7 @@ class Sources:
             return Source(key, item.name, "gone", "No record was read from the file.")
         view = item.view
         row, trace = (None, None) if view is None else (view.row, view.trace)
-        stamp = (place / ABOUT).stat().st_mtime_ns
-        own = item.folder / f"columns-{stamp}"
-        columns = self._open(own, lambda: keep(kept_record(place), own))
-        return Source(key, item.name, "ready", columns=columns, row=row, trace=trace)
+        return Source(key, item.name, "ready", columns=self._open(place), row=row, trace=trace)
 
     def of_loop(self, made: RunRow, row: AssessmentRow, trace: TraceRow | None) -> Source:
         """Source of a loop of the plant that somebody has found already: its run, row and stored picture."""
@@ -115,18 +111,16 @@ class Sources:
         trace = next((one for one in traces if one.window_start == row.window_start), next(iter(traces), None))
         return self.of_loop(made, row, trace)
 
-    def _open(self, folder: Path, make: Callable[[], None] | None = None) -> Columns:
-        """Columns of a folder, which is made if it is not there."""
-        with self._lock:
-            if folder in self._opened:
-                self._opened.move_to_end(folder)
-                return self._opened[folder]
-            if make is not None and not folder.is_dir():
-                make()
-            try:
-                self._opened[folder] = kept(folder)
-            except DataError as error:
-                raise FileAccessError(f"{error}") from error
-            while len(self._opened) > OPENED:
-                self._opened.popitem(last=False)
-            return self._opened[folder]
+    def _open(self, folder: Path) -> Columns:
+        """Columns of a folder; it is opened anew where it was written anew."""
+        try:
+            name = folder, (folder / ABOUT).stat().st_mtime_ns
+            with self._lock:
+                if name not in self._opened:
+                    self._opened[name] = kept_columns(folder)
+                self._opened.move_to_end(name)
+                while len(self._opened) > OPENED:
+                    self._opened.popitem(last=False)
+                return self._opened[name]
+        except (OSError, DataError) as error:
+            raise FileAccessError(f"{error}") from error

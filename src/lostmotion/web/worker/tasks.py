@@ -32,8 +32,8 @@ from lostmotion.report.plant.of_diagnosis import diagnosis_view
 from lostmotion.report.plant.words import headline
 from lostmotion.report.solution_text import outcome
 from lostmotion.report.study_text import HEAD, ROWS, case_cells
-from lostmotion.web.desk.kept_record import keep_record, kept_record
 from lostmotion.web.desk.view_json import plain, view_to_json
+from lostmotion.web.kept_record import keep_record, kept_record
 from lostmotion.web.worker.looked import looked
 from lostmotion.web.worker.task import (
     BLOCK,
