@@ -23,7 +23,7 @@ SLOW_DOCTESTS = {
 PROCESSES = {
     "contract": "documentation every_message pages public_names scripts sizes startup writing",
     "e2e": "audit closed_output commands_of_batches demo_live demo_plant odd_words outside_tree page "
-    "page_attacks plant_shared refused_before_work report_in_browser several_files several_loops "
+    "page_attacks page_monitors plant_shared refused_before_work report_in_browser several_files several_loops "
     "shared_data_reads stopped_batches supervised_command supervised_machine",
     "live": "discover joined link live_command plant_file plc_link",
     "opcua": "asyncua_security node_opcua node_restart",

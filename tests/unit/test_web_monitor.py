@@ -206,13 +206,13 @@ def link(kind: str, message: str) -> dict[str, Any]:
 
 def test_each_loop_of_one_file_has_its_own_story(path: Path) -> None:
     write(path, link("connected", "Connected."), *({**START, "source": tag, "tag": tag} for tag in ("A", "B")))
-    write(path, live("A", 60, 1), live("B", 60, 1, width=5.0), {**event(61), "tag": "B"}, live("A", 120, 2, width=3.0))
+    write(path, live("A", 60, 1), live("B", 60, 1, width=5.0), {**event(61), "tag": "B"}, live("A", 120, 9, width=3.0))
     watched = Watched(str(path))
     one, other = watched.look()
     assert [(said.title, len(said.points), len(said.events)) for said in (one, other)] == [("A", 2, 0), ("B", 1, 1)]
     assert [said.numbers()[0][1] for said in (one, other)] == ["3.00", "5.00"]
     assert one.used == "120 samples, of these not learned from: 3 missing, 2 frozen"
-    assert [one.every, other.every] == [60.0, 60.0]
+    assert [one.every, other.every] == [480.0, 60.0]
     write(path, link("lost", "nobody is there"), {"tag": "A", "kind": "failed", "message": "The order is wrong."})
     one, other = watched.look()
     assert (one.status, other.status) == ("given up", "silent")
@@ -237,6 +237,7 @@ def test_only_loops_of_which_something_is_new_are_told(path: Path) -> None:
 
 def test_a_monitor_that_has_ended_is_silent(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(path, {**START, "tag": "A"}, live("A", 60, 1), live("A", 120, 2))
+    os.utime(path, (1772323320.0, 1772323320.0))
     clock = [0.0]
     monkeypatch.setattr(monitor_module.time, "time", lambda: clock[0])
     told = datetime(2026, 3, 1, 0, 2, tzinfo=UTC).timestamp()

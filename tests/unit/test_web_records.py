@@ -133,7 +133,7 @@ def test_a_foreign_or_damaged_folder_is_told(record: LoopRecord, tmp_path: Path,
         (folder / name).write_bytes(content)
     else:
         np.save(folder / name, np.array([1.0]) if content == "short" else np.array([{}], dtype=object))
-    with pytest.raises(DataError, match="a kept record"):
+    with pytest.raises(DataError, match="as it was kept"):
         kept_columns(folder)
 
 

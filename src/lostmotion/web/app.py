@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -23,6 +24,7 @@ from lostmotion.web.trend import pages as trend_pages
 
 PARTS = (plant_pages, file_pages, trend_pages, monitor_pages)
 STATIC = Path(__file__).with_name("static")
+BRIEFLY = {"cache-control": "private, max-age=60"}
 SAID = {
     404: ("Not found", "There is nothing at this address."),
     405: ("Not possible", "This address is not asked in this way."),
@@ -47,13 +49,23 @@ def create_app(page: Page) -> Starlette:
         return told(page, request, 500, "Something went wrong", "The page failed; where it was started it says why.")
 
     routes: list[BaseRoute] = [route for part in PARTS for route in part.routes(page)]
-    routes += [Route("/static/report.css", _style), Mount("/static", StaticFiles(directory=STATIC))]
+    routes += [Route("/static/report.css", _style), Mount("/static", _Static(directory=STATIC))]
     handlers = {HTTPException: refused, LostMotionError: wrong, Exception: failed}
     return Starlette(routes=routes, exception_handlers=handlers)
 
 
+class _Static(StaticFiles):
+    """Files of this package, which say nothing about a plant: a browser asks for them once a minute."""
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        """Its answer, kept for a moment."""
+        found = super().file_response(*args, **options)
+        found.headers.update(BRIEFLY)
+        return found
+
+
 def _style(request: Request) -> Response:  # noqa: ARG001  the signature of a route
-    return Response(_report_style(), media_type="text/css", headers={"cache-control": "private, max-age=60"})
+    return Response(_report_style(), media_type="text/css", headers=BRIEFLY)
 
 
 @cache

@@ -26,7 +26,7 @@ COLUMNS = ("op", "pv", "sp", "position", "mode")
 FACTS = ("dt", "tag", "source", "gaps", "notes", "loop_type", "made_up", "gap_seconds", "op_unit", "pv_unit")
 SPANS = ("op_span", "pv_span")
 ABOUT = "record.json"
-WHAT, REMEDY = "a kept record", "read the data again"
+WHAT, REMEDY = "a record as it was kept", "read the data again"
 DRAWN = group(  # what of ABOUT is drawn
     dt=number(1e-9), start=or_null(text(40)), columns=each(text(20), len(COLUMNS)), gaps=each(whole(), 1 << 24),
     gap_seconds=each(number(), 1 << 24), **dict.fromkeys(SPANS, or_null(row(number(), number()))),

@@ -66,10 +66,15 @@ class LoopLog:
         if len(self._points) > POINTS:
             self._points = self._points[::2]
 
-    def settle(self, by: float) -> None:
-        """Of lines that were there before anybody looked: the last report says when it was made, if in UTC."""
-        told = moment_of((self._report or {}).get("time"))
-        self.silence.heard = by if told is None else min(told, by)
+    @property
+    def told(self) -> float | None:
+        """When its last report was made by its own clock, s since 1970; None: it does not say so."""
+        return moment_of((self._report or {}).get("time"))
+
+    def settle(self, by: float, latest: float | None) -> None:
+        """Of lines that were there before anybody looked: the latest report of all was written `by` then."""
+        behind = 0.0 if self.told is None or latest is None else latest - self.told
+        self.silence.heard = by - behind
 
     def said(self, now: float, link: str = "", notes: tuple[Mapping[str, Any], ...] = (), **of_file: Any) -> Said:
         """What it says by now; `link` and `notes` are of the link that it shares with others."""

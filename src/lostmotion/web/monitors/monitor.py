@@ -115,8 +115,9 @@ class Lines:
                 self._offset += len(piece)
                 self._take(piece, facts.st_mtime)
         if first:
+            told = [log.told for log in self._logs.values() if log.told is not None]
             for log in self._logs.values():
-                log.settle(facts.st_mtime)
+                log.settle(facts.st_mtime, max(told, default=None))
 
     def _take(self, piece: bytes, by: float) -> None:
         *whole, self._rest = (self._rest + piece).split(b"\n")

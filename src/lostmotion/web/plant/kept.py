@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Hashable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, Generic, TypeVar
 
-from anyio import CapacityLimiter, to_thread
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -71,14 +72,14 @@ class Answers:
     def __init__(self, stamp: Callable[[], Hashable], settled: Callable[[Request], bool]) -> None:
         self._stamp, self._settled = stamp, settled
         self._kept: Kept[tuple[bytes, str, str]] = Kept(MOST_BYTES, lambda answer: len(answer[0]))
-        self._room = CapacityLimiter(AT_ONCE)
+        self._threads = ThreadPoolExecutor(AT_ONCE, "answers")
 
     def route(self, make: Callable[[Request], Response], *, keep: bool = True) -> Callable[[Request], Awaitable[Any]]:
         """The same question, made by few threads at a time and only where no answer is kept."""
         answer = partial(self._answer, make) if keep else make
 
         async def answered(request: Request) -> Response:
-            return await to_thread.run_sync(answer, request, limiter=self._room)
+            return await asyncio.get_running_loop().run_in_executor(self._threads, answer, request)
 
         return answered
 
