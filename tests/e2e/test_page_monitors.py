@@ -74,7 +74,7 @@ def said(served):
     return {(one["name"], one["tag"]): one for one in asked(served, "/api/v1/monitors").json()["monitors"]}
 
 
-def until(found, patience=90.0):
+def until(found, patience=240.0):
     """What is found in time."""
     ends = time.monotonic() + patience
     while not (last := found()):

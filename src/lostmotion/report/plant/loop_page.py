@@ -175,7 +175,7 @@ def _oscillation(view: LoopView) -> list[tuple[str, str]]:
         found = [
             ("Swings regularly", "yes" if regular else "no"),
             ("Period" if regular else "Strongest near", seconds_words(row.period)),
-            ("Regularity", f"{number_words(row.regularity)} (above 1: regular)"),
+            ("Regularity", _with(row.regularity, "(above 1: regular)")),
             ("Share of the variance", share_words(row.power)),
         ]
     if group is not None:
@@ -187,11 +187,16 @@ def _oscillation(view: LoopView) -> list[tuple[str, str]]:
 def _performance(row: AssessmentRow) -> list[tuple[str, str]]:
     return [
         ("Class", row.performance),
-        ("Harris index", f"{number_words(row.harris)} (1 is best)"),
-        ("Deviation of SP - PV", f"{number_words(row.variability)} % of the span of PV"),
-        ("Travel of OP", f"{number_words(row.travel)} % of span an hour"),
-        ("Turns of OP", f"{number_words(row.reversals)} an hour"),
+        ("Harris index", _with(row.harris, "(1 is best)")),
+        ("Deviation of SP - PV", _with(row.variability, "% of the span of PV")),
+        ("Travel of OP", _with(row.travel, "% of span an hour")),
+        ("Turns of OP", _with(row.reversals, "an hour")),
         ("Not in automatic", share_words(row.manual)),
         ("OP at a limit", share_words(row.limited)),
         ("Without good values", share_words(row.missing)),
     ]
+
+
+def _with(value: float | None, unit: str) -> str:
+    """A number with what it is of; nothing stands behind one that is not known."""
+    return NO_ANSWER if value is None else f"{number_words(value)} {unit}"
