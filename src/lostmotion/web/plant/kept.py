@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 AT_ONCE = 4  # answers that are made: more threads only take the interpreter from each other and from the server
-MOST_BYTES = 48_000_000  # of answers: some two hundred pages of a plant
+MOST_BYTES = 16_000_000  # of answers: some seventy pages of a plant
 
 Thing = TypeVar("Thing")
 

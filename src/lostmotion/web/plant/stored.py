@@ -19,7 +19,7 @@ from lostmotion.web.plant.overview import Overview
 from lostmotion.web.plant.query import Query
 
 KEPT = 3  # overviews: 26,000 loops are some 10 MB each
-LOOPS = 200  # of which it is kept what is said: some 100 kB each
+LOOPS = 100  # of which it is kept what is said: some 100 kB each
 YOUNG = 5.0  # s for which a run that is at work is not looked at again
 
 
