@@ -41,7 +41,7 @@ class Plant(threading.Thread):
         super().__init__(daemon=True)
         self.ready, self.go, self.end = (threading.Event() for _ in range(3))
         self.start()
-        assert self.ready.wait(60)
+        assert self.ready.wait(300)
 
     def run(self):
         asyncio.run(self._serve())

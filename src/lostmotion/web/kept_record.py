@@ -71,7 +71,7 @@ def kept_record(folder: Path) -> LoopRecord:
     """
     about = read_json(folder / ABOUT, WHAT, REMEDY)
     try:
-        columns = {name: _mapped(folder / f"{name}.npy") for name in about["columns"]}
+        columns: dict[str, Any] = {name: _mapped(folder / f"{name}.npy") for name in about["columns"]}
         known = {name: about[name] for name in FACTS}
         tuples = {name: tuple(known[name]) for name in ("gaps", "notes", "made_up", "gap_seconds")}
         spans = {name: None if about[name] is None else (about[name][0], about[name][1]) for name in SPANS}

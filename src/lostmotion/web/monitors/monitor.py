@@ -98,7 +98,7 @@ class Lines:
         if seen != self._seen:
             self._follow(facts)
             self._seen = seen
-        own = {"lines": self._lines, "bad": self._bad}
+        own: dict[str, Any] = {"lines": self._lines, "bad": self._bad}
         notes = tuple(reversed(self._notes))
         if self._logs:
             return tuple(log.said(now, self._link, notes, **own) for log in self._logs.values())

@@ -12,7 +12,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from lostmotion.web.monitors.monitor import Said, Watched
+from lostmotion.web.monitors.monitor import Watched
+from lostmotion.web.monitors.said import Said
 from lostmotion.web.monitors.svg import width_chart
 from lostmotion.web.page import Page, answer, told
 
@@ -130,7 +131,7 @@ def routes(page: Page) -> list[Route]:
         chosen = {number: one for number, one in said.items() if wanted in one.title.casefold()}
         first = dict(sorted(chosen.items(), key=lambda pair: _urgency(pair[1]))[:MOST_SHOWN])
         shown = [_shown(number, one) for number, one in chosen.items() if number in first]
-        context = {"text": wanted, "total": len(said), "chosen": len(chosen)}
+        context: dict[str, Any] = {"text": wanted, "total": len(said), "chosen": len(chosen)}
         return answer(page, request, "monitors.html.j2", monitors=shown, **context)
 
     def as_json(request: Request) -> Response:  # noqa: ARG001  the signature of a route
