@@ -76,9 +76,9 @@ def plain(value: Any) -> Any:
     kind = type(value)
     if kind in SIMPLE:
         return value
-    if kind is float:
+    if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if kind is tuple or kind is list:
+    if isinstance(value, list | tuple):
         return [plain(one) for one in value]
     if isinstance(value, datetime):
         return value.isoformat()
