@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-
 from lostmotion.identify.actuators.polish import FINE_RESTS, rested
 from lostmotion.identify.actuators.slip_draws import even_draws
 from lostmotion.identify.actuators.slip_likelihood import Pattern, Patterns, SlipLikelihood, shortened

@@ -24,7 +24,7 @@ SCANNED = (0.0, 0.8, 0.92, 0.97)  # of the best structure
 
 def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
     """The fit with the zero of the noise that its residual asks for, refined, where that pays."""
-    if asked.noise is not None:
+    if asked.noise is not None or asked.autoregressive:
         return fitted
     best = fitted
     for _ in range(ROUNDS):
@@ -38,7 +38,7 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
 
 def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
-    if asked.noise is not None:
+    if asked.noise is not None or asked.autoregressive:
         return fitted
     trials = (_recoloured(fitted, zero) for zero in SCANNED if zero != fitted.problem.structure.zero)
     return min([fitted, *(one for one in trials if one is not None)], key=per_row)

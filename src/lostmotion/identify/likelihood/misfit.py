@@ -127,4 +127,5 @@ def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
         return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
     s = fitted.problem.structure
     p_shape, share = shape(fitted)
-    return ResidualTests(whiteness(errors, s.noise_order + (s.zero != 0.0)), p_shape, share, shape(fitted, prewhitened=False)[1])
+    white = whiteness(errors, s.noise_order + (s.zero != 0.0))
+    return ResidualTests(white, p_shape, share, shape(fitted, prewhitened=False)[1])

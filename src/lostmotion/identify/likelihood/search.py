@@ -206,8 +206,9 @@ class _Search:
         Over all delays: the process beside another kind may be as wrong as that kind.
         """
         d = self._noise_like(near[0])
+        begun = [(*_from(one, eta)[:2], self._noise_like(one)) for one in near]
         starts = self._grid(self._internal(eta), d, self.delays)
-        return [(*_from(one, eta)[:2], self._noise_like(one)) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
+        return begun + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
 
     def _noise_like(self, fitted: Fitted) -> FloatArray:
         """Noise of another fit as an autoregression, which rough fits have."""
