@@ -202,7 +202,7 @@ class Problem:
         return found
 
     def internal(self, theta: FloatArray) -> Inner:
-        """Internal variable x (n,) and dx/deta (m, n) as the likelihood sees them; not for the sizes of known courses."""
+        """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
         x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
         self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
         return self.smoothed(x), self.smoothed(dx)
