@@ -2,8 +2,9 @@
 
 Two logistic regressions on simulated loops, of valves that stick and of the other faults, each against sound loops, say
 what each piece of evidence is worth where the model is right. A real loop is worse than its model, and how much less
-its evidence is worth is one number, a discount on the evidence of sticking, learned from labelled real loops; every physical loop counts once, however many runs of it there are. No label of a real loop names a dead
-zone or counts the healthy ones among those that saturate, so the weights of these two remain those of simulated loops.
+its evidence is worth is one number, a discount on the evidence of sticking, learned from labelled real loops; every
+physical loop counts once, however many runs of it there are. No label of a real loop names a dead zone or counts the
+healthy ones among those that saturate, so the weights of these two remain those of simulated loops.
 """
 
 from __future__ import annotations
