@@ -110,7 +110,7 @@ def _noise(noise: NoiseModel | float | None) -> NoiseModel:
     if noise is None:
         remedy = "give the variance of PV at rest or a NoiseModel; without it no interval can be predicted"
         raise ParameterError.expected("the noise beside a model", None, remedy)
-    noise = noise if isinstance(noise, NoiseModel) else NoiseModel((), finite("noise variance", noise))
+    noise = noise.autoregression() if isinstance(noise, NoiseModel) else NoiseModel((), finite("noise variance", noise))
     if not noise.variance > 0:
         raise ParameterError.expected("noise variance > 0", noise.variance, "without noise every test is perfect")
     if noise.radius >= 1.0:

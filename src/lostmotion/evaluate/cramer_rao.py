@@ -73,7 +73,7 @@ def cramer_rao(
     zone = model.nonlinearity
     if not isinstance(zone, DeadZone):
         raise ParameterError.expected("a DeadZone actuator", type(zone).__name__, "other kinds have no bound yet")
-    noise = noise if isinstance(noise, NoiseModel) else NoiseModel((), noise)
+    noise = noise.autoregression() if isinstance(noise, NoiseModel) else NoiseModel((), noise)
     u = signal("u", u)
     d = np.array(noise.d)
     linear = _not_quite_integrating(model.linear).scaled(zone.right_slope)

@@ -38,7 +38,7 @@ def delay_margin(model: Hammerstein, u: FloatArray, noise: NoiseModel, clean: Fl
     >>> delay_margin(model, u, NoiseModel((), 0.01), model.simulate(u)) > 1000
     True
     """
-    zone, linear = model.nonlinearity, model.linear
+    zone, linear, noise = model.nonlinearity, model.linear, noise.autoregression()
     if not isinstance(zone, DeadZone):
         raise ParameterError.expected("a DeadZone actuator", type(zone).__name__, "other kinds have no margin yet")
     middle, level = float(np.mean(u)), float(np.mean(clean))  # deviations keep the numbers well scaled

@@ -16,11 +16,13 @@ class Chosen:
     na, nb, delay : int
         Orders, B having nb + 1 coefficients; delay in samples.
     noise_order : int
-        Of the AR noise.
+        Of its D(q).
     integrating : bool
         Whether A has a root at 1.
     loads : tuple of dict
         Swings ("period", in samples) and steps ("step_at", a row) of load.
+    noise_zero : float
+        Zero of the noise; 0: it is autoregressive.
     """
 
     na: int
@@ -29,6 +31,7 @@ class Chosen:
     noise_order: int
     integrating: bool = False
     loads: tuple[Mapping[str, float], ...] = ()
+    noise_zero: float = 0.0
 
     @property
     def periods(self) -> tuple[float, ...]:

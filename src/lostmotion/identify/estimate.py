@@ -54,7 +54,7 @@ def identify(
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
     The actuator is found by a global search over high-order ARX models, the whole model is then refined by
-    maximum likelihood with an autoregressive noise model. No start values are needed.
+    maximum likelihood with coloured noise. No start values are needed.
 
     Parameters
     ----------
@@ -74,7 +74,8 @@ def identify(
         Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
         and delays from 1.
     noise : "auto", "white" or int
-        Order of the AR noise at the output; "white" is the Output Error model of the paper.
+        Order of the AR noise at the output; "white" is the Output Error model of the paper. "auto" chooses the order,
+        and a zero beside it where the noise asks for one: drift behind fast noise does.
     gain : float, optional
         Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
         and the product stays in the linear part. Only a dead zone has slopes; other kinds ignore it.
@@ -123,9 +124,10 @@ def identify(
 def identify_alone(
     records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
 ) -> HammersteinFit:
-    """A kind without a look at the others, from records as they are: for estimators that follow this kind."""
+    """A kind without a look at the others, and AR noise, from records as they are: for estimators that follow this."""
     asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
-    return replace(asked_for, compared=False).run()
+    asked = replace(asked_for.asked, autoregressive=True)
+    return replace(asked_for, asked=asked, compared=False).run()
 
 
 def _asked_for(
@@ -256,7 +258,7 @@ class _Identification:
         return HammersteinFit(
             status=status,
             model=_model(named.values, fitted, data),
-            noise=NoiseModel(tuple(fitted.parts.d), fitted.variance * scaling.y_scale**2),
+            noise=_noise_model(fitted, scaling),
             parameters=named.values,
             covariance=covariance,
             residuals=np.concatenate(errors) * scaling.y_scale,
@@ -275,7 +277,12 @@ class _Identification:
 def _chosen(fitted: Fitted) -> Chosen:
     s, loads = fitted.problem.structure, fitted.problem.family.loads
     events = () if loads is None else tuple(event.to_dict() for event in loads.events)
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events)
+    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero)
+
+
+def _noise_model(fitted: Fitted, scaling: Scaling) -> NoiseModel:
+    variance = fitted.variance * scaling.y_scale**2
+    return NoiseModel(tuple(fitted.parts.d), variance, fitted.problem.structure.zero)
 
 
 def _model(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:

@@ -159,4 +159,4 @@ class NamedEstimate:
 
     @property
     def _predictor(self) -> Predictor:
-        return Predictor(self.model, self.noise or NoiseModel(), self.parameters.get("load"))
+        return Predictor(self.model, (self.noise or NoiseModel()).autoregression(), self.parameters.get("load"))

@@ -94,10 +94,11 @@ def _actuator(data: Any) -> Nonlinearity:
 
 
 def _chosen(saved: Fields) -> Chosen:
-    """Structure; older files have no loads."""
+    """Structure; older files have no loads, and noise without a zero."""
     loads = saved.made("loads", "a list of loads", _loads) if "loads" in saved else ()
     na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
-    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads)
+    zero = saved.number("noise_zero") if "noise_zero" in saved else 0.0
+    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads, zero)
 
 
 def _loads(rows: object) -> tuple[Mapping[str, float], ...]:
@@ -114,7 +115,8 @@ def _load(row: object) -> Mapping[str, float]:
 
 def _noise(saved: Fields) -> NoiseModel:
     d = saved.numbers("d")
-    return saved.made("variance", "a variance", lambda value: NoiseModel(d, as_number(value)))
+    zero = saved.number("zero") if "zero" in saved else 0.0
+    return saved.made("variance", "a variance", lambda value: NoiseModel(d, as_number(value), zero))
 
 
 def _parameters(saved: Fields) -> dict[str, float]:

@@ -1,7 +1,8 @@
-"""Noise at the output: white noise through 1/D(q)."""
+"""Noise at the output: white noise through C(q)/D(q)."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +11,12 @@ import numpy as np
 from lostmotion.arguments import coefficients, finite
 from lostmotion.errors import ParameterError
 
+LEFT, MOST_LAGS = 0.01, 60  # of a zero as an autoregression
+
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """Autoregressive noise ``v(k) = e(k) - d1 v(k-1) - .. - dp v(k-p)``.
+    """Noise ``v(k) = e(k) - c e(k-1) - d1 v(k-1) - .. - dp v(k-p)``, autoregressive where c = 0.
 
     Parameters
     ----------
@@ -21,16 +24,22 @@ class NoiseModel:
         d1 .. dp; empty for white noise (the paper's Output Error case).
     variance : float
         Variance of the white e, in units of y squared.
+    zero : float
+        c in [0, 1): slow drift behind fast noise has one.
     """
 
     d: tuple[float, ...] = ()
     variance: float = 0.0
+    zero: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "d", coefficients("d", self.d))
         object.__setattr__(self, "variance", finite("variance", self.variance))
         if self.variance < 0:
             raise ParameterError.expected("variance >= 0", self.variance, "give the square of the deviation")
+        object.__setattr__(self, "zero", finite("zero", self.zero))
+        if not 0.0 <= self.zero < 1.0:
+            raise ParameterError.expected("a zero in [0, 1)", self.zero, "0 is autoregressive noise")
 
     @property
     def order(self) -> int:
@@ -50,4 +59,21 @@ class NoiseModel:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""
-        return {"d": list(self.d), "variance": self.variance}
+        zero = {"zero": self.zero} if self.zero else {}
+        return {"d": list(self.d), "variance": self.variance, **zero}
+
+    def autoregression(self, most: int = MOST_LAGS) -> NoiseModel:
+        """The same noise without a zero, by a long D that is cut off where a hundredth is left, or at `most` lags.
+
+        Examples
+        --------
+        >>> NoiseModel([-0.9], 1.0, zero=0.5).autoregression().d[:3]
+        (-0.4, -0.2, -0.1)
+        """
+        if self.zero == 0.0:
+            return self
+        lags = max(min(self.order + math.ceil(math.log(LEFT) / math.log(self.zero)), most), self.order)
+        whole = [1.0, *self.d, *[0.0] * (lags - self.order)]
+        for lag in range(1, lags + 1):
+            whole[lag] += self.zero * whole[lag - 1]
+        return NoiseModel(tuple(whole[1:]), self.variance)

@@ -7,6 +7,7 @@ from typing import Any
 from lostmotion.compensate.gate import Said, pass_dead_zone
 from lostmotion.errors import ParameterError
 from lostmotion.identify import RatedEstimate
+from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS
 
 WAY_OUT = (
     "no other kind is watched yet: identify a new record from time to time, `lostmotion identify FILE --out NEW.json`, "
@@ -42,7 +43,7 @@ def settings_from_fit(
     accepted = pass_dead_zone(facts, diagnosis, accept, WAY_OUT)
     linear = facts.linear
     orders = {"na": len(linear.a), "nb": len(linear.b) - 1, "delay": linear.delay}
-    return {**orders, "noise": facts.noise.order, "gain": facts.known_gain}, accepted
+    return {**orders, "noise": facts.noise.autoregression(MOST_NOISE_LAGS).order, "gain": facts.known_gain}, accepted
 
 
 def watched_model(

@@ -9,6 +9,7 @@ import numpy as np
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
+from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report.digits import bracketed, digits, span
@@ -214,10 +215,17 @@ def dynamics(fit: HammersteinFit) -> str:
         f"Linear part{' (integrating)' if chosen.integrating else ''}: na = {chosen.na}, nb = {chosen.nb}, "
         f"delay {chosen.delay} samples "
         f"({chosen.delay * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
-        f"Noise: {'white' if chosen.noise_order == 0 else 'AR of order ' + str(chosen.noise_order)}, "
+        f"Noise: {_noise_words(chosen)}, "
         f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}{bracketed(fit.data.pv_unit)}. "
         f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV{_below_zero(fit)}."
     )
+
+
+def _noise_words(chosen: Chosen) -> str:
+    """Its model."""
+    if chosen.noise_zero:
+        return f"ARMA of order ({chosen.noise_order}, 1), zero at {chosen.noise_zero:g}"
+    return "white" if chosen.noise_order == 0 else f"AR of order {chosen.noise_order}"
 
 
 def _below_zero(fit: HammersteinFit) -> str:

@@ -86,7 +86,8 @@ class BacklashKind(Kind):
     def met(self, fitted: Fitted) -> bool:
         """The play is taken up in one direction, in the other, and again."""
         problem = fitted.problem
-        x = problem.internal(fitted.fit.theta)[0]
+        x = np.empty(problem.u.size)
+        problem.family.path(fitted.actuator, problem.u, x)
         turns = 0
         for start, stop in problem.segments.tolist():
             moves = np.sign(np.diff(x[start:stop]))

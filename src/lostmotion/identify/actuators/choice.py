@@ -141,7 +141,7 @@ def _confidence(ahead: float) -> float:
 def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
     """Log predictive density of every row that is left out once; a record too short for that says 0."""
     s = fitted.problem.structure
-    structure = Structure(s.na, s.nb, s.delay, s.noise_order, max(start, s.delay + s.noise_order), s.integrating)
+    structure = replace(s, start=max(start, s.delay + s.noise_order))
     pieces = _pieces(data.segments, structure.start + FEWEST)
     found = []
     for fold in range(FOLDS):

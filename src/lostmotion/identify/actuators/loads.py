@@ -37,7 +37,7 @@ from lostmotion.identify.likelihood.parameters import information_inverse
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.scaled import ScaledData
-from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.likelihood import add_lagged, all_pole
 from lostmotion.kernels.linear import simulate
 
 COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, search for its time included
@@ -86,7 +86,7 @@ def loaded(fitted: Fitted, y: FloatArray, loads: Loads, sizes: FloatArray) -> Fi
 
 def _with_noise_left(problem: Problem, theta: FloatArray) -> FloatArray:
     """The vector with the noise model of what it leaves of PV, of the same order."""
-    models, _, _ = autoregressions(problem.output_residual(theta), problem.structure.noise_order)
+    models, _, _ = autoregressions(problem.coloured_residual(theta), problem.structure.noise_order)
     if models[-1].size != problem.structure.noise_order:
         return theta
     moved = theta.copy()
@@ -312,10 +312,12 @@ class _Errors:
 
     def _filtered(self, course: FloatArray) -> FloatArray:
         """Through process and noise model, from rest."""
-        parts, delay = self.fitted.parts, self.fitted.problem.structure.delay
-        z = simulate(parts.a, parts.b, delay, course)
+        parts, problem = self.fitted.parts, self.fitted.problem
+        z = simulate(parts.a, parts.b, problem.structure.delay, course)
         result = z.copy()
         add_lagged(parts.d, z[:-1], result[1:])
+        if problem.structure.zero != 0.0:
+            all_pole(np.array([-problem.structure.zero]), result.copy(), result)
         return result
 
 

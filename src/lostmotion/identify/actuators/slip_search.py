@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.polish import FINE_RESTS, rested
 from lostmotion.identify.actuators.slip_draws import even_draws
 from lostmotion.identify.actuators.slip_likelihood import Pattern, Patterns, SlipLikelihood, shortened
 from lostmotion.identify.actuators.stiction_family import LARGEST_JUMP, own
+from lostmotion.identify.likelihood.coloured import as_autoregression
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
@@ -42,6 +44,17 @@ Intervals = dict[str, tuple[float, float]]
 
 def slipped(fitted: Fitted) -> Fitted:
     """The best pattern that is met about a fit of stiction, of either model, and everything refined with it."""
+    if fitted.problem.structure.zero == 0.0:
+        return _slipped(fitted)
+    found = _slipped(as_autoregression(fitted))
+    theta = fitted.fit.theta.copy()
+    at = fitted.problem.eta_at
+    theta[at : at + 2] = found.actuator
+    moved = _at(replace(fitted, problem=replace(fitted.problem, family=found.problem.family)), theta)
+    return min(fitted, moved, key=lambda one: one.fit.cost)
+
+
+def _slipped(fitted: Fitted) -> Fitted:
     for step in range(ROUNDS):
         better = min(_better(fitted, wide=step == 0), key=lambda one: one.fit.cost, default=None)
         if better is None or not better.fit.cost < fitted.fit.cost:
@@ -134,13 +147,19 @@ def _refined(fitted: Fitted, family: Family, place: Pattern) -> Fitted:
     theta = fitted.fit.theta.copy()
     at = problem.eta_at
     theta[at : at + 2] = place.eta
+    return _at(replace(fitted, problem=problem), theta)
+
+
+def _at(fitted: Fitted, theta: FloatArray) -> Fitted:
+    """Refined from a vector, first with the valve held."""
+    problem = fitted.problem
     first = refine(problem, theta, problem.free_but(problem.own, fitted.basis), most_steps=STEPS, tied=True)
-    return replace(fitted, problem=problem, fit=refine(problem, first.theta, fitted.basis))
+    return replace(fitted, fit=refine(problem, first.theta, fitted.basis))
 
 
 def _likelihood(fitted: Fitted, model: int | None = None) -> SlipLikelihood:
     family = own(fitted.problem.family)
-    fitted = shortened(fitted, MOST_ROWS)
+    fitted = shortened(as_autoregression(fitted), MOST_ROWS)
     return SlipLikelihood(fitted, family.code if model is None else model, family.widest, LARGEST_JUMP)
 
 

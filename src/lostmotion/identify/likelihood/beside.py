@@ -43,7 +43,7 @@ class Beside:
     def _courses(self) -> FloatArray:
         """Courses (m, n) of these."""
         problem = self.problem
-        shapes = problem.family.courses(problem.u.size)
+        shapes = problem.courses
         return np.vstack([np.ones((1, problem.u.size)), shapes]) if problem.family.load else shapes
 
     @cached_property
@@ -83,7 +83,7 @@ class Beside:
         states = parts.initial.reshape(len(problem.segments), s.initial)
         for (start, stop), state in zip(problem.segments.tolist(), states, strict=True):
             head = start + s.first
-            respond(np.zeros(0), parts.d, problem.y[head:stop] - parts.offset, found[head:stop])
+            respond(np.zeros(0), parts.d, problem.target[head:stop] - parts.offset, found[head:stop])
             found[head:stop] -= state @ self._initial[:, head:stop]
         return found
 
@@ -114,6 +114,7 @@ class Beside:
         theta[problem.eta_at : moving.start] = problem.family.valid(own)
         alone = np.empty(problem.u.size)
         problem.family.path(theta[problem.eta_at : moving.start], problem.u, alone)
+        alone = problem.smoothed(alone)
         x = self._with_courses(alone, theta)
         hessian, gradient = self._normal(x)
         moved = theta.copy()

@@ -13,8 +13,9 @@ SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
 
 def cost_of_parameters(fitted: Fitted, rows: int) -> float:
     """What the parameters cost: log n each (BIC); noise coefficients as where their number is chosen (Akaike)."""
-    p = fitted.problem.structure.noise_order
-    return float((fitted.parameters - p) * math.log(rows) + PENALTY * p)
+    s = fitted.problem.structure
+    p = s.noise_order
+    return float((fitted.parameters - p) * math.log(rows) + PENALTY * (p + (s.zero != 0.0)))
 
 
 def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:

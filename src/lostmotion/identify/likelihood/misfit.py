@@ -87,12 +87,15 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
         np.maximum(problem.u - knot, 0.0, out=dx[row])
     for row, edge in enumerate(jumps, first_new + len(knots)):
         dx[row] = problem.u > edge
+    courses, y = problem.family.courses(problem.u.size), problem.y
+    if prewhitened:
+        x, dx, courses, y = problem.smoothed(x), problem.smoothed(dx), problem.courses, problem.target
     at = problem.eta_at + first_new
     longer = np.concatenate([theta[:at], np.zeros(added), theta[at:]])
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
     cost = normal_equations(
         longer, s.na, s.nb, eta.size + added, order, s.delay, first, problem.segments, x, dx,
-        problem.family.courses(problem.u.size), problem.y, hessian, gradient,
+        courses, y, hessian, gradient,
     )  # fmt: skip
     index = np.arange(longer.size)
     new = (index >= at) & (index < at + added)
@@ -124,4 +127,5 @@ def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
         return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
     s = fitted.problem.structure
     p_shape, share = shape(fitted)
-    return ResidualTests(whiteness(errors, s.noise_order), p_shape, share, shape(fitted, prewhitened=False)[1])
+    white = whiteness(errors, s.noise_order + (s.zero != 0.0))
+    return ResidualTests(white, p_shape, share, shape(fitted, prewhitened=False)[1])

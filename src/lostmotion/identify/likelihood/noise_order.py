@@ -6,9 +6,12 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.products import add_products
+from lostmotion.kernels.smoothed import smooth
 
 MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
+# c of (1 - c q^-1): slow drift behind fast noise has one, which an AR of any order that a record carries cuts off
+ZEROS = (0.0, 0.5, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985)
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 
 
@@ -40,6 +43,36 @@ def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: floa
         return models[0]
     score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
     return models[int(np.argmin(score))]
+
+
+def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
+    """Coefficients d of the noise D(q) v = (1 - c q^-1) e that an information criterion prefers, with c = zero."""
+    return _best([_through(part, zero) for part in v], most)[1]
+
+
+def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
+    """The c of ZEROS that an information criterion prefers; 0 where none pays."""
+    scores = [_best([_through(part, zero) for part in v], most)[0] + PENALTY * (zero != 0.0) for zero in ZEROS]
+    return ZEROS[int(np.argmin(scores))]
+
+
+def _best(v: list[FloatArray], most: int) -> tuple[float, FloatArray]:
+    """Information criterion and coefficients of the best autoregression."""
+    models, variances, rows = autoregressions(v, most)
+    if variances[0] < ROUNDING:
+        return -np.inf, models[0]
+    score = rows * np.log(np.maximum(variances, 1e-300)) + PENALTY * np.arange(len(models))
+    best = int(np.argmin(score))
+    return float(score[best]), models[best]
+
+
+def _through(v: FloatArray, zero: float) -> FloatArray:
+    """One over the zero, 1 / (1 - c q^-1), as if the first value had always been there."""
+    if zero == 0.0 or not v.size:
+        return v
+    seen = np.empty(v.size)
+    smooth(np.ascontiguousarray(v), zero, np.array([[0, v.size]]), seen)
+    return seen / (1.0 - zero)
 
 
 def without_mode(v: FloatArray, decay: float) -> FloatArray:

@@ -15,6 +15,7 @@ from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
+from lostmotion.kernels.smoothed import roughen, smooth
 from lostmotion.kernels.squared_errors import squared_errors
 
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
@@ -34,6 +35,7 @@ class Structure:
     noise_order: int
     start: int  # rows skipped at the head of each segment, >= delay + noise_order; equal where fits are compared
     integrating: bool = False  # A has a root at 1: A(1) = 0; the level is an initial state, no offset
+    zero: float = 0.0  # c of the noise D(q) v = (1 - c q^-1) e; it is held
 
     @property
     def first(self) -> int:
@@ -153,12 +155,15 @@ class Problem:
     def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
         x, dx = inner
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        cost = normal_equations(theta, *self._layout, x, dx, self._courses, self.y, hessian, gradient)
-        return float(cost), gradient, hessian
+        cost = normal_equations(theta, *self._layout, x, dx, self.courses, self.target, hessian, gradient)
+        if self.structure.zero == 0.0:
+            return float(cost), gradient, hessian
+        scale = self.sharpness**2
+        return scale * float(cost), scale * gradient, scale * hessian
 
     def squares(self, theta: FloatArray, x: FloatArray) -> float:
-        """Sum of squared errors alone, for the internal variable x (n,)."""
-        return float(squared_errors(theta, *self._layout, x, self.y))
+        """Sum of squared errors alone, for the internal variable x (n,), smoothed as ``internal`` gives it."""
+        return self.sharpness**2 * float(squared_errors(theta, *self._layout, x, self.target))
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
@@ -171,18 +176,49 @@ class Problem:
         s = self.structure
         return s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first, self.segments
 
+    @cached_property
+    def target(self) -> FloatArray:
+        """PV as the likelihood sees it, through the zero of the noise, (n,)."""
+        return self.smoothed(self.y)
+
+    @cached_property
+    def courses(self) -> FloatArray:
+        """Known courses seen the same way, (m, n)."""
+        return self.smoothed(self.family.courses(self.u.size))
+
     @property
-    def _courses(self) -> FloatArray:
-        return self.family.courses(self.u.size)
+    def sharpness(self) -> float:
+        """What a prediction error is more than that of the smoothed signals."""
+        return 1.0 / (1.0 - self.structure.zero)
+
+    def smoothed(self, signals: FloatArray) -> FloatArray:
+        """One signal (n,) or several (m, n) through the zero of the noise; themselves where it has none."""
+        zero = self.structure.zero
+        if zero == 0.0:
+            return signals
+        found = np.zeros(signals.shape)
+        for signal, out in zip(np.atleast_2d(signals), np.atleast_2d(found), strict=True):
+            smooth(signal, zero, self.segments, out)
+        return found
 
     def internal(self, theta: FloatArray) -> Inner:
-        """Internal variable x (n,) and dx/deta (m, n), but for the sizes of known courses."""
+        """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
         x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
         self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
-        return x, dx
+        return self.smoothed(x), self.smoothed(dx)
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
+        s = self.structure
+        simulated, errors = self._predicted(theta)
+        if s.zero == 0.0:
+            return simulated, errors
+        rows = [slice(start + s.first, stop) for start, stop in self.segments.tolist()]
+        left = [roughen(self.target[at] - z, s.zero) for at, z in zip(rows, simulated, strict=True)]
+        return [self.y[at] - v for at, v in zip(rows, left, strict=True)], [self.sharpness * e for e in errors]
+
+    def _predicted(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
+        """The same of the smoothed signals."""
         s = self.structure
         x, _ = self.internal(theta)
         parts = self.parts(theta)
@@ -191,7 +227,7 @@ class Problem:
         for (start, stop), state in zip(self.segments, initial, strict=True):
             z, e = kernel.prediction_errors(
                 parts.a, parts.b, state, parts.offset, parts.d, s.delay, s.first,
-                x[start:stop], self.y[start:stop],
+                x[start:stop], self.target[start:stop],
             )  # fmt: skip
             simulated.append(z)
             errors.append(e)
@@ -202,6 +238,13 @@ class Problem:
         simulated, _ = self.predict(theta)
         first = self.structure.first
         return [self.y[start + first : stop] - z for (start, stop), z in zip(self.segments, simulated, strict=True)]
+
+    def coloured_residual(self, theta: FloatArray) -> list[FloatArray]:
+        """The same of the smoothed signals: what D(q) makes white."""
+        simulated, _ = self._predicted(theta)
+        first = self.structure.first
+        pairs = zip(self.segments, simulated, strict=True)
+        return [self.target[start + first : stop] - z for (start, stop), z in pairs]
 
     @cached_property
     def basis(self) -> FloatArray | None:

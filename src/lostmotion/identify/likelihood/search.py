@@ -10,6 +10,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.coloured import with_best_zero, with_coloured_noise
 from lostmotion.identify.likelihood.criterion import criterion, per_row
 from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
@@ -85,7 +86,7 @@ def best_fit(
     if asked.orders is None:
         best = search.improve(best)
     finals = [_finished(data, one, asked) for one in search.close_to(best)]
-    best = min(finals, key=search.score)
+    best = with_best_zero(min(finals, key=search.score), asked)
     return replace(_without_load(best), rivals=search.rivals())
 
 
@@ -96,9 +97,9 @@ def _finished(data: ScaledData, best: Fitted, asked: Asked) -> Fitted:
         d = choose_noise(best.output_residual())
     s = best.problem.structure
     whole = best.problem.segments is data.segments and s.start == s.delay + s.noise_order
-    if best.fit.converged and whole and d.size == s.noise_order:
-        return best
-    return refined(data, best, d)
+    if not (best.fit.converged and whole and d.size == s.noise_order):
+        best = refined(data, best, d)
+    return with_coloured_noise(best, asked)
 
 
 def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
@@ -204,9 +205,16 @@ class _Search:
 
         Over all delays: the process beside another kind may be as wrong as that kind.
         """
-        d = near[0].parts.d
+        d = self._noise_like(near[0])
+        begun = [(*_from(one, eta)[:2], self._noise_like(one)) for one in near]
         starts = self._grid(self._internal(eta), d, self.delays)
-        return [_from(one, eta) for one in near] + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
+        return begun + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
+
+    def _noise_like(self, fitted: Fitted) -> FloatArray:
+        """Noise of another fit as an autoregression, which rough fits have."""
+        if fitted.problem.structure.zero == 0.0:
+            return fitted.parts.d
+        return choose_noise(fitted.output_residual(), self._noise_lags)
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps.

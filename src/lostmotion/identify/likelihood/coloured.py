@@ -1,0 +1,101 @@
+"""A fit with noise that has a zero: D(q) v = (1 - c q^-1) e.
+
+Slow drift behind fast noise of measurement, the usual lot of a plant, is no autoregression of an order that a record
+carries: its zero lies near the pole of the drift. In a closed loop what a short one leaves is tied to OP by the
+controller, and moves the break points (docs/method.md, "noise with a zero").
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import per_row
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.noise_order import autoregression_behind, likeliest_zero
+from lostmotion.identify.likelihood.problem import Problem, Structure
+from lostmotion.identify.likelihood.refinement import refine, settled
+
+LEFT, MOST_LAGS, SHARE = 0.02, 100, 8  # of a zero as an autoregression: what is cut off, and its order in lags and rows
+ROUNDS = 2  # of noise and everything else by turns
+SCANNED = (0.0, 0.8, 0.92, 0.97)  # of the best structure
+
+
+def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
+    """The fit with the zero of the noise that its residual asks for, refined, where that pays."""
+    if asked.noise is not None or asked.autoregressive:
+        return fitted
+    best = fitted
+    for _ in range(ROUNDS):
+        zero = likeliest_zero(best.output_residual())
+        trial = _recoloured(best, zero) if zero != 0.0 else None
+        if trial is None or not per_row(trial) < per_row(best):
+            break
+        best = trial
+    return best
+
+
+def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
+    """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
+    if asked.noise is not None or asked.autoregressive:
+        return fitted
+    trials = (_recoloured(fitted, zero) for zero in SCANNED if zero != fitted.problem.structure.zero)
+    return min([fitted, *(one for one in trials if one is not None)], key=per_row)
+
+
+def _recoloured(fitted: Fitted, zero: float) -> Fitted | None:
+    """Refined with this zero, and the order that the residual asks for with it; None: it is the noise that it has."""
+    d = autoregression_behind(fitted.output_residual(), zero)
+    problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
+    if (zero, d.size) == (s.zero, s.noise_order):
+        return None
+    structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating, zero)
+    coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held)
+    basis = None if fitted.basis is None else _basis(fitted, coloured)
+    start = settled(coloured, coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset), basis)
+    return Fitted(coloured, refine(coloured, start, basis, tied=coloured.family.needles), basis, fitted.rivals)
+
+
+def _basis(fitted: Fitted, problem: Problem) -> FloatArray:
+    """Free directions with another noise order: those of the shared parameters, and all of noise and initial states."""
+    at, shared = fitted.problem.noise_at, _shared(fitted)
+    rest = problem.size - at
+    return np.block([[shared, np.zeros((at, rest))], [np.zeros((rest, shared.shape[1])), np.eye(rest)]])
+
+
+def as_autoregression(fitted: Fitted) -> Fitted:
+    """The same fit with its noise as a long autoregression, which is held, for what knows no other noise."""
+    problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
+    if s.zero == 0.0:
+        return fitted
+    room = int(np.diff(problem.segments, axis=1).min()) // SHARE
+    lags = max(min(s.noise_order + int(np.log(LEFT) / np.log(s.zero)), MOST_LAGS, room), 1)
+    d = expanded(parts.d, s.zero, lags)
+    structure = Structure(s.na, s.nb, s.delay, lags, s.delay + lags, s.integrating)
+    plain = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held)
+    theta = plain.pack(parts.a, parts.b, parts.eta, d, parts.offset)
+    shared = np.eye(problem.noise_at) if fitted.basis is None else _shared(fitted)
+    initial = plain.size - plain.initial_at
+    basis = np.zeros((plain.size, shared.shape[1] + initial))
+    basis[: problem.noise_at, : shared.shape[1]] = shared
+    basis[plain.initial_at :, shared.shape[1] :] = np.eye(initial)
+    begun = refine(plain, theta, basis[:, shared.shape[1] :], most_steps=2, tied=True)
+    return Fitted(plain, begun, basis, fitted.rivals)
+
+
+def expanded(d: FloatArray, zero: float, lags: int) -> FloatArray:
+    """Coefficients 1 .. lags of D(q) / (1 - zero q^-1)."""
+    whole = np.zeros(lags + 1)
+    head = np.append(1.0, d)[: lags + 1]
+    whole[: head.size] = head
+    for lag in range(1, lags + 1):
+        whole[lag] += zero * whole[lag - 1]
+    return whole[1:]
+
+
+def _shared(fitted: Fitted) -> FloatArray:
+    """Free directions of what is neither noise nor initial states."""
+    assert fitted.basis is not None  # noqa: S101  asked before
+    shared = fitted.basis[: fitted.problem.noise_at]
+    return shared[:, np.any(shared != 0.0, axis=0)]
