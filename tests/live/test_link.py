@@ -36,7 +36,7 @@ class Taker:
     def __init__(self, source):
         self.source, self.rows, self.notes = source, [], []
 
-    def turn(self):
+    def turn(self, _):
         rows = self.source.read(10_000)
         self.rows += list(zip(rows.time, rows.op, rows.pv, strict=True))
         self.notes += [note.text for note in rows.notes]

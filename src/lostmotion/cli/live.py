@@ -140,7 +140,7 @@ def live(
 
 
 def _watch(loops: tuple[LoopSettings, ...], connect: Connect, state: Path | None, record: Path | None) -> bool:
-    from lostmotion.live.run import warm
+    from lostmotion.live.warm import warm
     from lostmotion.live.watch import Kinds, Watch
 
     with stop_on_signals() as stop:

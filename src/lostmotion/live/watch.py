@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Event, Lock
@@ -15,13 +15,16 @@ from urllib.parse import quote
 from asyncua import ua
 
 from lostmotion.errors import FileAccessError
+from lostmotion.live.first_fits import FirstFits
 from lostmotion.live.loop_settings import LoopSettings, Model, publishing_of
 from lostmotion.live.loop_source import LoopSource, check_position
 from lostmotion.live.opcua.data_value import quality_of, value_of
 from lostmotion.live.opcua.link import Connect, Followed, Link
 from lostmotion.live.recorder import LARGEST, PIECE, Recorder
 from lostmotion.live.run import Plant, Watched
-from lostmotion.online.service import Kept, Service
+from lostmotion.online.service import Kept, Service, at_once
+
+FEW = 10  # loops whose first fits, all at once, last a second: more have a process for them
 
 Emit = Callable[[dict[str, Any]], None]
 
@@ -99,7 +102,8 @@ class Watch:
     async def run(self, stop: Event) -> bool:
         """Work until `stop` is set; whether any loop could go on until then."""
         try:
-            await Plant(self.watched, self._work()).run(stop)
+            with FirstFits() if len(self.watched) > FEW else nullcontext() as fits:
+                await Plant(self.watched, self._work(), fits.take if fits else at_once).run(stop)
         finally:
             self._open.close()
             if self.recorder is not None:
