@@ -82,8 +82,8 @@ def test_an_upgrade_keeps_what_is_there(tmp_path):
         tags = ("FIC-1", "LIC-2")
         for number, tag in enumerate(tags, 1):
             plain.execute(
-                "INSERT INTO loop (id, tag, area, type, op, pv, sp, mode, op_unit, pv_unit, weight, place, notes, search)"
-                " VALUES (?, ?, '', '', '', '', '', '', '', '', 1.0, '', '[]', '')",
+                "INSERT INTO loop (id, tag, area, type, op, pv, sp, mode, op_unit, pv_unit, weight, place, notes,"
+                " search) VALUES (?, ?, '', '', '', '', '', '', '', '', 1.0, '', '[]', '')",
                 (number, tag),
             )
         before = plain.execute("SELECT * FROM loop ORDER BY id").fetchall()

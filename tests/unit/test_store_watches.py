@@ -3,13 +3,17 @@
 import json
 import threading
 from dataclasses import fields, replace
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
 from lostmotion.audit.audit_run import AuditRun
+from lostmotion.audit.live_points import live_estimates, live_points
+from lostmotion.audit.run_view import run_facts
+from lostmotion.audit.stored_loop import stored_loop
 from lostmotion.errors import FileAccessError
 from lostmotion.live.estimates import Estimates, estimate_of
+from lostmotion.report.plant.sizes import history_rows
 from lostmotion.store import alive
 from lostmotion.store.encoded import coded
 from lostmotion.store.rows import UNDATED, EstimateRow, Stage
@@ -52,14 +56,14 @@ def test_a_loop_is_watched_by_one_process(address, monkeypatch):
     with WatchStore(address) as first, WatchStore(address) as second:
         number = first.begin_watch(PLC, LOOPS)
         other = WatchRow("opc.tcp://plc2:4840", ("LIC-2", "TIC-3"), "d2")
-        with pytest.raises(FileAccessError, match="got LIC-2 of watch 1 of process .*, whose heart beats; stop it"):
+        with pytest.raises(FileAccessError, match=r"got LIC-2 of watch 1 of process .*, whose heart beats; stop it"):
             second.begin_watch(other, [LoopRow("TIC-3")])
         assert first.begin_watch(PLC, LOOPS) == number, "it may take its own again"
         assert second.begin_watch(replace(other, tags=("TIC-3",)), [LoopRow("TIC-3")]) == 2, "other loops are free"
         monkeypatch.setattr(alive, "SILENT", -1.0)  # the first was silent for too long
         assert second.begin_watch(PLC, LOOPS) == number, "it goes on, there is no second of the same"
         monkeypatch.undo()
-        with pytest.raises(FileAccessError, match="expected watch 1 .* got one that another process has taken over"):
+        with pytest.raises(FileAccessError, match=r"expected watch 1 .* got one that another process has taken over"):
             first.put_estimates(number, [at(1)])
         assert first.estimates("FIC-1") == []
 
@@ -117,6 +121,47 @@ def test_the_history_of_an_audit_has_the_estimates_beside_its_sizes(address):
     assert found.size[0] == 2.0, "% of span, of the audit alone"
     said = json.loads(json.dumps(found.to_dict()))["live"]
     assert [one["width"] for one in said] == [[2.0, 1.5, 2.5], [3.0, 2.5, 3.5]]
+
+
+def test_points_of_the_running_plant_are_told_apart(address):
+    with Store(address) as audit, WatchStore(address) as live:
+        run = audited(audit, 1.0)
+        audit.finish(run)
+        watch = live.begin_watch(PLC, LOOPS)
+        live.put_estimates(watch, [at(1), at(2, status="NOT_SEEN", width=0.25)])
+        made = audit.run(run)
+        view = stored_loop(audit, made, "FIC-1", run_facts(made, None, "x"))
+        assert [(one.run, one.live, one.size, one.low, one.high, one.excluded) for one in view.history] == [
+            (1, False, 2.0, 1.0, 3.0, None),
+            (1, True, 4.0, 3.0, 5.0, None),  # the span of OP is 50
+            (1, True, None, None, None, 1.5),
+        ]
+        rows = history_rows(view.history)
+        assert [(one[0], one[2], one[3]) for one in rows] == [
+            ("1", "dead zone", "2 % (1 .. 3)"),
+            ("live 1", "dead zone", "4 % (3 .. 5)"),
+            ("live 1", "none seen", "up to 1.5 % not excluded"),
+        ]
+        later = audited(audit, 1.5)
+        audit.finish(later)
+        live.put_estimates(watch, [replace(at(3), at=datetime.now(UTC) + timedelta(hours=1))])
+        assert [len(live_estimates(audit, audit.run(number), "FIC-1")) for number in (run, later)] == [2, 3]
+
+
+def test_without_a_span_the_estimate_is_told_in_units_of_op():
+    loop, sized = LoopRow("FIC-1"), row("FIC-1", size=2.0, size_percent=5.0)
+    (known,), (unknown,) = live_points([(1, at(1))], loop, [sized]), live_points([(1, at(1))], loop, [row("FIC-1")])
+    assert (known.size, known.verdict) == (5.0, "dead zone")
+    assert (unknown.size, unknown.verdict) == (None, "dead zone, 2 (1.5 .. 2.5) units of OP")
+
+
+def test_many_estimates_are_thinned_to_the_last_of_each_day(tmp_path):
+    with Store(tmp_path / "plant.db") as audit, WatchStore(tmp_path / "plant.db") as live:
+        run = audited(audit, 1.0)
+        audit.finish(run)
+        live.put_estimates(live.begin_watch(PLC, LOOPS), [at(hour) for hour in range(1, 100)])
+        found = live_estimates(audit, audit.run(run), "FIC-1")
+    assert [one.sample for _, one in found] == [23_000, 47_000, 71_000, 95_000, 99_000]
 
 
 def report(hours, tag="FIC-1", width=2.0):
