@@ -1,18 +1,24 @@
 """An OPC UA server with loops on it, of asyncua's own making: in this process, or in one that can be killed.
 
-``python -m tests.live_server PORT LOOPS DT HISTORY [worn]`` serves until it is killed, and prints a line when it is
-ready. PV is the number of the sample, OP a little more; with ``worn`` both are of valves with a dead zone.
+``python -m tests.live_server PORT LOOPS DT HISTORY [worn | beside]`` serves until it is killed, and prints a line when
+it is ready: its port, and the stamp of sample 0. PV is the number of the sample, OP a little more; with ``worn`` both
+are of valves with a dead zone, with ``beside`` those of the first loop are numbers.
 """
 
 import asyncio
 import logging
+import os
 import random
+import signal
+import subprocess
 import sys
 import time
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 from asyncua import Server, ua
 
+ROOT = Path(__file__).resolve().parents[1]
 START = datetime(2026, 5, 1, tzinfo=UTC)
 NOT_YET = ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
 GOOD = ua.StatusCode(ua.StatusCodes.Good)
@@ -91,14 +97,14 @@ class Worn:
         return self.op, self.pv + self.random.gauss(0.0, 0.05)
 
 
-async def serve(port, loops, dt, history, kind=Counted):
-    """Write values for ever."""
-    tags = {f"FIC{k:03d}": kind(f"FIC{k:03d}") for k in range(loops)}
+async def serve(port, loops, dt, history, kinds):
+    """Write values for ever; the last of the kinds is that of all further loops."""
+    tags = {f"FIC{k:03d}": kinds[min(k, len(kinds) - 1)](f"FIC{k:03d}") for k in range(loops)}
     async with LoopServer(tags, port, history) as plant:
-        sys.stdout.write(f"ready {plant.port}\n")
-        sys.stdout.flush()
         begin = time.time()
         first = datetime.now(UTC)
+        sys.stdout.write(f"ready {plant.port} {first.timestamp()!r}\n")
+        sys.stdout.flush()
         number = 0
         while True:
             number += 1
@@ -110,6 +116,23 @@ async def serve(port, loops, dt, history, kind=Counted):
                 await plant.write(tag, "PV", pv, scan)
 
 
+def started(port, *words):
+    """Process with a server, and its port; its attribute `first` is the stamp of sample 0."""
+    env = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT}"}
+    command = [sys.executable, "-m", "tests.live_server", str(port), *words]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, env=env, cwd=ROOT, text=True)
+    assert process.stdout is not None
+    _, taken, process.first = process.stdout.readline().split()
+    return process, int(taken)
+
+
+def killed(process):
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+
+
 if __name__ == "__main__":
     port, loops, dt, history = sys.argv[1:5]
-    asyncio.run(serve(int(port), int(loops), float(dt), history == "history", Worn if "worn" in sys.argv else Counted))
+    kinds = {"worn": [Worn], "beside": [Counted, Worn]}[sys.argv[5]] if len(sys.argv) > 5 else [Counted]
+    asyncio.run(serve(int(port), int(loops), float(dt), history == "history", kinds))

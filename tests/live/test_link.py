@@ -20,7 +20,7 @@ from lostmotion.live.loop_source import LoopSource, Signals
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.link import Followed, Link
 from lostmotion.live.run import Plant, Watched
-from tests.live_server import LoopServer, node
+from tests.live_server import LoopServer, killed, node, started
 
 ROOT = Path(__file__).resolve().parents[2]
 UNCERTAIN = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue)
@@ -162,20 +162,6 @@ def test_a_server_that_comes_back(history):
     assert pv == (expected if history else [*expected[:50], *expected[69:]])  # the last of the outage is told
     assert all(op == value + 0.5 for _, op, value in one.known)
     assert len(one.rows) == 120
-
-
-def started(port, *words):
-    env = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT}"}
-    command = [sys.executable, "-m", "tests.live_server", str(port), *words]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, env=env, cwd=ROOT, text=True)
-    assert process.stdout is not None
-    return process, int(process.stdout.readline().split()[1])
-
-
-def killed(process):
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    process.stdout.close()
 
 
 def test_servers_that_are_killed_at_random():

@@ -31,10 +31,9 @@ def address(request, tmp_path):
     return tmp_path / "plant.db" if request.param == "sqlite" else request.getfixturevalue("postgresql").database()
 
 
-def at(hours, tag="FIC-1", width=2.0, **settings):
+def at(hours, tag="FIC-1", width=2.0, status="OK"):
     moment = UNDATED + timedelta(days=20_000, hours=hours)
-    usual = {"low": width - 0.5, "high": width + 0.5, "standard_error": 0.25, "left": -1.0, "right": 1.0}
-    return EstimateRow(tag, moment, 1000 * hours, "OK", width, **usual | settings)
+    return EstimateRow(tag, moment, 1000 * hours, status, width, width - 0.5, width + 0.5, 0.25, -1.0, 1.0)
 
 
 def test_every_field_has_a_column_and_comes_back(address):
@@ -128,7 +127,7 @@ def test_points_of_the_running_plant_are_told_apart(address):
         run = audited(audit, 1.0)
         audit.finish(run)
         watch = live.begin_watch(PLC, LOOPS)
-        live.put_estimates(watch, [at(1), at(2, status="NOT_SEEN", width=0.25)])
+        live.put_estimates(watch, [at(1), at(2, width=0.25, status="NOT_SEEN")])
         made = audit.run(run)
         view = stored_loop(audit, made, "FIC-1", run_facts(made, None, "x"))
         assert [(one.run, one.live, one.size, one.low, one.high, one.excluded) for one in view.history] == [
@@ -138,8 +137,8 @@ def test_points_of_the_running_plant_are_told_apart(address):
         ]
         rows = history_rows(view.history)
         assert [(one[0], one[2], one[3]) for one in rows] == [
-            ("1", "dead zone", "2 % (1 .. 3)"),
-            ("live 1", "dead zone", "4 % (3 .. 5)"),
+            ("1", "dead zone", "2.00 % (1.00 .. 3.00)"),
+            ("live 1", "dead zone", "4.00 % (3.00 .. 5.00)"),
             ("live 1", "none seen", "up to 1.5 % not excluded"),
         ]
         later = audited(audit, 1.5)

@@ -47,6 +47,11 @@ class Estimates:
             self._store.close()
             raise
 
+    @property
+    def waiting(self) -> bool:
+        """Estimates wait, and not for a store that is away."""
+        return bool(self._waiting) and not self._said
+
     def begin(self) -> None:
         """Take the watch, or take it again after a long time without a beat."""
         self.number = self._store.begin_watch(self._wanted, self._loops)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from lostmotion.live.estimates import Estimates
 
 FEW = 10  # loops whose first fits, all at once, last a second: more have a process for them
+
+STORED = 2.0  # s after which an estimate is written
 
 Emit = Callable[[dict[str, Any]], None]
 
@@ -156,9 +159,13 @@ class Watch:
             raise found.exceptions[0] from None  # one line for a person
 
     async def _stored(self, estimates: Estimates) -> None:
+        """Soon after a report, so that a kill loses little, and with each beat of the heart."""
+        written = 0.0
         while True:
-            await asyncio.sleep(BEAT)
-            await asyncio.to_thread(estimates.write)
+            await asyncio.sleep(STORED)
+            if estimates.waiting or time.monotonic() - written > BEAT:
+                await asyncio.to_thread(estimates.write)
+                written = time.monotonic()
 
     async def _pieces(self, recorder: Recorder) -> None:
         """A piece each minute, or as soon as there is enough for one."""
