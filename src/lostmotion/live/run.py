@@ -123,7 +123,7 @@ class Plant:
     def _hand_out(self, light: ThreadPoolExecutor, heavy: ThreadPoolExecutor) -> None:
         now = time.monotonic()
         due = [loop for loop in self.loops if loop.due <= now and loop not in self._busy and loop.failure is None]
-        long = [loop for loop in due if loop.heavy]
+        long = {loop for loop in due if loop.heavy}
         short = [loop for loop in due if loop not in long]
         for loops, pool, fit in [*(([one], heavy, self._fit) for one in long), (short, light, None)]:
             if loops:
