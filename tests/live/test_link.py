@@ -15,6 +15,7 @@ import numpy as np
 import polars as pl
 import pytest
 from asyncua import ua
+from asyncua.common.node import Node
 
 from lostmotion.live.loop_source import LoopSource, Signals
 from lostmotion.live.opcua.client import connected
@@ -162,6 +163,44 @@ def test_a_server_that_comes_back(history):
     assert pv == (expected if history else [*expected[:50], *expected[69:]])  # the last of the outage is told
     assert all(op == value + 0.5 for _, op, value in one.known)
     assert len(one.rows) == 120
+
+
+@pytest.mark.parametrize(
+    "error", [ConnectionError("gone"), TimeoutError(), ua.UaStatusCodeError(ua.StatusCodes.BadSessionClosed)]
+)
+def test_a_link_that_breaks_while_the_history_is_read_asks_for_it_again(error, monkeypatch):
+    """What came before the break must not hide what is older."""
+
+    async def scenario():
+        one = taker("A", 1.0)
+        async with LoopServer(["A"], history=True) as plant, Listening(lambda: plant.address, [one]) as listening:
+
+            async def write(first, stop):
+                for k in range(first, stop):
+                    await plant.write("A", "OP", k + 0.5, k)
+                    await plant.write("A", "PV", float(k), k)
+                await asyncio.sleep(0.2)
+
+            await write(0, 20)
+            await until(lambda: len(one.rows) == 20)
+            read, calls = Node.read_raw_history, []
+
+            async def breaks(self, *words, **more):
+                calls.append(self)
+                if len(calls) <= 2:  # of the first time, OP and PV
+                    await write(30, 40)
+                    raise error
+                return await read(self, *words, **more)
+
+            monkeypatch.setattr(Node, "read_raw_history", breaks)
+            listening.link._lost.set()
+            await write(20, 30)
+            await until(lambda: listening.link.connections == 2)
+            await until(lambda: one.rows[-1][2] == 39.0)
+        return one
+
+    one = asyncio.run(scenario())
+    assert [pv for _, _, pv in one.known] == [float(k) for k in range(40)]
 
 
 def test_servers_that_are_killed_at_random():

@@ -228,10 +228,15 @@ class Link:
         missed = [one for one in nodes if one[0].source.newest > 0]
         if not missed:
             return
-        kept = await with_history(client, [node for _, _, node in missed])
-        asked = [one for one, has in zip(missed, kept, strict=True) if has]
-        since = [(node, loop.source.newest - loop.source.signals.dt) for loop, _, node in asked]
-        found = await histories(since)
+        try:
+            kept = await with_history(client, [node for _, _, node in missed])
+            asked = [one for one, has in zip(missed, kept, strict=True) if has]
+            since = [(node, loop.source.newest - loop.source.signals.dt) for loop, _, node in asked]
+            found = await histories(since)
+        except BaseException:
+            for loop, _, _ in missed:
+                loop.pending = []  # given over now, they would hide what is older: it is asked for again with them
+            raise
         at = time.monotonic()
         live = {id(loop): (loop, loop.pending) for loop, _, _ in asked}
         for loop, _ in live.values():
