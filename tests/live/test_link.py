@@ -194,7 +194,8 @@ def test_a_link_that_breaks_while_the_history_is_read_asks_for_it_again(error, m
 
             monkeypatch.setattr(Node, "read_raw_history", breaks)
             listening.link._lost.set()
-            await write(20, 30)
+            await until(lambda: any(kind == "lost" for _, kind, *_ in listening.told))
+            await write(20, 30)  # while nobody listens
             await until(lambda: listening.link.connections == 2)
             await until(lambda: one.rows[-1][2] == 39.0)
         return one
