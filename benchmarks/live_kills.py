@@ -81,14 +81,18 @@ class Faults:
             return await connected(address(), insecure=True)
 
         self.link = Link(connect, [Followed(one.source) for one in self.loops], PUBLISHING, lambda *_: None)
-        self.returns = []
+        self.returns, self.done = [], 0
 
-    async def run(self, kills, fault):
+    async def run(self, kills, fault, minutes):
         """`fault` does its work and gives the moment from which on the port was open again."""
+        end = time.monotonic() + 60.0 * minutes
         stop = Event()
         running = asyncio.create_task(Plant(self.loops, self.link.run()).run(stop))
         await self._until(lambda: self.link.connections)
         for _ in range(kills):
+            if time.monotonic() > end:
+                break
+            self.done += 1
             await asyncio.sleep(self.rng.uniform(0.0, 2.0))
             seen = self.link.connections
             opened = await fault(self.rng)
@@ -107,7 +111,7 @@ class Faults:
             await asyncio.sleep(0.005)
         return what()
 
-    def found(self, kills, firsts):
+    def found(self, firsts):
         """What came, against what the servers had since the stamps of their samples 0."""
         rows = self.loops[0].service.rows
         times = np.array([row[0] for row in rows])
@@ -116,7 +120,7 @@ class Faults:
         ]
         reports = [one["width"] for one in self.told if one["kind"] == "report" and one["width"]]
         return {
-            "faults": kills,
+            "faults": self.done,
             "connections": self.link.connections,
             "back within, s: median, max": [float(np.median(self.returns)), max(self.returns)] if self.returns else [],
             "measured": len(self.returns),
@@ -130,7 +134,7 @@ class Faults:
         }
 
 
-async def of_server(kills):
+async def of_server(kills, minutes):
     """The server is killed and started again: its memory is gone."""
     process, port = await asyncio.to_thread(started, 0, *SERVER)
     servers = [process]
@@ -143,13 +147,13 @@ async def of_server(kills):
         return time.monotonic()
 
     try:
-        await faults.run(kills, fault)
+        await faults.run(kills, fault, minutes)
     finally:
         killed(servers[-1])
-    return faults.found(kills, [float(one.first) for one in servers])
+    return faults.found([float(one.first) for one in servers])
 
 
-async def of_network(kills):
+async def of_network(kills, minutes):
     """Every second fault cuts the line for up to 3 s, the others freeze it for up to 10 s. The server keeps all."""
     process, port = await asyncio.to_thread(started, 0, *SERVER)
     kinds = iter(["cut", "freeze"] * kills)
@@ -168,10 +172,10 @@ async def of_network(kills):
                     proxy.thaw()
                 return time.monotonic()
 
-            await faults.run(kills, fault)
+            await faults.run(kills, fault, minutes)
     finally:
         killed(process)
-    found = faults.found(kills, [float(process.first)])
+    found = faults.found([float(process.first)])
     numbers = [row[2] for row in faults.loops[0].service.rows]
     return found | {"lost": int(numbers[-1] - numbers[0] + 1 - len(set(numbers)))}
 
@@ -219,7 +223,7 @@ pv = "ns=2;s={tag}.PV"
 """
 
 
-def of_client(kills):
+def of_client(kills, minutes):
     """The command is killed; the server keeps what it does not hear."""
     rng = np.random.default_rng(2)
     process, port = started(0, *SERVER)
@@ -231,16 +235,19 @@ def of_client(kills):
         text = PLANT.format(port=port) + "".join(LOOP.format(tag=tag) for tag in (NUMBERS, WORN))
         (folder / "plant.toml").write_text(text)
         try:
-            for kill in range(kills + 1):
+            end = time.monotonic() + 60.0 * minutes
+            last = False
+            while not last:
+                last = len(runs) == kills or time.monotonic() > end
                 command = Command(folder)
                 runs.append(command)
                 while not any(one["kind"] == "report" for one in command.messages) and command.process.poll() is None:
                     command.hear(0.2)
                 command.hear(rng.uniform(0.0, 4.0))
-                if kill < kills:
-                    command.process.kill()
-                else:
+                if last:
                     command.process.terminate()
+                else:
+                    command.process.kill()
                 command.process.wait(60)
                 command.hear(0.3)
         finally:
@@ -248,7 +255,7 @@ def of_client(kills):
         with Store(folder / "plant.db", write=False) as store:
             stored = {one.sample: one for _, one in store.estimates(WORN)}
             rows, states = len(store.estimates(WORN)), [str(one.state) for one in store.watches()]
-    return clients_found(kills, runs, stored, rows, states)
+    return clients_found(len(runs) - 1, runs, stored, rows, states)
 
 
 def clients_found(kills, runs, stored, rows, states):
@@ -299,11 +306,13 @@ def main(words=None):
     parser = argparse.ArgumentParser()
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--of", nargs="*", default=["server", "network", "client"])
+    parser.add_argument("--minutes", type=float, default=30.0, help="of each kind; then it ends with what it has")
     asked = parser.parse_args(words)
     warm()
     for what in asked.of:
         begin = time.monotonic()
-        found = of_client(asked.kills) if what == "client" else asyncio.run(KINDS[what](asked.kills))
+        most = asked.kills, asked.minutes
+        found = of_client(*most) if what == "client" else asyncio.run(KINDS[what](*most))
         print(json.dumps({"killed": what, **found, "minutes": (time.monotonic() - begin) / 60.0}, indent=1), flush=True)
 
 

@@ -23,4 +23,4 @@ def warm() -> None:
     x = np.sign(u) * np.maximum(np.abs(u) - half, 0.0)
     y = np.convolve(x, 0.5 ** np.arange(20))[:SAMPLES] + 0.01 * rng.standard_normal(SAMPLES)
     monitor = OnlineMonitor(RecursiveML(1, 0, 0, start_samples=200), dt=1.0, report_every=250, trend_every=500)
-    monitor.take(Rows(np.arange(SAMPLES) * 1.0, u, y))
+    monitor.take(Rows(np.arange(SAMPLES, dtype=np.float64), u, y))

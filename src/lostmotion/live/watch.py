@@ -120,8 +120,9 @@ class Watch:
         said = {loop.tag: {**model.settings, **loop.watch} for loop, model in zip(loops, models, strict=True)}
         digest = sha256(json.dumps(said, sort_keys=True, default=str).encode()).hexdigest()
         rows = [
-            LoopRow(loop.tag, where=source, **{role: loop.nodes.get(role, "") for role in ("op", "pv", "sp", "mode")})
-            for loop in loops
+            LoopRow(one.tag, op=of["op"], pv=of["pv"], sp=of.get("sp", ""), mode=of.get("mode", ""), where=source)
+            for one in loops
+            for of in [one.nodes]
         ]
         wanted = WatchRow(source, tuple(loop.tag for loop in loops), digest)
         return Estimates(store, wanted, rows, lambda message: self._tell("store", "", message))
