@@ -1,7 +1,7 @@
-"""How much a link carries, and how it stands kills: ``python benchmarks/live.py [--seconds 600] [--kills 100]``.
+"""How much a link carries: ``python benchmarks/live.py [--seconds 600]``.
 
-Load: 500 loops at 1 Hz and 50 at 10 Hz, from a server in another process that counts what it writes. Every sample must
-arrive once; lag is the time from the stamp of a row to its turn. Kills: server killed (-9) at random and started again.
+500 loops at 1 Hz and 50 at 10 Hz with worn valves, from servers in other processes whose scans are even, so that every
+sample is known by its stamp. Each must arrive once; lag is the time from the stamp of a row to its turn.
 """
 
 from __future__ import annotations
@@ -19,17 +19,20 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import live_kills
 import lostmotion as lm
+from lostmotion.live.first_fits import FirstFits
 from lostmotion.live.loop_source import LoopSource, Signals, patience_of
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.link import Followed, Link
-from lostmotion.live.run import Plant, Watched, warm
+from lostmotion.live.run import Plant, Watched
+from lostmotion.live.warm import warm
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept, Service
-from tests.live.test_link import killed, started
-from tests.live_server import node
+from tests.live_server import killed, node, started
 
 PUBLISHING = 0.1
+WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 START = 5.0  # s until all is running: not counted in the lag
 
 
@@ -38,18 +41,18 @@ def _nothing(*_):
 
 
 class Counted(Service):
-    """A service that notes how old its rows are, and their numbers."""
+    """A service that notes how old its rows are, and their stamps."""
 
     def __init__(self, source, kept, make, emit):
         super().__init__(source, kept, make, emit)
-        self.lags, self.numbers = [], []
+        self.lags, self.stamps = [], []
 
-    def _take(self, rows):
+    def _take(self, rows, take):
         now = time.time()
         known = ~np.isnan(rows.pv)
         self.lags += (now - rows.time[known]).tolist()
-        self.numbers += rows.pv[known].tolist()
-        super()._take(rows)
+        self.stamps += rows.time[known].tolist()
+        super()._take(rows, take)
 
 
 def watched(tag, dt, start_samples=1000):
@@ -57,13 +60,13 @@ def watched(tag, dt, start_samples=1000):
     source = LoopSource(signals)
 
     def make(layout):
-        estimator = lm.RecursiveML(2, 1, 1, dt=dt, start_samples=start_samples)
+        estimator = lm.RecursiveML(1, 0, 0, dt=dt, start_samples=start_samples)
         return OnlineMonitor(estimator, dt=dt, calendar=layout.calendar)
 
     return Watched(source, Counted(source, Kept(None, {}), make, _nothing))
 
 
-async def listen(groups, seconds):
+async def listen(groups, seconds, fit):
     """Links to the servers of some groups of loops, all in this process."""
     told, stop, began = [], Event(), time.monotonic()
     links = []
@@ -81,7 +84,7 @@ async def listen(groups, seconds):
             for link in links:
                 group.create_task(link.run())
 
-    plant = Plant([one for _, loops in groups for one in loops], run_links())
+    plant = Plant([one for _, loops in groups for one in loops], run_links(), fit)
     running = asyncio.create_task(plant.run(stop))
     sizes = []
     while time.monotonic() - began < seconds:
@@ -99,73 +102,44 @@ def resident():
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 2**20
 
 
+def processor_time():
+    """Seconds of this process and of those that it has ended."""
+    return sum(resource.getrusage(who).ru_utime + resource.getrusage(who).ru_stime for who in WHO)
+
+
 def load(seconds, slow, fast):
     """What arrives of what is written."""
     warm()
-    servers = [started(0, str(slow), "1.0", "none"), started(0, str(fast), "0.1", "none")]
+    servers = [started(0, str(slow), "1.0", "none", "worn"), started(0, str(fast), "0.1", "none", "worn")]
     groups = [
         (servers[0][1], [watched(f"FIC{k:03d}", 1.0) for k in range(slow)]),
         (servers[1][1], [watched(f"FIC{k:03d}", 0.1, 200) for k in range(fast)]),
     ]
-    begin = time.process_time()
     try:
-        plant, links, told, sizes = asyncio.run(listen(groups, seconds))
+        with FirstFits() as fits:
+            begin = processor_time()
+            plant, links, told, sizes = asyncio.run(listen(groups, seconds, fits.take))
+        spent = processor_time() - begin
     finally:
         for server, _ in servers:
             killed(server)
-    lost = late = rows = 0
+    lost = late = rows = begun = 0
     lags = []
     for one in plant.loops:
-        numbers = np.array(one.service.numbers)
-        lost += int((np.diff(numbers) != 1).sum())  # each sample has its number
+        steps = np.diff(one.service.stamps) / one.source.signals.dt
+        lost += int((np.rint(steps) != 1).sum())  # the scans of the server are even
+        begun += one.service.monitor is not None and one.service.monitor.estimator.started
         late += one.source.counts["late"] + one.source.counts["behind"]
-        rows += numbers.size
-        lags += one.service.lags[len(one.service.lags) // 10 :]
+        rows += len(one.service.stamps)
+        lags += one.service.lags[round(START / one.source.signals.dt) :]
     return {
         "seconds": seconds, "loops": [slow, fast], "rows": rows, "lost or twice": lost, "late": late,
-        "connections": [link.connections for link in links], "told": told[:5],
+        "estimates begun": begun, "connections": [link.connections for link in links], "told": told[:5],
         "lag p50": float(np.percentile(lags, 50)), "lag p99": float(np.percentile(lags, 99)), "lag max": max(lags),
         "longest block of the event loop": plant.longest_block,
-        "share of a core": (time.process_time() - begin) / seconds,
+        "share of a core": spent / seconds,
         "MiB at half and at the end": [sizes[len(sizes) // 2], sizes[-1]],
     }  # fmt: skip
-
-
-async def killing(kills):
-    """A server that is killed at random: what comes is in order and once, and how soon the link is back."""
-    rng = np.random.default_rng(0)
-    one = watched("FIC000", 0.1, 100_000)
-    process, port = started(0, "1", "0.1", "history")
-    returns = []
-    try:
-
-        async def connect():
-            return await connected(f"opc.tcp://127.0.0.1:{port}", insecure=True)
-
-        link = Link(connect, [Followed(one.source)], PUBLISHING, _nothing)
-        stop = Event()
-        running = asyncio.create_task(Plant([one], link.run()).run(stop))
-        for kill in range(kills):
-            await asyncio.sleep(rng.uniform(0.0, 1.0))
-            killed(process)
-            process, _ = await asyncio.to_thread(started, port, "1", "0.1", "history")
-            opened = time.monotonic()
-            while link.connections < kill + 1 and time.monotonic() - opened < 60:
-                await asyncio.sleep(0.01)
-            seen = link.connections
-            while link.connections == seen and not one.source.newest > time.time() - 1.0:
-                await asyncio.sleep(0.01)
-            returns.append(time.monotonic() - opened)
-        stop.set()
-        await running
-    finally:
-        killed(process)
-    return {
-        "kills": kills,
-        "back after, s, max": max(returns),
-        "counts": one.source.counts,
-        "rows": len(one.service.numbers),
-    }
 
 
 def main():
@@ -173,12 +147,12 @@ def main():
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--slow", type=int, default=500)
     parser.add_argument("--fast", type=int, default=50)
-    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--kills", type=int, default=0, help="as benchmarks/live_kills.py, after the load")
     words = parser.parse_args()
     if words.seconds:
         print(json.dumps(load(words.seconds, words.slow, words.fast), indent=1))
     if words.kills:
-        print(json.dumps(asyncio.run(killing(words.kills)), indent=1))
+        live_kills.main(["--kills", str(words.kills)])
 
 
 if __name__ == "__main__":

@@ -22,18 +22,18 @@ SLOW_DOCTESTS = {
 # Processes, files and texts: nothing of what they test is compiled code, or other tests run it with the JIT off.
 PROCESSES = {
     "contract": "documentation every_message pages public_names scripts sizes startup writing",
-    "e2e": "audit closed_output commands_of_batches demo_live demo_plant odd_words outside_tree page "
-    "page_attacks page_monitors plant_shared refused_before_work report_in_browser several_files several_loops "
-    "shared_data_reads stopped_batches supervised_command supervised_machine",
-    "live": "discover joined link live_command plant_file plc_link",
+    "e2e": "audit closed_output commands_of_batches demo_live demo_plant live_store odd_words outside_tree page "
+    "page_attacks page_monitors plant_shared refused_before_work report_in_browser several_files "
+    "several_loops shared_data_reads stopped_batches supervised_command supervised_machine",
+    "live": "cut_network discover joined link live_command plant_file plc_link",
     "opcua": "asyncua_security node_opcua node_restart",
     "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts database "
     "dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
     "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "
-    "plant_sources read_loop run_many store store_bad_input supervised_export times units web_desk web_files "
-    "web_guard web_jobs web_kept web_monitor web_patience web_plant web_records web_serve web_tasks web_trend "
-    "web_trend_pages wording write writer",
+    "plant_sources read_loop run_many store store_bad_input store_watches supervised_export times units "
+    "web_desk web_files web_guard web_jobs web_kept web_monitor web_patience web_plant web_records "
+    "web_serve web_tasks web_trend web_trend_pages wording write writer",
 }
 TESTS = Path(__file__).parent
 FILES = {TESTS / folder / f"test_{name}.py" for folder, names in PROCESSES.items() for name in names.split()}

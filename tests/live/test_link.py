@@ -15,12 +15,13 @@ import numpy as np
 import polars as pl
 import pytest
 from asyncua import ua
+from asyncua.common.node import Node
 
 from lostmotion.live.loop_source import LoopSource, Signals
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.link import Followed, Link
 from lostmotion.live.run import Plant, Watched
-from tests.live_server import LoopServer, node
+from tests.live_server import LoopServer, killed, node, started
 
 ROOT = Path(__file__).resolve().parents[2]
 UNCERTAIN = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue)
@@ -36,7 +37,7 @@ class Taker:
     def __init__(self, source):
         self.source, self.rows, self.notes = source, [], []
 
-    def turn(self):
+    def turn(self, _):
         rows = self.source.read(10_000)
         self.rows += list(zip(rows.time, rows.op, rows.pv, strict=True))
         self.notes += [note.text for note in rows.notes]
@@ -164,18 +165,43 @@ def test_a_server_that_comes_back(history):
     assert len(one.rows) == 120
 
 
-def started(port, *words):
-    env = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}:{ROOT}"}
-    command = [sys.executable, "-m", "tests.live_server", str(port), *words]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, env=env, cwd=ROOT, text=True)
-    assert process.stdout is not None
-    return process, int(process.stdout.readline().split()[1])
+@pytest.mark.parametrize(
+    "error", [ConnectionError("gone"), TimeoutError(), ua.UaStatusCodeError(ua.StatusCodes.BadSessionClosed)]
+)
+def test_a_link_that_breaks_while_the_history_is_read_asks_for_it_again(error, monkeypatch):
+    """What came before the break must not hide what is older."""
 
+    async def scenario():
+        one = taker("A", 1.0)
+        async with LoopServer(["A"], history=True) as plant, Listening(lambda: plant.address, [one]) as listening:
 
-def killed(process):
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    process.stdout.close()
+            async def write(first, stop):
+                for k in range(first, stop):
+                    await plant.write("A", "OP", k + 0.5, k)
+                    await plant.write("A", "PV", float(k), k)
+                await asyncio.sleep(0.2)
+
+            await write(0, 20)
+            await until(lambda: len(one.rows) == 20)
+            read, calls = Node.read_raw_history, []
+
+            async def breaks(self, *words, **more):
+                calls.append(self)
+                if len(calls) <= 2:  # of the first time, OP and PV
+                    await write(30, 40)
+                    raise error
+                return await read(self, *words, **more)
+
+            monkeypatch.setattr(Node, "read_raw_history", breaks)
+            listening.link._lost.set()
+            await until(lambda: any(kind == "lost" for _, kind, *_ in listening.told))
+            await write(20, 30)  # while nobody listens
+            await until(lambda: listening.link.connections == 2)
+            await until(lambda: one.rows[-1][2] == 39.0)
+        return one
+
+    one = asyncio.run(scenario())
+    assert [pv for _, _, pv in one.known] == [float(k) for k in range(40)]
 
 
 def test_servers_that_are_killed_at_random():

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("asyncua")
 
 from lostmotion.cli import main
-from lostmotion.live import run
+from lostmotion.live import warm
 from lostmotion.live.opcua.link import Link
 from lostmotion.live.opcua.refusal import RefusedError
 
@@ -27,7 +27,7 @@ def test_a_server_that_is_not_believed_is_told_before_anything_is_compiled(monke
         raise RefusedError.because("untrusted", "a server that is believed", "another", "see --trust")
 
     monkeypatch.setattr("lostmotion.live.opcua.client.connected", refuse)
-    monkeypatch.setattr(run, "warm", lambda: pytest.fail("compiled before the server was met"))
+    monkeypatch.setattr(warm, "warm", lambda: pytest.fail("compiled before the server was met"))
     code, line = said(capsys, HERE, *LOOP)
     assert (code, line.splitlines()[-1]) == (1, "error: expected a server that is believed, got another; see --trust")
 

@@ -64,14 +64,35 @@ def test_the_version_is_the_last_migration():
     assert ScriptDirectory("src/lostmotion/store/migrations").get_current_head() == VERSION
 
 
-def test_an_older_store_names_the_command_that_upgrades_it(tmp_path):
-    path = made(tmp_path / "old.db", "0001")
+@pytest.mark.parametrize("version", ["0001", "0002"])
+def test_an_older_store_names_the_command_that_upgrades_it(version, tmp_path):
+    path = made(tmp_path / "old.db", version)
     for settings in ({}, {"write": False}):
-        said = assert_refused("expected version 0002 of the store .*, got the older version 0001; ", path, **settings)
+        expected = f"expected version {VERSION} of the store .*, got the older version {version}; "
+        said = assert_refused(expected, path, **settings)
         assert said.endswith(f"then: lostmotion audit --upgrade {path}")
-    assert upgrade(path) == ("0001", VERSION)
+    assert upgrade(path) == (version, VERSION)
     assert upgrade(path) == (VERSION, VERSION)
     Store(path).close()
+
+
+def test_an_upgrade_keeps_what_is_there(tmp_path):
+    path = made(tmp_path / "old.db", "0002")
+    with closing(sqlite3.connect(path)) as plain, plain:
+        tags = ("FIC-1", "LIC-2")
+        for number, tag in enumerate(tags, 1):
+            plain.execute(
+                "INSERT INTO loop (id, tag, area, type, op, pv, sp, mode, op_unit, pv_unit, weight, place, notes,"
+                " search) VALUES (?, ?, '', '', '', '', '', '', '', '', 1.0, '', '[]', '')",
+                (number, tag),
+            )
+        before = plain.execute("SELECT * FROM loop ORDER BY id").fetchall()
+    assert upgrade(path) == ("0002", VERSION)
+    with closing(sqlite3.connect(path)) as plain:
+        assert plain.execute("SELECT * FROM loop ORDER BY id").fetchall() == before
+    with Store(path) as store:
+        assert [one.tag for one in store.loops()] == list(tags)
+        assert (store.watches(), store.estimates("FIC-1")) == ([], [])
 
 
 def test_a_newer_store_is_refused(tmp_path):

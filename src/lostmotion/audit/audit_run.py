@@ -10,6 +10,7 @@ from typing import Any
 
 from lostmotion import _verbs
 from lostmotion.audit.history import LoopHistory, history
+from lostmotion.audit.live_points import live_estimates
 from lostmotion.audit.plant_view import FAULTS, PlantView
 from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
@@ -115,7 +116,8 @@ class AuditRun:
             raise ParameterError.expected("a loop of the run", repr(tag), "see .table()")
         with Store(self.store, write=False) as store:
             found = [row for run, row in store.history(tag) if run.number <= self.run.number]
-        return history(list(reversed(found)))
+            live = [row for _, row in live_estimates(store, self.run, tag)]
+        return history(list(reversed(found)), live)
 
     @cached_property
     def view(self) -> PlantView:

@@ -11,7 +11,7 @@ from typing import Any
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.pooled.trend_of_size import NORMAL, SizeTrend, size_trend
 from lostmotion.errors import ParameterError
-from lostmotion.store.rows import CLEARED, FAULTS, UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import CLEARED, FAULTS, UNDATED, AssessmentRow, EstimateRow, Stage
 
 DAY = 86400.0
 HORIZON = 3650.0  # days: later nobody plans
@@ -75,12 +75,15 @@ class LoopHistory:
     tag : str
     rows : tuple of AssessmentRow
     trend : SizeTrend
-        % of span a day; without dates windows of one record are a day apart as their times say.
+        % of span a day; without dates windows of one record are a day apart as their times say. Of the audits alone.
+    live : tuple of EstimateRow
+        What was told of the running plant (``lostmotion live --store``), oldest first, in units of OP.
     """
 
     tag: str
     rows: tuple[AssessmentRow, ...]
     trend: SizeTrend
+    live: tuple[EstimateRow, ...] = ()
 
     @property
     def sized(self) -> tuple[AssessmentRow, ...]:
@@ -153,11 +156,15 @@ class LoopHistory:
             {"window_start": row.window_start.isoformat(), "verdict": row.verdict, "percent": _percent(row)}
             for row in self.rows
         ]
-        return {"tag": self.tag, "windows": points, "trend_percent_of_span": self.trend.to_dict()}
+        live = [
+            {"at": row.at.isoformat(), "status": row.status, "width": [row.width, row.low, row.high]}
+            for row in self.live
+        ]
+        return {"tag": self.tag, "windows": points, "trend_percent_of_span": self.trend.to_dict(), "live": live}
 
 
-def history(rows: Sequence[AssessmentRow]) -> LoopHistory:
-    """History of one loop from its rows of all runs, in the order of the runs.
+def history(rows: Sequence[AssessmentRow], live: Sequence[EstimateRow] = ()) -> LoopHistory:
+    """History of one loop from its rows of all runs, in the order of the runs, and estimates of the running plant.
 
     Raises
     ------
@@ -172,7 +179,7 @@ def history(rows: Sequence[AssessmentRow]) -> LoopHistory:
     sizes = [(row, one) for row in ordered if (one := _percent(row)) is not None]
     places = [(_middle(row) - UNDATED).total_seconds() / DAY for row, _ in sizes]
     line = size_trend(places, [one[0] for _, one in sizes], [one[1:] for _, one in sizes], "day")
-    return LoopHistory(tags[0], ordered, line)
+    return LoopHistory(tags[0], ordered, line, tuple(live))
 
 
 def _percent(row: AssessmentRow) -> tuple[float, float, float] | None:

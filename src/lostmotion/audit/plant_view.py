@@ -55,19 +55,22 @@ class RunFacts:
 
 @dataclass(frozen=True)
 class SizePoint:
-    """Size of a loop's lost motion in one run, in % of span.
+    """Size of a loop's lost motion in one run, or by an estimate on the running plant, in % of span.
 
     Attributes
     ----------
     tag : str
     run : int
+        Of a live one: number of the watch.
     when : datetime
-        Of the data: start of the window.
+        Of the data: start of the window; of a live one its last sample.
     verdict : str
     size, low, high : float, optional
         With the 95 % interval; None: not known.
     excluded : float, optional
         Largest size that is not excluded, where none was found.
+    live : bool
+        Of the running plant: it counts as no audit.
     """
 
     tag: str
@@ -78,6 +81,7 @@ class SizePoint:
     low: float | None = None
     high: float | None = None
     excluded: float | None = None
+    live: bool = False
 
 
 @dataclass(frozen=True)

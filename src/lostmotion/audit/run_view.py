@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lostmotion.addresses import is_url, without_password
 from lostmotion.audit.history import LoopHistory
+from lostmotion.audit.live_points import live_estimates, live_points
 from lostmotion.audit.plant_view import PlantView, RunFacts, SizePoint, leading_rows
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.store.rows import AssessmentRow
@@ -28,6 +29,12 @@ def view_of(run: AuditRun, pages: int = PAGES) -> PlantView:
     told = [row.tag for row in leading if row.priority][:pages]
     with Store(run.store, write=False) as store:
         past = {tag: [pair for pair in store.history(tag) if pair[0].number <= run.run.number] for tag in told}
+        live = [
+            point
+            for tag, pairs in past.items()
+            if (loop := store.loop(tag)) is not None
+            for point in live_points(live_estimates(store, run.run, tag), loop, [row for _, row in pairs])
+        ]
         reviews = {tag: said[-1] for tag in told if (said := store.reviews(tag))}
         before = store.last_run(run.run.number)
     histories = {tag: run.loop(tag) for tag in told}
@@ -38,7 +45,7 @@ def view_of(run: AuditRun, pages: int = PAGES) -> PlantView:
         rows=run.rows,
         groups=run.groups,
         traces=run.traces(told),
-        history=tuple(size_point(made.number, row) for pairs in past.values() for made, row in pairs),
+        history=(*(size_point(made.number, row) for pairs in past.values() for made, row in pairs), *live),
         previous=run.previous,
         unread=run.unread,
         growth=growth,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.history import history
+from lostmotion.audit.live_points import live_estimates, live_points
 from lostmotion.audit.plant_view import LoopView, PlantView, RunFacts
 from lostmotion.audit.run_view import growth_words, size_point
 from lostmotion.store.rows import GroupRow, Stage
@@ -40,6 +41,7 @@ def stored_loop(
         return None
     past = [(made.number, row) for made, row in reversed(store.history(tag, MOST)) if made.number <= run.number]
     assessed = [row for _, row in past if row.stage is Stage.ASSESSED]
+    live = live_points(live_estimates(store, run, tag), loop, [*rows, *assessed])
     reviews = store.reviews(tag)
     growth = growth_words(history(assessed)) if assessed else ""
     view = PlantView(
@@ -48,7 +50,7 @@ def stored_loop(
         rows=tuple(rows),
         groups=tuple(groups),
         traces=tuple(store.traces(run.number, tag)),
-        history=tuple(size_point(number, row) for number, row in past),
+        history=(*(size_point(number, row) for number, row in past), *live),
         growth={tag: growth},
         reviews={tag: str(reviews[-1].state)} if reviews else {},
     )

@@ -21,6 +21,7 @@ from lostmotion.errors import ParameterError
 if TYPE_CHECKING:
     from lostmotion.live.loop_settings import LoopSettings
     from lostmotion.live.opcua.link import Connect
+    from lostmotion.live.watch import Kinds
 
 Source = Annotated[str, typer.Argument(help="Plant file (TOML), or address of a server: opc.tcp://host:port.")]
 OpNode = Annotated[str | None, number("--op", "Node of the controller output: 'ns=2;s=FIC101.OP'.")]
@@ -38,6 +39,10 @@ Uncertain = Annotated[
 ]
 State = Annotated[Path | None, number("--state", "Folder with a state for each loop, to go on after a stop.")]
 Record = Annotated[Path | None, number("--record", "Folder that keeps what came, as Parquet in pieces.")]
+Store = Annotated[
+    str | None,
+    typer.Option("--store", metavar="FILE|URL", help="Store of an audit that takes the estimates, for its pages."),
+]
 Discover = Annotated[bool, typer.Option("--discover", help="Print the loops of the server as a loop list, and end.")]
 Trust = Annotated[bool, typer.Option("--trust", help="Show the certificate of the server, ask, and believe it.")]
 Fingerprint = Annotated[str | None, number("--fingerprint", "With --trust: believe it if its SHA-256 is this.")]
@@ -104,6 +109,7 @@ def live(
     width_limit: Width = None,
     state: State = None,
     record: Record = None,
+    store: Store = None,
     json: Json = False,  # noqa: ARG001  the output is JSON in any case
 ) -> None:
     """Watch the dead zones of a running plant over OPC UA: one JSON line per report, event or note, with its tag.
@@ -136,15 +142,17 @@ def live(
     if link.discover:
         typer.echo(asyncio.run(_discovered(connect)), nl=False)
         return
-    raise typer.Exit(0 if _watch(loops(), connect, state, record) else 1)
+    from lostmotion.live.watch import Kinds
+
+    raise typer.Exit(0 if _watch(loops(), connect, Kinds(state, record, store, address)) else 1)
 
 
-def _watch(loops: tuple[LoopSettings, ...], connect: Connect, state: Path | None, record: Path | None) -> bool:
-    from lostmotion.live.run import warm
-    from lostmotion.live.watch import Kinds, Watch
+def _watch(loops: tuple[LoopSettings, ...], connect: Connect, kept: Kinds) -> bool:
+    from lostmotion.live.warm import warm
+    from lostmotion.live.watch import Watch
 
     with stop_on_signals() as stop:
-        watch = Watch(loops, connect, _emit, Kinds(state, record))
+        watch = Watch(loops, connect, _emit, kept)
         watch.meet()  # compiling may take minutes
         warm()
         return asyncio.run(watch.run(stop))

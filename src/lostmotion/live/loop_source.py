@@ -128,7 +128,7 @@ class LoopSource:
     @property
     def waiting(self) -> int:
         """Values of PV that are in no row yet, about."""
-        return self._joined.waiting + sum(value.role == "pv" for values in self._inbox for value in values)
+        return self._joined.waiting + sum(value.role == "pv" for values in tuple(self._inbox) for value in values)
 
     @property
     def newest(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import time
 from collections.abc import Awaitable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -10,12 +11,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Event
 
-import numpy as np
-
 from lostmotion.errors import LostMotionError
-from lostmotion.identify import RecursiveML
 from lostmotion.live.loop_source import LoopSource
-from lostmotion.online.service import Service
+from lostmotion.online.service import Service, Take, at_once
 
 TURN = 0.25  # s between turns of a loop
 SAVE = 60.0  # s between states, where nothing is reported
@@ -48,10 +46,16 @@ class Watched:
         every: int = getattr(monitor.estimator, "start_samples", 1)
         return self.source.waiting >= every - monitor.samples % every
 
-    def turn(self) -> None:
-        """Take all rows that are complete; what cannot go on is told once and left."""
+    def turn(self, fit: Take | None = None) -> None:
+        """Take all rows that are complete; what cannot go on is told once and left.
+
+        Parameters
+        ----------
+        fit : callable, optional
+            What takes rows that begin the estimate; without it they, and those behind them, are left.
+        """
         try:
-            while self.service.turn():
+            while (take := fit if self.heavy else at_once) is not None and self.service.turn(take):
                 pass
             if time.monotonic() - self.saved > SAVE:
                 self.service.save()
@@ -63,7 +67,7 @@ class Watched:
     def end(self) -> None:
         """Keep what is known."""
         if self.failure is None:
-            self.turn()
+            self.turn(at_once)
             self.service.save()
 
 
@@ -75,15 +79,17 @@ class Plant:
     loops : sequence of Watched
     link : awaitable
         Feeds the sources until it is cancelled.
+    fit : callable, optional
+        Takes rows that begin an estimate; default: here.
 
     Notes
     -----
     Two threads work beside the event loop, so that values are taken from the network whatever the estimators do: one
-    for turns, which last a millisecond, one for first fits, which last seconds.
+    for turns, which last a millisecond, one for first fits, which last a hundred times that.
     """
 
-    def __init__(self, loops: Sequence[Watched], link: Awaitable[None]) -> None:
-        self.loops, self._link = loops, link
+    def __init__(self, loops: Sequence[Watched], link: Awaitable[None], fit: Take = at_once) -> None:
+        self.loops, self._link, self._fit = loops, link, fit
         self._busy: set[Watched] = set()
         self._fault: BaseException | None = None  # of ours: nothing may go on behind it
         self.longest_block = 0.0  # s for which the event loop came late
@@ -91,6 +97,8 @@ class Plant:
     async def run(self, stop: Event) -> None:
         """Work until `stop` is set, or no loop can go on."""
         link = asyncio.ensure_future(self._link)  # ends only by a fault of ours
+        gc.collect()
+        gc.freeze()  # modules are looked through no more: each time the event loop would stand still for that
         with ThreadPoolExecutor(1, "turns") as light, ThreadPoolExecutor(1, "first fits") as heavy:
             try:
                 while not stop.is_set() and not link.done() and self._fault is None:
@@ -101,6 +109,7 @@ class Plant:
                     if all(loop.failure is not None for loop in self.loops):
                         break
             finally:
+                gc.unfreeze()
                 link.cancel()
                 with suppress(asyncio.CancelledError):
                     await link
@@ -114,27 +123,18 @@ class Plant:
     def _hand_out(self, light: ThreadPoolExecutor, heavy: ThreadPoolExecutor) -> None:
         now = time.monotonic()
         due = [loop for loop in self.loops if loop.due <= now and loop not in self._busy and loop.failure is None]
-        long = [loop for loop in due if loop.heavy]
+        long = {loop for loop in due if loop.heavy}
         short = [loop for loop in due if loop not in long]
-        for loops, pool in [*(([one], heavy) for one in long), (short, light)]:
+        for loops, pool, fit in [*(([one], heavy, self._fit) for one in long), (short, light, None)]:
             if loops:
                 self._busy.update(loops)
-                pool.submit(self._turns, loops).add_done_callback(self._done)
+                pool.submit(self._turns, loops, fit).add_done_callback(self._done)
 
     def _done(self, turns: Future[None]) -> None:
         self._fault = self._fault or turns.exception()
 
-    def _turns(self, loops: Sequence[Watched]) -> None:
+    def _turns(self, loops: Sequence[Watched], fit: Take | None) -> None:
         for loop in loops:
-            loop.turn()
-            loop.due = time.monotonic() + TURN
+            loop.turn(fit)
+            loop.due = time.monotonic() + (0.0 if loop.heavy else TURN)
             self._busy.discard(loop)
-
-
-def warm() -> None:
-    """Load what the estimators are compiled to, before values come: it takes seconds, the first time a minute."""
-    rng = np.random.default_rng(0)
-    u = np.repeat(rng.uniform(-1.0, 1.0, 60), 5)
-    x = np.sign(u) * np.maximum(np.abs(u) - 0.3, 0.0)
-    y = np.convolve(x, 0.5 ** np.arange(20))[: u.size] + 0.01 * rng.standard_normal(u.size)
-    RecursiveML(1, 0, 0, start_samples=200).run(u, y)

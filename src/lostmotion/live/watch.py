@@ -4,35 +4,57 @@ from __future__ import annotations
 
 import asyncio
 import json
+import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 from threading import Event, Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from asyncua import ua
 
 from lostmotion.errors import FileAccessError
+from lostmotion.live.first_fits import FirstFits
 from lostmotion.live.loop_settings import LoopSettings, Model, publishing_of
 from lostmotion.live.loop_source import LoopSource, check_position
 from lostmotion.live.opcua.data_value import quality_of, value_of
 from lostmotion.live.opcua.link import Connect, Followed, Link
 from lostmotion.live.recorder import LARGEST, PIECE, Recorder
 from lostmotion.live.run import Plant, Watched
-from lostmotion.online.service import Kept, Service
+from lostmotion.online.service import Kept, Service, at_once
+from lostmotion.store.alive import BEAT
+from lostmotion.store.run_rows import LoopRow, WatchRow
+
+if TYPE_CHECKING:
+    from lostmotion.live.estimates import Estimates
+
+FEW = 10  # loops whose first fits, all at once, last a second: more have a process for them
+
+STORED = 2.0  # s after which an estimate is written
 
 Emit = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
 class Kinds:
-    """Where things are kept: folders that are there, or None."""
+    """Where things are kept: folders that are there, and the address of a store; or None.
+
+    Attributes
+    ----------
+    state, record : Path, optional
+    store : str, optional
+    source : str
+        Address of the server, as the store shall name it.
+    """
 
     state: Path | None = None
     record: Path | None = None
+    store: str | None = None
+    source: str = ""
 
 
 class Watch:
@@ -61,6 +83,7 @@ class Watch:
         models = [loop.model() for loop in loops]
         publishing = publishing_of([model.dt for model in models])
         self.recorder = None if where.record is None else Recorder(where.record)
+        self.estimates: Estimates | None = None
         self._open = ExitStack()
         self.watched: list[Watched] = []
         followed = []
@@ -69,6 +92,9 @@ class Watch:
                 one = self._watched(loop, model, publishing, where.state)
                 self.watched.append(one)
                 followed.append(Followed(one.source, loop.automatic, loop.uncertain))
+            if where.store is not None:
+                self.estimates = self._estimates(where.store, where.source, loops, models)
+                self._open.callback(self.estimates.close)
         except BaseException:
             self._open.close()
             raise
@@ -89,6 +115,19 @@ class Watch:
 
         return Watched(source, Service(source, kept, model.maker(loop), emit, loop.width_limit))
 
+    def _estimates(self, store: str, source: str, loops: Sequence[LoopSettings], models: Sequence[Model]) -> Estimates:
+        from lostmotion.live.estimates import Estimates  # noqa: PLC0415  databases come with lostmotion[audit]
+
+        said = {loop.tag: {**model.settings, **loop.watch} for loop, model in zip(loops, models, strict=True)}
+        digest = sha256(json.dumps(said, sort_keys=True, default=str).encode()).hexdigest()
+        rows = [
+            LoopRow(one.tag, op=of["op"], pv=of["pv"], sp=of.get("sp", ""), mode=of.get("mode", ""), where=source)
+            for one in loops
+            for of in [one.nodes]
+        ]
+        wanted = WatchRow(source, tuple(loop.tag for loop in loops), digest)
+        return Estimates(store, wanted, rows, lambda message: self._tell("store", "", message))
+
     def meet(self) -> None:
         """See :meth:`Link.meet`; what was opened is closed where the server is not believed."""
         try:
@@ -100,7 +139,10 @@ class Watch:
     async def run(self, stop: Event) -> bool:
         """Work until `stop` is set; whether any loop could go on until then."""
         try:
-            await Plant(self.watched, self._work()).run(stop)
+            if self.estimates is not None:
+                self.estimates.begin()  # what is compiled may have taken longer than a heart may be silent
+            with FirstFits() if len(self.watched) > FEW else nullcontext() as fits:
+                await Plant(self.watched, self._work(), fits.take if fits else at_once).run(stop)
         finally:
             self._open.close()
             if self.recorder is not None:
@@ -108,12 +150,24 @@ class Watch:
         return any(one.failure is None for one in self.watched)
 
     async def _work(self) -> None:
-        if self.recorder is None:
-            await self.link.run()
-            return
-        async with asyncio.TaskGroup() as group:
-            group.create_task(self.link.run())
-            group.create_task(self._pieces(self.recorder))
+        try:
+            async with asyncio.TaskGroup() as group:
+                group.create_task(self.link.run())
+                if self.recorder is not None:
+                    group.create_task(self._pieces(self.recorder))
+                if self.estimates is not None:
+                    group.create_task(self._stored(self.estimates))
+        except BaseExceptionGroup as found:
+            raise found.exceptions[0] from None  # one line for a person
+
+    async def _stored(self, estimates: Estimates) -> None:
+        """Soon after a report, so that a kill loses little, and with each beat of the heart."""
+        written = 0.0
+        while True:
+            await asyncio.sleep(STORED)
+            if estimates.waiting or time.monotonic() - written > BEAT:
+                await asyncio.to_thread(estimates.write)
+                written = time.monotonic()
 
     async def _pieces(self, recorder: Recorder) -> None:
         """A piece each minute, or as soon as there is enough for one."""
@@ -137,3 +191,5 @@ class Watch:
     def _said(self, message: dict[str, Any]) -> None:
         with self._lock:
             self._emit(message)
+        if self.estimates is not None:
+            self.estimates.take(message)

@@ -25,6 +25,13 @@ POLL = 0.5  # s between looks at a file that does not grow
 SAVE_EVERY = 1.0  # s: while catching up the state is not written more often than this
 
 Make = Callable[[Layout], OnlineMonitor]
+Found = tuple[OnlineMonitor, list[dict[str, Any]]]  # monitor after some rows, and what it tells
+Take = Callable[[OnlineMonitor, Rows], Found]
+
+
+def at_once(monitor: OnlineMonitor, rows: Rows) -> Found:
+    """Take rows here and now."""
+    return monitor, monitor.take(rows)
 
 
 class Kept:
@@ -156,7 +163,7 @@ class Service:
         """
         at_end = False
         while not stop.is_set():
-            if self.turn(at_end):
+            if self.turn(at_end=at_end):
                 continue
             self.save()
             if at_end:
@@ -166,8 +173,15 @@ class Service:
                 self.source.wait(POLL, stop)
         self.save()
 
-    def turn(self, at_end: bool = False) -> bool:
+    def turn(self, take: Take = at_once, *, at_end: bool = False) -> bool:
         """Take what is there; whether anything was.
+
+        Parameters
+        ----------
+        take : callable
+            Gives the monitor after some rows, the same wherever it does that.
+        at_end : bool
+            Nothing comes any more.
 
         Raises
         ------
@@ -177,7 +191,7 @@ class Service:
         rows = self._read(at_end)
         if not len(rows) and not self.source.more:
             return False
-        self._take(rows)
+        self._take(rows, take)
         return True
 
     def save(self) -> None:
@@ -215,11 +229,11 @@ class Service:
             }
         )
 
-    def _take(self, rows: Rows) -> None:
+    def _take(self, rows: Rows, take: Take) -> None:
         assert self.monitor is not None  # noqa: S101  there are no rows without a layout
         for note in rows.notes:
             self.emit({"kind": "note", "line": note.line, "message": note.text})
-        found = self.monitor.take(rows)
+        self.monitor, found = take(self.monitor, rows)
         for message in found:
             self.emit(message)
         self._events += sum(message["kind"] == "event" for message in found)

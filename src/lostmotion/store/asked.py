@@ -9,12 +9,12 @@ from typing import Any
 
 from sqlalchemy.engine import Connection, Engine
 
-from lostmotion.store import queries
+from lostmotion.store import queries, watches
 from lostmotion.store.news import New, news
 from lostmotion.store.overview import Columns, Judged, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
-from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
-from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow, WatchRow
 from lostmotion.store.said import told
 
 
@@ -114,6 +114,16 @@ class Asked:
         """What the runs said of one loop, the newest first."""
         with self._reading() as connection:
             return queries.history(connection, tag, limit)
+
+    def watches(self) -> list[WatchRow]:
+        """Watches of a running plant, the newest first."""
+        with self._reading() as connection:
+            return watches.watches(connection)
+
+    def estimates(self, tag: str, limit: int | None = None) -> list[tuple[int, EstimateRow]]:
+        """What watches said of one loop, the newest first, each with the number of its watch."""
+        with self._reading() as connection:
+            return watches.estimates(connection, tag, limit)
 
     def groups(self, run: int) -> tuple[GroupRow, ...]:
         """Groups of a run with their members."""

@@ -1,4 +1,4 @@
-"""Rows of the store: what an audit writes, whatever the database."""
+"""Rows of the store: what an audit and a watch write, whatever the database."""
 
 from __future__ import annotations
 
@@ -236,3 +236,36 @@ class GroupRow:
     confidence: float | None
     why: str
     members: tuple[tuple[str, datetime, float, float], ...]
+
+
+@dataclass(frozen=True)
+class EstimateRow:
+    """What the recursive estimator of a watched loop says at one moment. Key: watch, loop, at.
+
+    Attributes
+    ----------
+    tag : str
+    at : datetime
+        UTC: stamp of the last sample.
+    sample : int
+        How many it has taken by then.
+    status : str
+        Name of the :class:`lostmotion.Status`.
+    width : float
+        Of the dead zone, units of OP.
+    low, high, standard_error : float, optional
+        95 % interval and standard error of the width; None: open, not known.
+    left, right : float, optional
+        Break points, units of OP.
+    """
+
+    tag: str
+    at: datetime
+    sample: int
+    status: str
+    width: float
+    low: float | None = None
+    high: float | None = None
+    standard_error: float | None = None
+    left: float | None = None
+    right: float | None = None

@@ -1,4 +1,4 @@
-"""Rows of the store beside the results: loops, runs, what could not be read, reviews."""
+"""Rows of the store beside the results: loops, runs, watches, what could not be read, reviews."""
 
 from __future__ import annotations
 
@@ -91,6 +91,39 @@ class RunRow:
     screen_only: bool = False
     engine: str = ""
     workers: int = 1
+    state: RunState = RunState.RUNNING
+    began: datetime | None = None
+    heartbeat: datetime | None = None
+    ended: datetime | None = None
+    note: str = ""
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class WatchRow:
+    """Loops of a running plant that one process watches: no audit, and never taken for one.
+
+    Attributes
+    ----------
+    source : str
+        Address of the server, without password.
+    tags : tuple of str
+        Loops that are watched.
+    digest : str
+        Of the settings of the estimators.
+    state : RunState
+        Never finished: stopped until it goes on.
+    began, heartbeat, ended : datetime, optional
+        UTC.
+    note : str
+        Why it stopped; empty: it did not, or by hand.
+    number : int
+        From 1, in the order in which they began.
+    """
+
+    source: str
+    tags: tuple[str, ...] = ()
+    digest: str = ""
     state: RunState = RunState.RUNNING
     began: datetime | None = None
     heartbeat: datetime | None = None

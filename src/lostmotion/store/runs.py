@@ -1,4 +1,4 @@
-"""Begin, go on with, keep alive and end a run: one coordinator at a time."""
+"""Begin, go on with, keep alive and end a run: one coordinator at a time. What runs and watches have in common."""
 
 from __future__ import annotations
 
@@ -40,30 +40,36 @@ def begin(connection: Connection, wanted: RunRow, me: str, *, resume: bool, name
     left = open_runs.all()
     _refuse_living(left, moment, name)
     last = left[0] if left else None
-    again = resume and last is not None and _last(connection) == last["id"] and _same(last, wanted)
-    _abandon(connection, [one["id"] for one in left[1 if again else 0 :]], moment)
+    again = resume and last is not None and newest(connection) == last["id"] and _same(last, wanted)
+    abandon(connection, [one["id"] for one in left[1 if again else 0 :]], moment)
     values = {"state": RunState.RUNNING, "heartbeat": moment, "coordinator": me, "ended": None, "note": ""}
     if again and last is not None:
         values |= {"engine": wanted.engine, "workers": wanted.workers, "settings": wanted.settings}
         connection.execute(run.update().where(run.c.id == last["id"]).values(values))
         return int(last["id"]), True
-    number = _last(connection) + 1
+    number = newest(connection) + 1
     new = encoded(replace(wanted, number=number, began=moment))
     connection.execute(run.insert().values(new | values))
     return number, False
 
 
-def _last(connection: Connection) -> int:
-    return int(connection.execute(sa.select(sa.func.coalesce(sa.func.max(run.c.id), 0))).scalar_one())
+def newest(connection: Connection, of: sa.Table = run) -> int:
+    """Number of the run (or watch) that began last; 0: none."""
+    return int(connection.execute(sa.select(sa.func.coalesce(sa.func.max(of.c.id), 0))).scalar_one())
 
 
 def _refuse_living(left: Iterable[RowMapping], moment: datetime, name: str) -> None:
     for one in left:
-        if one["state"] == RunState.RUNNING and lives(one["coordinator"], one["heartbeat"], moment):
+        if at_work(one, moment):
             raise FileAccessError(
                 f"expected a store {name!r} in which no audit is at work, got run {one['id']} "
                 f"of {where(one['coordinator'])}, whose heart beats; wait for its end, or stop it"
             )
+
+
+def at_work(one: RowMapping, moment: datetime) -> bool:
+    """Whether the coordinator of a run (or watch) lives."""
+    return one["state"] == RunState.RUNNING and lives(one["coordinator"], one["heartbeat"], moment)
 
 
 def _same(last: RowMapping, wanted: RunRow) -> bool:
@@ -71,30 +77,32 @@ def _same(last: RowMapping, wanted: RunRow) -> bool:
     return all(last[one] == values[one] for one in SAME)
 
 
-def _abandon(connection: Connection, numbers: list[int], moment: datetime) -> None:
+def abandon(connection: Connection, numbers: list[int], moment: datetime, of: sa.Table = run) -> None:
+    """Nobody will go on with them."""
     if numbers:
         values = {"state": RunState.ABANDONED, "ended": moment}
-        connection.execute(run.update().where(run.c.id.in_(numbers)).values(values))
+        connection.execute(of.update().where(of.c.id.in_(numbers)).values(values))
 
 
-def beat(connection: Connection, number: int, me: str, name: str) -> None:
+def beat(connection: Connection, number: int, me: str, name: str, of: sa.Table = run) -> None:
     """One beat of the heart; at the beginning of every transaction that writes, too.
 
     Raises
     ------
     FileAccessError
-        Another audit has taken the run over: this one was silent for too long.
+        Another process has taken the run (or watch) over: this one was silent for too long.
     """
-    mine = (run.c.id == number) & (run.c.coordinator == me) & (run.c.state == RunState.RUNNING)
-    done = connection.execute(run.update().where(mine).values(heartbeat=now(connection)))
+    mine = (of.c.id == number) & (of.c.coordinator == me) & (of.c.state == RunState.RUNNING)
+    done = connection.execute(of.update().where(mine).values(heartbeat=now(connection)))
     if done.rowcount != 1:
+        other = "audit" if of is run else "process"
         raise FileAccessError(
-            f"expected run {number} of the store {name!r} to be this one's, got one that another audit has taken over; "
-            "let that one finish"
+            f"expected {of.name} {number} of the store {name!r} to be this one's, got one that another {other} has "
+            "taken over; let that one finish"
         )
 
 
-def end(connection: Connection, number: int, state: RunState, note: str) -> None:
-    """The run is over."""
+def end(connection: Connection, number: int, state: RunState, note: str, of: sa.Table = run) -> None:
+    """The run (or watch) is over."""
     values = {"state": state, "ended": now(connection), "note": note}
-    connection.execute(run.update().where(run.c.id == number).values(values))
+    connection.execute(of.update().where(of.c.id == number).values(values))

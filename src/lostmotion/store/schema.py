@@ -24,10 +24,10 @@ from sqlalchemy import (
 from sqlalchemy.types import TypeEngine
 
 from lostmotion.store.encoded import coded, utc
-from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
-from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
+from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow, WatchRow
 
-VERSION = "0002"  # of the schema: the last of migrations/versions
+VERSION = "0003"  # of the schema: the last of migrations/versions
 
 
 class Utc(TypeDecorator[datetime]):
@@ -146,4 +146,20 @@ review = Table(
     _key("loop_id", "loop", key=False),
     *_columns(ReviewRow, "tag"),
     Index("review_loop", "loop_id", "id"),
+)
+watch = Table(
+    "watch",
+    metadata,
+    _id(),
+    *_columns(WatchRow, "number"),
+    Column("coordinator", WORDS, nullable=False),
+)
+estimate = Table(
+    "estimate",
+    metadata,
+    _key("watch_id", "watch"),
+    _key("loop_id", "loop"),
+    Column("at", Utc(), primary_key=True),
+    *_columns(EstimateRow, "tag", "at"),
+    Index("estimate_loop", "loop_id", "at"),
 )

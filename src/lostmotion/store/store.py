@@ -137,6 +137,7 @@ class Store(Asked):
         What the run says of loops that the source no longer has is forgotten.
         """
         with self._writing(run) as connection:
+            lock(connection)  # who watches loops may add some
             self._ids = writing.put_loops(connection, loops)
             writing.put_unread(connection, run, unread)
             wanted = {self._ids[clean(one.tag)] for one in loops}

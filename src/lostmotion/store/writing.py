@@ -11,9 +11,9 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import Connection
 
 from lostmotion.store.encoded import clean, encoded
-from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, UnreadRow
-from lostmotion.store.schema import assessment, loop, member, oscillation_group, spectrum, trace, unread
+from lostmotion.store.schema import assessment, estimate, loop, member, oscillation_group, spectrum, trace, unread
 
 Ids = Mapping[str, int]  # of loops, by tag
 RANKED = ("label", "split", "priority", "priority_reason")
@@ -41,6 +41,12 @@ def put_loops(connection: Connection, loops: Iterable[LoopRow]) -> dict[str, int
         rows.append({"id": known[tag], "search": _search(one)} | encoded(one))
     upsert(connection, loop, rows)
     return known
+
+
+def add_loops(connection: Connection, loops: Iterable[LoopRow]) -> dict[str, int]:
+    """Numbers of the loops by tag; those that are known stay as the loop list of an audit has them."""
+    known = ids(connection)
+    return put_loops(connection, [one for one in loops if clean(one.tag) not in known])
 
 
 def ids(connection: Connection) -> dict[str, int]:
@@ -155,3 +161,9 @@ def put_groups(connection: Connection, run: int, known: Ids, groups: Sequence[Gr
         connection.execute(oscillation_group.insert(), values)
     if members:
         connection.execute(member.insert(), members)
+
+
+def put_estimates(connection: Connection, watch: int, known: Ids, rows: Sequence[EstimateRow]) -> None:
+    """Estimates of watched loops; one of the same moment takes the place of the one before."""
+    values = [{"watch_id": watch, "loop_id": known[clean(row.tag)]} | encoded(row, "tag") for row in rows]
+    upsert(connection, estimate, values)

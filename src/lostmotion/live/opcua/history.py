@@ -10,10 +10,16 @@ from asyncua import ua
 from asyncua.client.client import Client
 from asyncua.common.node import Node
 from asyncua.ua.attribute_ids import AttributeIds
-from asyncua.ua.uaerrors import UaError
+from asyncua.ua.status_codes import StatusCodes
+from asyncua.ua.uaerrors import UaStatusCodeError
 
 AT_ONCE = 8  # requests under way
 AHEAD = timedelta(days=1)  # the server's clock may be ahead of ours
+BROKEN = {
+    StatusCodes.BadTimeout, StatusCodes.BadConnectionClosed, StatusCodes.BadSecureChannelClosed,
+    StatusCodes.BadSecureChannelIdInvalid, StatusCodes.BadSessionClosed, StatusCodes.BadSessionIdInvalid,
+    StatusCodes.BadCommunicationError, StatusCodes.BadServerHalted, StatusCodes.BadShutdown, StatusCodes.BadDisconnect,
+}  # fmt: skip
 _READ = 1 << ua.AccessLevel.HistoryRead.value
 
 
@@ -32,7 +38,9 @@ async def histories(nodes: Sequence[tuple[Node, float]]) -> list[list[ua.DataVal
             try:
                 begin = datetime.fromtimestamp(since, UTC)
                 return await node.read_raw_history(begin, datetime.now(UTC) + AHEAD, return_bounds=False)
-            except UaError:
+            except UaStatusCodeError as error:
+                if error.code in BROKEN:  # that is no answer about a history
+                    raise
                 return []
 
     return await asyncio.gather(*(one(node, since) for node, since in nodes))

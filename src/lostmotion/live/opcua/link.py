@@ -31,6 +31,7 @@ KEEP_ALIVE = 5.0  # s after which a silent server says that it is there
 STALE = 6.0  # s without a word after which the link counts as broken
 WAITING = 200_000  # values between the socket and the rows; more: the link is cut, and history asked
 PER_CALL = 200  # monitored items in one request
+LATER = (0.1, 0.3, 1.0)  # s after which a history that does not reach up to now is read again
 LEAVE = 2.0  # s for a farewell
 FIRST_HANDLE = 1000
 NO_FILTERS = (
@@ -228,10 +229,21 @@ class Link:
         missed = [one for one in nodes if one[0].source.newest > 0]
         if not missed:
             return
-        kept = await with_history(client, [node for _, _, node in missed])
-        asked = [one for one, has in zip(missed, kept, strict=True) if has]
-        since = [(node, loop.source.newest - loop.source.signals.dt) for loop, _, node in asked]
-        found = await histories(since)
+        try:
+            kept = await with_history(client, [node for _, _, node in missed])
+            asked = [one for one, has in zip(missed, kept, strict=True) if has]
+            since = [(node, loop.source.newest - loop.source.signals.dt) for loop, _, node in asked]
+            found = await histories(since)
+            for pause in LATER:
+                late = [k for k, (loop, role, _) in enumerate(asked) if role == "pv" and _hole(loop, found[k])]
+                if not late:
+                    break
+                await asyncio.sleep(pause)
+                found = await histories(since)
+        except BaseException:
+            for loop, _, _ in missed:
+                loop.pending = []  # given over now, they would hide what is older: it is asked for again with them
+            raise
         at = time.monotonic()
         live = {id(loop): (loop, loop.pending) for loop, _, _ in asked}
         for loop, _ in live.values():
@@ -277,6 +289,16 @@ class Link:
         for loop in self.loops:
             loop.hand_over()
             loop.source.alive = heard
+
+
+def _hole(loop: Followed, values: Sequence[ua.DataValue]) -> bool:
+    """Whether the history of PV ends more than a sample before what has come since: servers write it with a delay."""
+    first = min((value.stamp for value in loop.pending if value.role == "pv"), default=None)
+    if first is None or loop.source.signals.on_change:
+        return False
+    stamps = [seconds_of(one.SourceTimestamp) for one in values if one.SourceTimestamp is not None]
+    before = max((stamp for stamp in stamps if stamp < first), default=loop.source.newest)
+    return first not in stamps and first - before > 1.5 * loop.source.signals.dt
 
 
 def _has_no_filters(answer: int | ua.StatusCode) -> bool:

@@ -65,6 +65,7 @@ class LoopPage:
     of_what: str
     history: Markup
     history_rows: list[tuple[str, str, str, str]]
+    has_live: bool
     growth: str
     oscillation: list[tuple[str, str]]
     performance: list[tuple[str, str]]
@@ -107,6 +108,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         of_what=of_what(row),
         history=history_picture(view.history, of_what(row)),
         history_rows=history_rows(view.history) if len(view.history) > 1 else [],
+        has_live=any(point.live for point in view.history),
         growth=view.growth,
         oscillation=_oscillation(view),
         performance=_performance(row),

@@ -32,7 +32,7 @@ def size_trends(view: PlantView) -> list[SizeTrend]:
     """Loops in the order of the ranking."""
     by_tag: dict[str, list[SizePoint]] = defaultdict(list)
     for point in view.history:
-        if point.size is not None:
+        if point.size is not None and not point.live:
             by_tag[point.tag].append(point)
     order = {row.tag: place for place, row in enumerate(view.leading)}
     several = [tag for tag, points in by_tag.items() if len(points) > 1 and tag in order]
@@ -83,8 +83,12 @@ def _change(first: SizePoint, last: SizePoint) -> tuple[str, str]:
 
 
 def history_rows(points: tuple[SizePoint, ...]) -> list[tuple[str, str, str, str]]:
-    """Run, date, verdict and size of each."""
-    return [(str(point.run), moment_words(point.when), point.verdict, size_of(point)) for point in points]
+    """Run (of the running plant the watch), date, verdict and size of each."""
+    return [(_run(point), moment_words(point.when), point.verdict, size_of(point)) for point in points]
+
+
+def _run(point: SizePoint) -> str:
+    return f"live {point.run}" if point.live else str(point.run)
 
 
 def history_picture(points: tuple[SizePoint, ...], of_what: str) -> Markup:
