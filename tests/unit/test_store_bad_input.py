@@ -67,7 +67,7 @@ def test_the_version_is_the_last_migration():
 def test_an_older_store_names_the_command_that_upgrades_it(tmp_path):
     path = made(tmp_path / "old.db", "0001")
     for settings in ({}, {"write": False}):
-        said = assert_refused("expected version 0002 of the store .*, got the older version 0001; ", path, **settings)
+        said = assert_refused("expected version 0004 of the store .*, got the older version 0001; ", path, **settings)
         assert said.endswith(f"then: lostmotion audit --upgrade {path}")
     assert upgrade(path) == ("0001", VERSION)
     assert upgrade(path) == (VERSION, VERSION)

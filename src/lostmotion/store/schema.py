@@ -23,11 +23,12 @@ from sqlalchemy import (
 )
 from sqlalchemy.types import TypeEngine
 
+from lostmotion.store.changed import New
 from lostmotion.store.encoded import coded, utc
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow
 
-VERSION = "0002"  # of the schema: the last of migrations/versions
+VERSION = "0004"  # of the schema: the last of migrations/versions
 
 
 class Utc(TypeDecorator[datetime]):
@@ -146,4 +147,18 @@ review = Table(
     _key("loop_id", "loop", key=False),
     *_columns(ReviewRow, "tag"),
     Index("review_loop", "loop_id", "id"),
+)
+comparison = Table(
+    "comparison",
+    metadata,
+    _key("run_id", "run"),  # what is new in it was written down when it ended
+    _key("earlier_id", "run", key=False),  # .. since this one
+)
+change = Table(
+    "change",
+    metadata,
+    _key("run_id", "run"),
+    Column("place", Integer, primary_key=True, autoincrement=False),  # from 1, what matters most first
+    _key("loop_id", "loop", key=False),
+    *_columns(New, "tag"),
 )
