@@ -26,7 +26,8 @@ BY_HARMONICS, MOST_BY_HARMONICS = 0.8, 1.6
 BY_NONLINEARITY, MOST_NONLINEARITY = 0.4, 3.0  # per unit above 1, the limit of the statistic
 BY_POWER = 2.0  # per unit of the share of the variance
 STEADY, WANDERS = 0.1, 0.4  # spread of an amplitude: noise builds up none below; of a loop that rings it is about 0.5
-BY_PURITY, MOST_PURITY = 2.0, 6.0  # of a loop that rings: log odds per log odds of the share of the variance
+BY_PURITY, MOST_PURITY = 2.0, 8.0  # of a loop that rings: log odds per log odds of the share of the variance
+USUAL_REGULAR = 20.0  # of loops that ring: their median in simulated plants
 
 
 RINGING = "it rings like a loop that hardly settles: its amplitude comes and goes"
@@ -104,9 +105,11 @@ def _rings(loop: Swinging, nonlinear: float | None) -> bool:
 
 
 def _purity(loop: Swinging) -> float:
-    """Log odds of a loop that rings: on every way noise is added, so the source swings purest."""
+    """Log odds of a loop that rings: on every way noise is added, so the source swings purest and most regularly."""
     power = float(np.clip(loop.power, 0.01, 0.99))
-    return float(np.clip(BY_PURITY * np.log(power / (1.0 - power)), -MOST_PURITY, MOST_PURITY))
+    regular = float(np.median([row.regularity or 1.0 for row in loop.rows]))
+    found = BY_PURITY * np.log(power / (1.0 - power)) + np.log(regular / USUAL_REGULAR)
+    return float(np.clip(found, -MOST_PURITY, MOST_PURITY))
 
 
 def name(suspects: Sequence[Suspect]) -> Named:
