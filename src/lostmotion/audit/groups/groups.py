@@ -34,7 +34,8 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     the coupling of its phases, and from how much of its variance the oscillation is; one alternative is that it comes
     from outside. Where the amplitude comes and goes without coupled phases a linear loop rings, and the purest of them
     is the source; where it stays, tuning is not blamed. Lags between loops decide nothing: the sign of what one does to
-    the other is not known, so they are known up to half a period only. Two loops that are close are not decided between. What it finds: benchmarks/audit/groups.py.
+    the other is not known, so they are known up to half a period only. Two loops that are close are not decided
+    between. What it finds: benchmarks/audit/groups.py.
     """
     known = swinging(spectra, rows)
     others = unsteady(spectra, rows, known)
