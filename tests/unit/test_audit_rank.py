@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lostmotion.audit.rank import label_of, ranked, split_of
 from lostmotion.plant import PlantLoop
-from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, Stage
 
 
 def row(tag: str = "FIC-1", **values: object) -> AssessmentRow:
@@ -142,3 +142,36 @@ def test_a_valve_that_never_rests_is_told() -> None:
     assert busy.priority > calm.priority + 20.0
     assert busy.priority_reason.endswith("OP travels 90 full strokes an hour: wear")
     assert "wear" not in calm.priority_reason
+
+
+def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
+    made = {"verdict": "other oscillation", "confidence": 0.9, "regularity": 9.0, "power": 0.9, "period": 100.0}
+    source, other = row("FIC-1", kind="tuning", **made), row("FIC-2", kind="disturbance", **made)
+    group = GroupRow(1, 100.0, "FIC-1", 0.9, "", (("FIC-1", UNDATED, 1.0, 2.0), ("FIC-2", UNDATED, 1.0, 0.0)))
+    first, second = ranked([other, source], {}, [group])
+    assert (first.tag, second.tag) == ("FIC-1", "FIC-2")
+    assert second.priority == pytest.approx(0.25 * first.priority)
+    assert second.priority_reason.endswith("with FIC-1, the likely source: look there first")
+    unknown = ranked([other, source], {}, [replace(group, source="")])
+    assert unknown[0].priority == unknown[1].priority
+    worn = replace(STICKS, tag="FIC-2", regularity=9.0, power=0.9, period=100.0)
+    assert ranked([worn], {}, [group]) == ranked([worn], {}), "a lost motion of its own is mended whoever swings"
+
+
+@pytest.mark.parametrize(("verdict", "kind"), [("cannot tell", "unknown"), ("none", "none"),
+                                               ("other oscillation", "disturbance")])  # fmt: skip
+def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: str, kind: str) -> None:
+    rings = row(
+        verdict=verdict, kind=kind, confidence=0.6, regularity=40.0, power=0.9, period=300.0,
+        indices={"amplitude_spread": 0.5},
+    )  # fmt: skip
+    (first,) = ranked([rings], {})
+    assert first.split == "tuning"
+    assert first.priority == pytest.approx(36.0)
+    assert first.priority_reason.startswith("hardly settles: retune (its amplitude comes and goes); swings every 300 s")
+    for calm in (replace(rings, indices={"amplitude_spread": 0.2}), replace(rings, regularity=3.0)):
+        assert "retune" not in ranked([calm], {})[0].priority_reason
+    group = GroupRow(1, 300.0, "FIC-2", 0.9, "", (("FIC-1", UNDATED, 1.0, 0.0),))
+    carried = ranked([rings], {}, [group])[0]
+    assert carried.split != "tuning"
+    assert "look there first" in carried.priority_reason

@@ -6,6 +6,7 @@ or of the time with OP at a limit. The weight is that of the loop list over the 
 the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
 the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved, or
 scatters over a good part of its span from row to row, is a fact, and so is an OP that never rests: it wears the valve.
+A loop that swings because another one of its group does so is looked at after that one.
 """
 
 from __future__ import annotations
@@ -14,16 +15,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from lostmotion.audit.groups.likely_source import WANDERS
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
-from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.rows import AssessmentRow, GroupRow, Stage
 
 LOST = 0.7  # share of lost motion in the technical severity
 USUAL = 2.0  # % of span: a lost motion that counts half
 UNSIZED = 0.5  # of a fault whose size in % of span is not known
 UNTOLD = 0.5
 ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
+CARRIED = 0.25  # share of a swing that comes from another loop: it ends when that one is mended
+RINGS, RINGS_SURE = 5.0, 0.8  # regularity from which on a swing that comes and goes is the loop's own, and how sure
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
 SUSPECTED = 0.4  # probability of a fault from which a loop that cannot be told is worth a test: 0.25 is the prior
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
@@ -42,7 +46,9 @@ SPLIT = {
 }  # fmt: skip
 
 
-def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> list[AssessmentRow]:
+def ranked(
+    rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop], groups: Sequence[GroupRow] = ()
+) -> list[AssessmentRow]:
     """Rows with label, split, priority and its reason, the most urgent first; those that cannot be ranked last.
 
     Parameters
@@ -50,6 +56,8 @@ def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> lis
     rows : sequence of AssessmentRow
     loops : mapping of str to PlantLoop
         By tag; the weight of a loop that is not there is 1.
+    groups : sequence of GroupRow
+        Loops that swing together, with the likely source.
 
     Examples
     --------
@@ -62,13 +70,18 @@ def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> lis
     """
     largest = max((loop.weight for loop in loops.values()), default=1.0) or 1.0
     weights = {tag: loop.weight / largest for tag, loop in loops.items()}
-    found = [_with_priority(row, weights.get(row.tag, 1.0 / largest)) for row in rows]
+    sources = {(tag, start): one.source for one in groups if one.source for tag, start, _, _ in one.members}
+    found = [
+        _with_priority(row, weights.get(row.tag, 1.0 / largest), sources.get((row.tag, row.window_start), ""))
+        for row in rows
+    ]
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
 
 
-def _with_priority(row: AssessmentRow, weight: float) -> AssessmentRow:
-    priority, reason = _priority(row, weight)
-    return replace(row, label=label_of(row), split=split_of(row), priority=priority, priority_reason=reason)
+def _with_priority(row: AssessmentRow, weight: float, source: str) -> AssessmentRow:
+    priority, reason = _priority(row, weight, source)
+    split = "tuning" if _makes_it_swing(row, source) and split_of(row) != "sensor" else split_of(row)
+    return replace(row, label=label_of(row), split=split, priority=priority, priority_reason=reason)
 
 
 def split_of(row: AssessmentRow) -> str:
@@ -107,7 +120,13 @@ def swings(row: AssessmentRow) -> bool:
     return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
 
 
-def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
+def rings(row: AssessmentRow) -> bool:
+    """Whether it swings as a loop that hardly settles: very regularly, with an amplitude that comes and goes."""
+    wanders = row.indices.get("amplitude_spread", 0.0) >= WANDERS
+    return swings(row) and wanders and (row.regularity or 0.0) >= RINGS
+
+
+def _priority(row: AssessmentRow, weight: float, source: str) -> tuple[float | None, str]:
     if row.stage is Stage.FAILED:
         return None, f"not judged: {row.error}"
     measured = _of_measurement(row)
@@ -115,18 +134,18 @@ def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
         return None, f"not judged: {'; '.join(row.health) or row.reason}"
     if measured is None and row.stage is Stage.SCREENED:
         return None, f"not assessed: {row.reason}"
-    worth, words = measured or _with_wear(row, *_worth(row))
+    worth, words = measured or _with_wear(row, *_worth(row, source))
     priority = 100.0 * worth * weight
     return priority, "; ".join([*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words)
 
 
-def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
+def _worth(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
     """Technical severity times confidence, and what it consists of."""
-    swing = (row.power or 0.0) if swings(row) else 0.0
+    swing, about_swing = _swing(row, source)
     sure = row.confidence or 0.0
-    about_swing = (
-        [f"swings every {row.period:.3g} s, {probability(swing)} of the variance"] if swing and row.period else []
-    )
+    if _makes_it_swing(row, source):
+        way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
+        return ELSEWHERE * RINGS_SURE * swing, [f"hardly settles: retune ({way})", *about_swing]
     if row.verdict == "cannot tell":
         fault = row.probability or 0.0
         words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
@@ -146,7 +165,25 @@ def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
-    return sure * weak, [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    words = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    return sure * weak, [*words, *(about_swing if source else [])]
+
+
+def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
+    """What counts of its swing, and its words."""
+    swing = (row.power or 0.0) if swings(row) else 0.0
+    if not swing or not row.period:
+        return swing, []
+    words = f"swings every {row.period:.3g} s, {probability(swing)} of the variance"
+    if source in ("", row.tag) or row.kind == "actuator":
+        return swing, [words]
+    return CARRIED * swing, [words, f"with {source}, the likely source: look there first"]
+
+
+def _makes_it_swing(row: AssessmentRow, source: str) -> bool:
+    """Whether a loop without a fault of its valve that is known swings by itself."""
+    untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
+    return untold and source in ("", row.tag) and rings(row)
 
 
 def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
