@@ -152,8 +152,9 @@ def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
     assert (first.tag, second.tag) == ("FIC-1", "FIC-2")
     assert second.priority == pytest.approx(0.25 * first.priority)
     assert second.priority_reason.endswith("with FIC-1, the likely source: look there first")
-    unknown = ranked([other, source], {}, [replace(group, source="")])
-    assert unknown[0].priority == unknown[1].priority
+    unknown = ranked([other, source], {}, [replace(group, source="")])[1]
+    assert unknown.priority == pytest.approx(0.5 * first.priority), "disturbed from somewhere: not the first to go to"
+    assert unknown.priority_reason.startswith("not the actuator: look upstream")
     worn = replace(STICKS, tag="FIC-2", regularity=9.0, power=0.9, period=100.0)
     assert ranked([worn], {}, [group]) == ranked([worn], {}), "a lost motion of its own is mended whoever swings"
 
@@ -175,3 +176,16 @@ def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: s
     carried = ranked([rings], {}, [group])[0]
     assert carried.split != "tuning"
     assert "look there first" in carried.priority_reason
+
+
+def test_a_measurement_that_scatters_more_than_others_of_its_type() -> None:
+    made = {"verdict": "none", "kind": "none", "confidence": 0.9}
+    loops = {f"TIC-{n}": PlantLoop(f"TIC-{n}", loop_type="temperature") for n in range(6)}
+    quiet = [row(f"TIC-{n}", indices={"scatter_percent": 0.04}, **made) for n in range(5)]
+    noisy = row("TIC-5", indices={"scatter_percent": 0.5}, **made)
+    first = ranked([*quiet, noisy], loops)[0]
+    assert (first.tag, first.split) == ("TIC-5", "sensor")
+    assert "3 % of span from row to row, 12 times what is usual in its type" in first.priority_reason
+    assert first.priority == pytest.approx(35.0 * (1.0 - 4.0 / 12.5))
+    few = ranked([*quiet[:3], noisy], loops)[0]
+    assert few.split == "none", "three others do not tell what is usual"
