@@ -194,8 +194,8 @@ def _worth(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
-    words = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
-    return sure * weak, [*words, *(about_swing if source else [])]
+    known = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    return sure * weak, [*known, *(about_swing if source else [])]
 
 
 def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
