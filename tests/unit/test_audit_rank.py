@@ -175,6 +175,9 @@ def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: s
     group = GroupRow(1, 300.0, "FIC-2", 0.9, "", (("FIC-1", UNDATED, 1.0, 0.0),))
     carried = ranked([rings], {}, [group])[0]
     assert carried.split != "tuning"
+    pure = row("FIC-3", regularity=90.0, power=0.97, period=300.0, indices={"amplitude_spread": 0.03})
+    both = replace(group, source="", members=(("FIC-3", UNDATED, 1.0, 0.0), *group.members))
+    assert all(one.split != "tuning" for one in ranked([rings, pure], {}, [both])), "it is forced from outside"
     assert "look there first" in carried.priority_reason
 
 

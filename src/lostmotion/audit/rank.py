@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 
-from lostmotion.audit.groups.likely_source import WANDERS
+from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, of_measurement, stuck, usual_scatter
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
@@ -54,11 +55,14 @@ class Around:
         Likely source of the swing of its group; empty: not known, or no group.
     usual : float, optional
         % of span over which loops of its type scatter.
+    steady : bool
+        Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
     """
 
     weight: float = 1.0
     source: str = ""
     usual: float | None = None
+    steady: bool = False
 
 
 ALONE = Around()
@@ -88,14 +92,29 @@ def ranked(
     """
     largest = max((loop.weight for loop in loops.values()), default=1.0) or 1.0
     sources = {(tag, start): one.source for one in groups if one.source for tag, start, _, _ in one.members}
-    usual = usual_scatter(rows, loops)
+    usual, steady = usual_scatter(rows, loops), _steady(rows, groups)
     found = []
     for row in rows:
         loop = loops.get(row.tag)
         weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
-        source = sources.get((row.tag, row.window_start), "")
-        found.append(_with_priority(row, Around(weight / largest, source, usual.get(kind))))
+        key = row.tag, row.window_start
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady)
+        found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
+
+
+def _steady(rows: Sequence[AssessmentRow], groups: Sequence[GroupRow]) -> set[tuple[str, datetime]]:
+    """Members of groups whose strongest swing keeps its amplitude."""
+    known = {(row.tag, row.window_start): row for row in rows}
+    found: set[tuple[str, datetime]] = set()
+    for group in groups:
+        keys = [(tag, start) for tag, start, _, _ in group.members if (tag, start) in known]
+        strongest = max(
+            (known[key] for key in keys), key=lambda row: (row.power or 0.0) if swings(row) else 0.0, default=None
+        )
+        if strongest is not None and strongest.indices.get("amplitude_spread", WANDERS) < STEADY:
+            found.update(keys)
+    return found
 
 
 def _with_priority(row: AssessmentRow, around: Around) -> AssessmentRow:
@@ -110,7 +129,7 @@ def split_of(row: AssessmentRow, around: Around = ALONE) -> str:
         return "sensor"
     if row.verdict == "saturation":
         return "process"  # the load or the size of the valve: its motion is not at fault
-    if _makes_it_swing(row, around.source):
+    if _makes_it_swing(row, around):
         return "tuning"
     return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(row.kind, "cannot tell")
 
@@ -157,7 +176,7 @@ def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str]:
     if measured is None and row.stage is Stage.SCREENED:
         return None, f"not assessed: {row.reason}"
     if measured is None:
-        worth, words = _with_wear(row, *_worth(row, around.source))
+        worth, words = _with_wear(row, *_worth(row, around))
     else:
         worth, words = measured[0], [measured[1]]
         if not stuck(row):
@@ -167,11 +186,12 @@ def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str]:
     return 100.0 * worth * weight, "; ".join(words)
 
 
-def _worth(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
+def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     """Technical severity times confidence, and what it consists of."""
+    source = around.source
     swing, about_swing = _swing(row, source)
     sure = row.confidence or 0.0
-    if _makes_it_swing(row, source):
+    if _makes_it_swing(row, around):
         way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
         return ELSEWHERE * RINGS_SURE * swing, [f"hardly settles: retune ({way})", *about_swing]
     if row.verdict == "cannot tell":
@@ -209,10 +229,10 @@ def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
     return CARRIED * swing, [words, f"with {source}, the likely source: look there first"]
 
 
-def _makes_it_swing(row: AssessmentRow, source: str) -> bool:
+def _makes_it_swing(row: AssessmentRow, around: Around) -> bool:
     """Whether a loop without a fault of its valve that is known swings by itself."""
     untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
-    return untold and source in ("", row.tag) and rings(row)
+    return untold and around.source in ("", row.tag) and not around.steady and rings(row)
 
 
 def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
