@@ -55,7 +55,7 @@ def line(seed: int, loops: int, days: float, faults: int) -> str:
         truth = {one["tag"]: one for one in pl.read_csv(where / "truth.csv").to_dicts()}
         run = lm.audit(where, Path(folder) / "plant.db", loops=where / "loops.csv")
     equal = {loop.tag: replace(loop, weight=1.0) for loop in run.loops}
-    return told(seed, truth, leading_rows(ranked(run.rows, equal)))
+    return told(seed, truth, leading_rows(ranked(run.rows, equal, run.groups)))
 
 
 def told(seed: int, truth: dict[str, dict[str, Any]], rows: Sequence[AssessmentRow]) -> str:

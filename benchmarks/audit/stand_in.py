@@ -168,7 +168,9 @@ def busy(loop: PlantLoop, share: float) -> None:
         np.linalg.svd(np.ones((30, 30)))
 
 
-def ranked(rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop]) -> list[AssessmentRow]:
+def ranked(
+    rows: Sequence[AssessmentRow], loops: dict[str, PlantLoop], _: Sequence[GroupRow] = ()
+) -> list[AssessmentRow]:
     """By size and weight."""
     return [
         replace(row, label="normal", split=row.kind, priority=row.size and row.size * loops[row.tag].weight,

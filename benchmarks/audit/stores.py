@@ -118,6 +118,7 @@ def pages(store: Store, runs: int) -> dict[str, Callable[[], Any]]:
         "counts": lambda: store.counts(last),
         "treemap": lambda: store.areas(last),
         "news": lambda: store.news(last, limit=200),
+        "all news": lambda: store.news(last),
         "loop": lambda: store.loop(tag),
         "history of a loop": lambda: store.history(tag),
         "traces of a loop": lambda: store.traces(last, tag),
@@ -143,6 +144,15 @@ def digest(store: Store) -> dict[str, tuple[int, str]]:
                 count += 1
             found[table.name] = count, sha.hexdigest()[:12]
     return found
+
+
+def bytes_of(store: Store) -> int:
+    """What the database takes on its disk."""
+    words = "SELECT pg_database_size(current_database())"
+    if store.engine.dialect.name == "sqlite":
+        words = "SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size()"
+    with store.engine.connect() as connection:
+        return int(connection.execute(sa.text(words)).scalar_one())
 
 
 def measured(kind: str, store: Store, settings: argparse.Namespace) -> tuple[dict[str, Any], float]:
@@ -185,11 +195,15 @@ def main() -> None:
                             connection.execute(sa.text("ANALYZE"))
                     answers, longest = measured(kind, store, settings)
                     good &= longest < LIMIT
+                    size = bytes_of(store)
                     found.append((digest(store), answers))
                     print(
-                        f"{kind}: longest {1e3 * longest:.1f} ms; {found[-1][0]['assessment'][0]} assessments",
+                        f"{kind}: longest {1e3 * longest:.1f} ms; {found[-1][0]['assessment'][0]} assessments, "
+                        f"{size / 1e9:.2f} GB",
                         flush=True,
                     )
+                for file in Path(folder).iterdir():  # one database on the disk at a time
+                    file.unlink()
         finally:
             if server is not None:
                 server.stop()

@@ -14,7 +14,7 @@ SOURCES = ("stiction", "outside", "stiction", "tight tuning", "backlash")  # of 
 LOOPS, DAYS = (8, 20), 0.25
 CLEARLY, OTHERS = 0.25, 2  # share of the variance of so many other loops, at least
 OWN = 0.4  # of the source itself
-MOST_DRAWS = 400
+DRAWS, MOST_DRAWS = 400, 4000  # seeds of one plant side by side; backlash seldom swings by itself
 UPSTREAM = 4
 
 
@@ -41,7 +41,7 @@ def swinging_plant(number: int, family: int) -> SwingingPlant:
     """Plant `number` of a family: drawn until the oscillation of its source reaches others."""
     kind = SOURCES[number % len(SOURCES)]
     for draw in range(MOST_DRAWS):
-        seed = (family * 1000 + number) * MOST_DRAWS + draw
+        seed = (draw // DRAWS * 100_000 + family * 1000 + number) * DRAWS + draw % DRAWS
         loops = LOOPS[0] + seed * 7 % (LOOPS[1] - LOOPS[0] + 1)
         outside = kind == "outside"
         source = None if outside else likely_source(seed, loops)

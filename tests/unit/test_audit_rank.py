@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lostmotion.audit.rank import label_of, ranked, split_of
 from lostmotion.plant import PlantLoop
-from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, Stage
 
 
 def row(tag: str = "FIC-1", **values: object) -> AssessmentRow:
@@ -142,3 +142,53 @@ def test_a_valve_that_never_rests_is_told() -> None:
     assert busy.priority > calm.priority + 20.0
     assert busy.priority_reason.endswith("OP travels 90 full strokes an hour: wear")
     assert "wear" not in calm.priority_reason
+
+
+def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
+    made = {"verdict": "other oscillation", "confidence": 0.9, "regularity": 9.0, "power": 0.9, "period": 100.0}
+    source, other = row("FIC-1", kind="tuning", **made), row("FIC-2", kind="disturbance", **made)
+    group = GroupRow(1, 100.0, "FIC-1", 0.9, "", (("FIC-1", UNDATED, 1.0, 2.0), ("FIC-2", UNDATED, 1.0, 0.0)))
+    first, second = ranked([other, source], {}, [group])
+    assert (first.tag, second.tag) == ("FIC-1", "FIC-2")
+    assert second.priority == pytest.approx(0.25 * first.priority)
+    assert second.priority_reason.endswith("with FIC-1, the likely source: look there first")
+    unknown = ranked([other, source], {}, [replace(group, source="")])[1]
+    assert unknown.priority == pytest.approx(0.5 * first.priority), "disturbed from somewhere: not the first to go to"
+    assert unknown.priority_reason.startswith("not the actuator: look upstream")
+    worn = replace(STICKS, tag="FIC-2", regularity=9.0, power=0.9, period=100.0)
+    assert ranked([worn], {}, [group]) == ranked([worn], {}), "a lost motion of its own is mended whoever swings"
+
+
+@pytest.mark.parametrize(("verdict", "kind"), [("cannot tell", "unknown"), ("none", "none"),
+                                               ("other oscillation", "disturbance")])  # fmt: skip
+def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: str, kind: str) -> None:
+    rings = row(
+        verdict=verdict, kind=kind, confidence=0.6, regularity=40.0, power=0.9, period=300.0,
+        indices={"amplitude_spread": 0.5},
+    )  # fmt: skip
+    (first,) = ranked([rings], {})
+    assert first.split == "tuning"
+    assert first.priority == pytest.approx(36.0)
+    assert first.priority_reason.startswith("hardly settles: retune (its amplitude comes and goes); swings every 300 s")
+    for calm in (replace(rings, indices={"amplitude_spread": 0.2}), replace(rings, regularity=3.0)):
+        assert "retune" not in ranked([calm], {})[0].priority_reason
+    group = GroupRow(1, 300.0, "FIC-2", 0.9, "", (("FIC-1", UNDATED, 1.0, 0.0),))
+    carried = ranked([rings], {}, [group])[0]
+    assert carried.split != "tuning"
+    pure = row("FIC-3", regularity=90.0, power=0.97, period=300.0, indices={"amplitude_spread": 0.03})
+    both = replace(group, source="", members=(("FIC-3", UNDATED, 1.0, 0.0), *group.members))
+    assert all(one.split != "tuning" for one in ranked([rings, pure], {}, [both])), "it is forced from outside"
+    assert "look there first" in carried.priority_reason
+
+
+def test_a_measurement_that_scatters_more_than_others_of_its_type() -> None:
+    made = {"verdict": "none", "kind": "none", "confidence": 0.9}
+    loops = {f"TIC-{n}": PlantLoop(f"TIC-{n}", loop_type="temperature") for n in range(6)}
+    quiet = [row(f"TIC-{n}", indices={"scatter_percent": 0.04}, **made) for n in range(5)]
+    noisy = row("TIC-5", indices={"scatter_percent": 0.5}, **made)
+    first = ranked([*quiet, noisy], loops)[0]
+    assert (first.tag, first.split) == ("TIC-5", "sensor")
+    assert "3 % of span from row to row, 12 times what is usual in its type" in first.priority_reason
+    assert first.priority == pytest.approx(35.0 * (1.0 - 4.0 / 12.5))
+    few = ranked([*quiet[:3], noisy], loops)[0]
+    assert few.split == "none", "three others do not tell what is usual"

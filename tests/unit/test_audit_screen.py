@@ -10,7 +10,7 @@ from lostmotion.audit.screen.harris import first_answer
 from lostmotion.audit.screen.scatter import scatter
 from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.screen.spectrum import BINS, spectrum_of
-from lostmotion.audit.screen.swing import nonlinearity, phase_at, swing_of, thinned
+from lostmotion.audit.screen.swing import amplitude_spread, nonlinearity, phase_at, swing_of, thinned
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.oscillation import find_oscillation, oscillation_near
 from lostmotion.evaluate import random_faulty_loop
@@ -267,3 +267,16 @@ def test_scatter_is_that_of_the_rows_not_of_what_moves():
         assert scatter(values, 1.0) == pytest.approx(0.8, rel=0.05)
     assert scatter(values, 10.0) is scatter(values[:100], 1.0) is None
     assert scatter(np.repeat(values, 100), 1.0) == 0.0, "held values"
+
+
+def test_the_amplitude_of_what_rings_comes_and_goes_and_of_a_forced_swing_stays():
+    random, t = np.random.default_rng(4), np.arange(60000.0)
+    radius = np.exp(-0.02 * 2.0 * np.pi / 50.0)  # damping of 2 %
+    rings = lfilter([1.0], [1.0, -2.0 * radius * np.cos(2.0 * np.pi / 50.0), radius**2], random.normal(size=t.size))
+    forced = np.sign(np.sin(2.0 * np.pi * t / 50.0)) + 0.2 * random.normal(size=t.size)
+    assert 0.4 < amplitude_spread(rings, 50.0, 1.0) < 0.65, "0.52 after Rayleigh"
+    assert amplitude_spread(forced, 50.0, 1.0) < 0.1
+    holes = np.where((t // 1000) % 2 == 0, np.nan, forced)
+    assert amplitude_spread(holes, 50.0, 1.0) < 0.1
+    assert amplitude_spread(forced[:400], 50.0, 1.0) is None
+    assert amplitude_spread(np.zeros(5000), 50.0, 1.0) is None

@@ -104,15 +104,43 @@ def test_disturbed_loops_alone_blame_nobody():
     assert group.source == ""
 
 
+def tight(spread, kind="tuning", power=0.95):
+    made = row("A", 300.0, power=power, indices={} if spread is None else {"amplitude_spread": spread})
+    return replace(made, stage=Stage.ASSESSED, kind=kind, verdict="other oscillation", confidence=0.9)
+
+
+def disturbed(tag, **more):
+    return replace(row(tag, 300.0, **more), stage=Stage.ASSESSED, kind="disturbance")
+
+
 def test_a_tight_loop_is_the_source_and_no_valve_is_blamed():
-    tight = replace(
-        row("A", 300.0, power=0.95), stage=Stage.ASSESSED, kind="tuning", verdict="other oscillation", confidence=0.9
-    )
-    others = [replace(row(tag, 300.0), stage=Stage.ASSESSED, kind="disturbance") for tag in "BC"]
-    (group,) = groups([spectrum(tag, 300.0) for tag in "ABC"], [tight, *others])
+    (group,) = groups([spectrum(tag, 300.0) for tag in "ABC"], [tight(0.3), disturbed("B"), disturbed("C")])
     assert group.source == "A"
     assert "tuning" in group.why
     assert "valve" not in group.why
+
+
+@pytest.mark.parametrize("spread", [None, 0.02, 0.09])
+def test_what_keeps_its_amplitude_does_not_swing_from_noise(spread):
+    (group,) = groups([spectrum(tag, 300.0) for tag in "ABC"], [tight(spread), disturbed("B"), disturbed("C")])
+    assert group.source == ""
+
+
+def test_of_loops_that_ring_the_purest_is_the_source_whatever_the_diagnosis():
+    ringing = {"indices": {"amplitude_spread": 0.5}}
+    rows = [tight(0.5, "disturbance"), disturbed("B", power=0.8, **ringing), disturbed("C", power=0.5, **ringing)]
+    spectra = [spectrum(tag, 300.0, nonlinearity=0.2) for tag in "ABC"]
+    (group,) = groups(spectra, rows)
+    assert (group.source, tags(group)) == ("A", ["A", "B", "C"])
+    assert "rings" in group.why
+    coupled = [spectrum(tag, 300.0, nonlinearity=4.0) for tag in "ABC"]
+    assert groups(coupled, rows)[0].source == "", "a linear loop does not tie phases"
+
+
+def test_a_valve_is_blamed_by_a_sure_verdict_only():
+    spectra = [spectrum("A", 300.0, harmonics=(0.1, 0.3), nonlinearity=9.0), spectrum("B", 300.0)]
+    named = [groups(spectra, [valve(row("A", 300.0), sure), row("B", 300.0)])[0].source for sure in (0.7, 0.8)]
+    assert named == ["", "A"]
 
 
 def test_a_loop_is_carried_along_without_a_period_of_its_own():

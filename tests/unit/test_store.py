@@ -10,18 +10,18 @@ import pytest
 import sqlalchemy as sa
 
 from lostmotion.errors import DataError, FileAccessError, ParameterError
-from lostmotion.store import alive
+from lostmotion.store import alive, news, runs
 from lostmotion.store.carry import Known
+from lostmotion.store.changed import ORDER, New, differences
 from lostmotion.store.encoded import coded, decoded, encoded
-from lostmotion.store.news import New
 from lostmotion.store.queries import Filter
 from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, SpectrumRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
-from lostmotion.store.schema import assessment, metadata
+from lostmotion.store.schema import assessment, change, comparison, metadata
 from lostmotion.store.store import Screened, Store
 
 LATER = UNDATED + timedelta(hours=1)
-KINDS = (AssessmentRow, SpectrumRow, TraceRow, GroupRow, LoopRow, UnreadRow, RunRow, ReviewRow)
+KINDS = (AssessmentRow, SpectrumRow, TraceRow, GroupRow, LoopRow, UnreadRow, RunRow, ReviewRow, New)
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -272,6 +272,62 @@ def test_news_and_history(store):
     assert [(run.number, found.verdict) for run, found in store.history("b")] == [(second, "none"), (first, "stiction")]
     assert store.loop("b").area == "area 0"
     assert (store.loop("x"), store.history("x")) == (None, [])
+
+
+def random_run(store, rng, tags):
+    run = begun(store, tags)
+    rows = []
+    for tag in rng.permutation(tags)[: rng.integers(len(tags) // 2, len(tags) + 1)]:
+        size = float(rng.choice([0.5, 1.0, 1.5]))
+        sized = {"size": size, "low": 0.8 * size, "high": 1.25 * size, "size_percent": 2.0 * size}
+        verdict, stage = str(rng.choice(["none", "stiction", "backlash", "cannot tell"])), rng.choice(list(Stage))
+        rows.append(
+            row(
+                str(tag),
+                fingerprint=f"of run {run}",
+                verdict=verdict,
+                stage=Stage(stage),
+                **sized if rng.random() < 0.8 else {},
+            )
+        )
+    store.put_screened(run, [Screened((one,)) for one in rows])
+    return run
+
+
+def test_news_that_were_kept_are_those_of_the_rule(store):
+    rng, tags = np.random.default_rng(7), [f"FIC-{number}" for number in range(200)]
+    kinds = set()
+    for number in range(1, 4):
+        run = random_run(store, rng, tags)
+        if number == 2:
+            store.finish(run, RunState.STOPPED)
+            assert begun(store, tags) == run, "gone on with"
+        slow = store.news(run)
+        store.finish(run)
+        rule = differences(store.rows(number - 1), store.rows(number)) if number > 1 else []
+        assert [(what, (now or before).tag) for what, before, now in rule] == [(one.what, one.tag) for one in slow]
+        assert store.news(run) == slow
+        kinds.update(one.what for one in slow)
+    assert kinds == set(ORDER)
+    with store.engine.connect() as connection:
+        assert connection.execute(sa.select(comparison).order_by("run_id")).all() == [(2, 1), (3, 2)]
+        assert news.worked_out(connection, 3, 2) == store.news(3)
+        assert news.worked_out(connection, 3, 1) == store.news(3, 1) != store.news(3)
+
+
+def test_what_is_new_is_kept_with_the_end_of_a_run_or_not_at_all(store, monkeypatch):
+    store.finish(filled(store))
+    run = random_run(store, np.random.default_rng(1), ["b", "A", "c"])
+    told = store.news(run)
+    monkeypatch.setattr(runs, "end", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        store.finish(run)
+    monkeypatch.undo()
+    with store.engine.connect() as connection:
+        assert connection.execute(sa.select(comparison)).all() == []
+        assert connection.execute(sa.select(change)).all() == []
+    store.finish(run)
+    assert store.news(run) == told != []
 
 
 def test_both_databases_have_the_same_rows(postgresql, tmp_path):

@@ -64,7 +64,7 @@ def test_the_version_is_the_last_migration():
     assert ScriptDirectory("src/lostmotion/store/migrations").get_current_head() == VERSION
 
 
-@pytest.mark.parametrize("version", ["0001", "0002"])
+@pytest.mark.parametrize("version", ["0001", "0002", "0003"])
 def test_an_older_store_names_the_command_that_upgrades_it(version, tmp_path):
     path = made(tmp_path / "old.db", version)
     for settings in ({}, {"write": False}):
@@ -117,6 +117,20 @@ def test_files_that_are_no_store(tmp_path):
     assert_refused("got no such file; check the name", tmp_path / "b.db", write=False)
     assert_refused(r"expected a file, sqlite:///FILE or postgresql://.., got mysql://; ", "mysql://host/plant")
     assert_refused(r"got sqlite://; ", "sqlite://")
+
+
+@pytest.mark.parametrize("bytes_of", [248, 253, 255])
+def test_a_name_that_leaves_no_room_for_the_files_beside_it(tmp_path, bytes_of):
+    said = assert_refused("expected a store .*, got a name of", tmp_path / ("ä" * 20 + "n" * (bytes_of - 40)))
+    assert said.endswith(
+        f"got a name of {bytes_of} bytes; give one of at most 247: SQLite puts files with longer names beside it"
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_longest_name_of_a_store(tmp_path):
+    Store(tmp_path / ("n" * 247)).close()
+    assert [one.name for one in tmp_path.iterdir()] == ["n" * 247]
 
 
 def test_a_store_that_is_locked(tmp_path):

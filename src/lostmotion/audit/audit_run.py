@@ -15,7 +15,7 @@ from lostmotion.audit.plant_view import FAULTS, PlantView
 from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
-from lostmotion.store.news import New
+from lostmotion.store.changed import New
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Store

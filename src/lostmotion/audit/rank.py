@@ -6,32 +6,33 @@ or of the time with OP at a limit. The weight is that of the loop list over the 
 the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
 the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved, or
 scatters over a good part of its span from row to row, is a fact, and so is an OP that never rests: it wears the valve.
+A loop that swings because another one of its group does so is looked at after that one.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from datetime import datetime
 
+from lostmotion.audit.groups.likely_source import STEADY, WANDERS
+from lostmotion.audit.measurement import loud, of_measurement, stuck, usual_scatter
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
-from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.rows import AssessmentRow, GroupRow, Stage
 
 LOST = 0.7  # share of lost motion in the technical severity
 USUAL = 2.0  # % of span: a lost motion that counts half
 UNSIZED = 0.5  # of a fault whose size in % of span is not known
 UNTOLD = 0.5
 ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
+CARRIED = 0.25  # share of a swing that comes from another loop: it ends when that one is mended
+RINGS, RINGS_SURE = 5.0, 0.8  # regularity from which on a swing that comes and goes is the loop's own, and how sure
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
 SUSPECTED = 0.4  # probability of a fault from which a loop that cannot be told is worth a test: 0.25 is the prior
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
-FROZEN = 0.35  # severity of a measurement that stood still
-STUCK_LEAST = 0.02  # share of the time
-LOUD = 5.0  # % of span over which a measurement scatters from row to row (six deviations): less is usual
-FAST = 8.0  # rows in a period: a faster swing looks like scatter
-NOISY = 0.35  # severity of a measurement that is nothing but scatter
 BUSY = 20.0  # full strokes of OP an hour: from one in three minutes on a valve wears
 WORN = 0.3  # severity of a valve that never rests
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
@@ -42,7 +43,34 @@ SPLIT = {
 }  # fmt: skip
 
 
-def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> list[AssessmentRow]:
+@dataclass(frozen=True)
+class Around:
+    """What is known about a loop beside its row.
+
+    Attributes
+    ----------
+    weight : float
+        Of the largest.
+    source : str
+        Likely source of the swing of its group; empty: not known, or no group.
+    usual : float, optional
+        % of span over which loops of its type scatter.
+    steady : bool
+        Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
+    """
+
+    weight: float = 1.0
+    source: str = ""
+    usual: float | None = None
+    steady: bool = False
+
+
+ALONE = Around()
+
+
+def ranked(
+    rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop], groups: Sequence[GroupRow] = ()
+) -> list[AssessmentRow]:
     """Rows with label, split, priority and its reason, the most urgent first; those that cannot be ranked last.
 
     Parameters
@@ -50,6 +78,8 @@ def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> lis
     rows : sequence of AssessmentRow
     loops : mapping of str to PlantLoop
         By tag; the weight of a loop that is not there is 1.
+    groups : sequence of GroupRow
+        Loops that swing together, with the likely source.
 
     Examples
     --------
@@ -61,32 +91,56 @@ def ranked(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]) -> lis
     ('maintenance required', 'actuator', 41)
     """
     largest = max((loop.weight for loop in loops.values()), default=1.0) or 1.0
-    weights = {tag: loop.weight / largest for tag, loop in loops.items()}
-    found = [_with_priority(row, weights.get(row.tag, 1.0 / largest)) for row in rows]
+    sources = {(tag, start): one.source for one in groups if one.source for tag, start, _, _ in one.members}
+    usual, steady = usual_scatter(rows, loops), _steady(rows, groups)
+    found = []
+    for row in rows:
+        loop = loops.get(row.tag)
+        weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
+        key = row.tag, row.window_start
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady)
+        found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
 
 
-def _with_priority(row: AssessmentRow, weight: float) -> AssessmentRow:
-    priority, reason = _priority(row, weight)
-    return replace(row, label=label_of(row), split=split_of(row), priority=priority, priority_reason=reason)
+def _steady(rows: Sequence[AssessmentRow], groups: Sequence[GroupRow]) -> set[tuple[str, datetime]]:
+    """Members of groups whose strongest swing keeps its amplitude."""
+    known = {(row.tag, row.window_start): row for row in rows}
+    found: set[tuple[str, datetime]] = set()
+    for group in groups:
+        keys = [(tag, start) for tag, start, _, _ in group.members if (tag, start) in known]
+        strongest = max(
+            (known[key] for key in keys), key=lambda row: (row.power or 0.0) if swings(row) else 0.0, default=None
+        )
+        if strongest is not None and strongest.indices.get("amplitude_spread", WANDERS) < STEADY:
+            found.update(keys)
+    return found
 
 
-def split_of(row: AssessmentRow) -> str:
+def _with_priority(row: AssessmentRow, around: Around) -> AssessmentRow:
+    priority, reason = _priority(row, around)
+    label, split = label_of(row, around), split_of(row, around)
+    return replace(row, label=label, split=split, priority=priority, priority_reason=reason)
+
+
+def split_of(row: AssessmentRow, around: Around = ALONE) -> str:
     """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
-    if _stuck(row) is not None or _loud(row) is not None:
+    if stuck(row) or loud(row, around.usual) is not None:
         return "sensor"
     if row.verdict == "saturation":
         return "process"  # the load or the size of the valve: its motion is not at fault
+    if _makes_it_swing(row, around):
+        return "tuning"
     return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(row.kind, "cannot tell")
 
 
-def label_of(row: AssessmentRow) -> str:
+def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
     """Category of NAMUR NE 107 for the actuator (the sensor, where that is at fault); empty: cannot tell."""
     if row.manual is not None and row.manual >= HAND:
         return "function check"
-    if _stuck(row) is not None:
+    if stuck(row):
         return "failure"
-    if _loud(row) is not None:
+    if loud(row, around.usual) is not None:
         return "maintenance required"
     if row.verdict == "cannot tell":
         return ""
@@ -107,26 +161,39 @@ def swings(row: AssessmentRow) -> bool:
     return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
 
 
-def _priority(row: AssessmentRow, weight: float) -> tuple[float | None, str]:
+def rings(row: AssessmentRow) -> bool:
+    """Whether it swings as a loop that hardly settles: very regularly, with an amplitude that comes and goes."""
+    wanders = row.indices.get("amplitude_spread", 0.0) >= WANDERS
+    return swings(row) and wanders and (row.regularity or 0.0) >= RINGS
+
+
+def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str]:
     if row.stage is Stage.FAILED:
         return None, f"not judged: {row.error}"
-    measured = _of_measurement(row)
+    measured = of_measurement(row, around.usual)
     if measured is None and not row.fit_for_use:
         return None, f"not judged: {'; '.join(row.health) or row.reason}"
     if measured is None and row.stage is Stage.SCREENED:
         return None, f"not assessed: {row.reason}"
-    worth, words = measured or _with_wear(row, *_worth(row))
-    priority = 100.0 * worth * weight
-    return priority, "; ".join([*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words)
+    if measured is None:
+        worth, words = _with_wear(row, *_worth(row, around))
+    else:
+        worth, words = measured[0], [measured[1]]
+        if not stuck(row):
+            worth, words = _with_wear(row, worth, words)
+    weight = around.weight
+    words = [*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words
+    return 100.0 * worth * weight, "; ".join(words)
 
 
-def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
+def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     """Technical severity times confidence, and what it consists of."""
-    swing = (row.power or 0.0) if swings(row) else 0.0
+    source = around.source
+    swing, about_swing = _swing(row, source)
     sure = row.confidence or 0.0
-    about_swing = (
-        [f"swings every {row.period:.3g} s, {probability(swing)} of the variance"] if swing and row.period else []
-    )
+    if _makes_it_swing(row, around):
+        way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
+        return ELSEWHERE * RINGS_SURE * swing, [f"hardly settles: retune ({way})", *about_swing]
     if row.verdict == "cannot tell":
         fault = row.probability or 0.0
         words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
@@ -142,11 +209,30 @@ def _worth(row: AssessmentRow) -> tuple[float, list[str]]:
     if row.verdict == "other oscillation":
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row), "upstream or tuning")
-        return ELSEWHERE * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
+        share = CARRIED if row.kind == "disturbance" and not source else ELSEWHERE
+        return share * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
-    return sure * weak, [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    known = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
+    return sure * weak, [*known, *(about_swing if source else [])]
+
+
+def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
+    """What counts of its swing, and its words."""
+    swing = (row.power or 0.0) if swings(row) else 0.0
+    if not swing or not row.period:
+        return swing, []
+    words = f"swings every {row.period:.3g} s, {probability(swing)} of the variance"
+    if source in ("", row.tag) or row.kind == "actuator":
+        return swing, [words]
+    return CARRIED * swing, [words, f"with {source}, the likely source: look there first"]
+
+
+def _makes_it_swing(row: AssessmentRow, around: Around) -> bool:
+    """Whether a loop without a fault of its valve that is known swings by itself."""
+    untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
+    return untold and around.source in ("", row.tag) and not around.steady and rings(row)
 
 
 def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
@@ -155,34 +241,6 @@ def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[floa
     if strokes < BUSY or row.kind == "actuator":
         return worth, words
     return worth + WORN * (1.0 - BUSY / strokes), [*words, f"OP travels {strokes:.0f} full strokes an hour: wear"]
-
-
-def _of_measurement(row: AssessmentRow) -> tuple[float, list[str]] | None:
-    """Severity of what is wrong with a measurement, a fact that needs no diagnosis, and its words; None: nothing."""
-    stuck, loud = _stuck(row), _loud(row)
-    if stuck is not None:
-        return FROZEN, [stuck]
-    if loud is None:
-        return None
-    words = f"PV scatters over {loud:.2g} % of span from row to row: look at the measurement and its damping"
-    return _with_wear(row, NOISY * loud / (loud + LOUD), [words])
-
-
-def _loud(row: AssessmentRow) -> float | None:
-    """% of span over which PV scatters, where that is a finding: no fast swing, and no lost motion that is known."""
-    over = 6.0 * row.indices.get("scatter_percent", 0.0)
-    fast = swings(row) and (row.period or 0.0) < FAST * (row.dt or 0.0)
-    return None if over < LOUD or fast or (row.kind == "actuator" and row.size is not None) else over
-
-
-def _stuck(row: AssessmentRow) -> str | None:
-    """What is said of a measurement that stood still while OP moved; None: it did not, or the valve is the finding."""
-    share = row.indices.get("stuck", 0.0)
-    if share < STUCK_LEAST or (row.kind == "actuator" and row.size is not None):
-        return None
-    return (
-        f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
-    )
 
 
 def _fault(row: AssessmentRow) -> str:

@@ -63,6 +63,11 @@ class FilesSource:
     def __reduce__(self) -> tuple[Any, ...]:
         return _made, (self.sources, self.reading, self.root)
 
+    @cached_property
+    def _sizes(self) -> dict[str, int]:
+        """Of the loops that were found, by their address; of two with one the first."""
+        return {one.where: one.size for one in reversed(self.loops())}
+
     def loops(self) -> tuple[PlantLoop, ...]:
         """All loops, by the names of their files."""
         return self.survey.loops
@@ -88,8 +93,7 @@ class FilesSource:
                 seen = path.stat()
                 size += seen.st_size
                 told.append(f"{seen.st_size}-{seen.st_mtime_ns}")
-        known = next((one for one in self.loops() if one.where == loop.where), None)
-        return replace(loop, size=size if known is None else known.size, stamp=stamp_of(told))
+        return replace(loop, size=self._sizes.get(loop.where, size), stamp=stamp_of(told))
 
     def holding(self, columns: Collection[str]) -> str:
         """Address of the only file that has all these columns or tags; empty: none, or several."""

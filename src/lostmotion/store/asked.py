@@ -10,7 +10,8 @@ from typing import Any
 from sqlalchemy.engine import Connection, Engine
 
 from lostmotion.store import queries, watches
-from lostmotion.store.news import New, news
+from lostmotion.store.changed import New
+from lostmotion.store.news import news
 from lostmotion.store.overview import Columns, Judged, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow

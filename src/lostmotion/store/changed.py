@@ -3,10 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from lostmotion.store.rows import CLEARED, FAULTS, AssessmentRow, Stage
 
 ORDER = ("new finding", "grew", "another fault", "no longer found", "shrank", "new loop", "not seen any more")
+
+
+@dataclass(frozen=True)
+class New:
+    """One loop that is another than it was.
+
+    Attributes
+    ----------
+    tag : str
+    what : str
+        Of ORDER.
+    before, after : str
+        Verdicts; empty: the loop was not in that run.
+    severity_before, severity_after : str
+    """
+
+    tag: str
+    what: str
+    before: str
+    after: str
+    severity_before: str
+    severity_after: str
 
 
 def changed(before: AssessmentRow | None, now: AssessmentRow | None) -> str:

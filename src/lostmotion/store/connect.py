@@ -128,6 +128,18 @@ def _need_path(url: URL, name: str, *, write: bool) -> None:
         raise store_error(name, "no such file", "check the name, or make it with lostmotion audit --store")
     if write and not is_folder(path.absolute().parent):
         raise store_error(name, "no folder to put it into", "make the folder first")
+    longest = _longest_name(path.absolute().parent) - len("-journal")
+    if write and len(os.fsencode(path.name)) > longest:
+        remedy = f"give one of at most {longest}: SQLite puts files with longer names beside it"
+        raise store_error(name, f"a name of {len(os.fsencode(path.name))} bytes", remedy)
+
+
+def _longest_name(folder: Path) -> int:
+    """Bytes that a name may have in a folder."""
+    try:
+        return os.pathconf(folder, "PC_NAME_MAX")
+    except (AttributeError, OSError, ValueError):  # Windows: 255 everywhere
+        return 255
 
 
 def _reading(url: URL) -> URL:

@@ -1,51 +1,59 @@
-"""What is new since an earlier run."""
+"""What is new since an earlier run: worked out and kept when a run ends, so that pages only read it."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
-from lostmotion.store.changed import differences
+from lostmotion.store.changed import New, differences
+from lostmotion.store.encoded import encoded
 from lostmotion.store.rows import FAULTS, AssessmentRow, Stage
-from lostmotion.store.schema import assessment, loop
+from lostmotion.store.schema import assessment, change, comparison, loop
+from lostmotion.store.writing import ids
 
 COMPARED = ("window_start", "window_end", "stage", "verdict", "size", "low", "high", "size_percent", "severity")
-
-
-@dataclass(frozen=True)
-class New:
-    """One loop that is another than it was.
-
-    Attributes
-    ----------
-    tag : str
-    what : str
-        Of :data:`lostmotion.store.changed.ORDER`.
-    before, after : str
-        Verdicts; empty: the loop was not in that run.
-    severity_before, severity_after : str
-    """
-
-    tag: str
-    what: str
-    before: str
-    after: str
-    severity_before: str
-    severity_after: str
 
 
 def news(connection: Connection, number: int, earlier: int, limit: int | None = None) -> list[New]:
     """Loops that differ between two runs, what matters most first; the last window of each loop counts.
 
-    Nothing where there is no earlier run: everything would be new.
+    Nothing where there is no earlier run: everything would be new. Of two runs that were not compared when the later
+    one ended it is worked out now.
     """
     if not earlier:
         return []
+    compared_with = sa.select(comparison.c.earlier_id).where(comparison.c.run_id == number)
+    if connection.scalar(compared_with) == earlier:
+        return _kept(connection, number, limit)
+    return worked_out(connection, number, earlier, limit)
+
+
+def worked_out(connection: Connection, number: int, earlier: int, limit: int | None = None) -> list[New]:
+    """The same from the rows of both runs."""
     in_question = _in_question(number, earlier)
     before, now = (_rows(connection, one, in_question) for one in (earlier, number))
     return [_new(*one) for one in differences(before, now)[:limit]]
+
+
+def keep(connection: Connection, number: int, earlier: int) -> None:
+    """Write down what is new in a run whose rows no longer change, in the place of what was said before."""
+    for table in (change, comparison):
+        connection.execute(table.delete().where(table.c.run_id == number))
+    known = ids(connection)
+    values = [
+        {"run_id": number, "place": place, "loop_id": known[one.tag]} | encoded(one, "tag")
+        for place, one in enumerate(worked_out(connection, number, earlier), 1)
+    ]
+    if values:
+        connection.execute(change.insert(), values)
+    connection.execute(comparison.insert().values(run_id=number, earlier_id=earlier))
+
+
+def _kept(connection: Connection, number: int, limit: int | None) -> list[New]:
+    columns = (change.c[name] for name in New.__annotations__ if name != "tag")
+    asked = sa.select(loop.c.tag, *columns).join_from(change, loop, loop.c.id == change.c.loop_id)
+    asked = asked.where(change.c.run_id == number).order_by(change.c.place).limit(limit)
+    return [New(*values) for values in connection.execute(asked).cursor.fetchall()]  # texts: as the driver has them
 
 
 def _in_question(number: int, earlier: int) -> sa.CompoundSelect[tuple[int]]:

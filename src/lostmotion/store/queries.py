@@ -295,7 +295,9 @@ def groups(connection: Connection, number: int) -> tuple[GroupRow, ...]:
 def spectra(connection: Connection, number: int, tags: Iterable[str] | None = None) -> Iterator[SpectrumRow]:
     """Spectra of a run by tag and window; those that were carried over lie in the run that made them."""
     asked = _kept_in(spectrum, assessment.c.screened_in, number)
-    asked = asked if tags is None else asked.where(loop.c.tag.in_(list(tags)))
+    if tags is not None:  # their numbers first: by tag SQLite looks at all loops of the run
+        mine = list(connection.scalars(sa.select(loop.c.id).where(loop.c.tag.in_(list(tags)))))
+        asked = asked.where(assessment.c.loop_id.in_(mine))
     for values in connection.execution_options(yield_per=500).execute(asked).mappings():
         yield decoded(SpectrumRow, values)
 

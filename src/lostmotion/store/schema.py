@@ -23,11 +23,12 @@ from sqlalchemy import (
 )
 from sqlalchemy.types import TypeEngine
 
+from lostmotion.store.changed import New
 from lostmotion.store.encoded import coded, utc
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow, WatchRow
 
-VERSION = "0003"  # of the schema: the last of migrations/versions
+VERSION = "0004"  # of the schema: the last of migrations/versions
 
 
 class Utc(TypeDecorator[datetime]):
@@ -162,4 +163,18 @@ estimate = Table(
     Column("at", Utc(), primary_key=True),
     *_columns(EstimateRow, "tag", "at"),
     Index("estimate_loop", "loop_id", "at"),
+)
+comparison = Table(
+    "comparison",
+    metadata,
+    _key("run_id", "run"),  # what is new in it was written down when it ended
+    _key("earlier_id", "run", key=False),  # .. since this one
+)
+change = Table(
+    "change",
+    metadata,
+    _key("run_id", "run"),
+    Column("place", Integer, primary_key=True, autoincrement=False),  # from 1, what matters most first
+    _key("loop_id", "loop", key=False),
+    *_columns(New, "tag"),
 )

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection, Engine
 
 from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
-from lostmotion.store import carry, queries, runs, writing
+from lostmotion.store import carry, news, queries, runs, writing
 from lostmotion.store.alive import BEAT, coordinator
 from lostmotion.store.asked import Asked
 from lostmotion.store.connect import PATIENCE, connected, lock, shown, store_url
@@ -126,8 +126,11 @@ class Store(Asked):
             thread.join()
 
     def finish(self, run: int, state: RunState = RunState.FINISHED, note: str = "") -> None:
-        """End a run."""
+        """End a run; what is new in one that was finished is written down with its end."""
         with self._writing(run) as connection:
+            before = queries.last_run(connection, run) if state is RunState.FINISHED else None
+            if before is not None:
+                news.keep(connection, run, before.number)
             runs.end(connection, run, state, note)
 
     # --------------------------------------------------------------- writing

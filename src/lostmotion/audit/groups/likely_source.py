@@ -14,6 +14,8 @@ from lostmotion.store.rows import AssessmentRow, Stage
 LEAST_SURE = 0.6  # share of the odds that a source must have to be named
 LEAST_LEAD = 2.0  # odds over the next
 CERTAIN = 0.97  # what a verdict can at most be worth
+BLAMED = 0.75  # probability from which on a valve is blamed; of less sure verdicts every second one is a neighbour's
+BY_BLAME = 1.0  # log odds of such a verdict beside its own: neighbours that are carried along get none
 OUTSIDE = 1.2  # log odds that it is none of them: nor do harmonics alone name a loop
 BY_TUNING = 0.6  # of its log odds: what a swing reaches can look as near the limit of stability as its source
 NOT_SEEN = -1.0  # of one in which a diagnosis sees nothing that could make it swing
@@ -23,6 +25,12 @@ USUAL_HARMONICS, LEAST_HARMONICS = 0.03, 0.005  # over the power of the oscillat
 BY_HARMONICS, MOST_BY_HARMONICS = 0.8, 1.6
 BY_NONLINEARITY, MOST_NONLINEARITY = 0.4, 3.0  # per unit above 1, the limit of the statistic
 BY_POWER = 2.0  # per unit of the share of the variance
+STEADY, WANDERS = 0.1, 0.4  # spread of an amplitude: noise builds up none below; of a loop that rings it is about 0.5
+BY_PURITY, MOST_PURITY = 2.0, 8.0  # of a loop that rings: log odds per log odds of the share of the variance
+USUAL_REGULAR = 20.0  # of loops that ring: their median in simulated plants
+
+
+RINGING = "it rings like a loop that hardly settles: its amplitude comes and goes"
 
 
 @dataclass(frozen=True)
@@ -67,14 +75,17 @@ class Named:
 
 def suspect(loop: Swinging, likeness: float, period: float, own: bool) -> Suspect:
     """Weigh what the rows say of one loop; `own`: it swings with a period of its own."""
-    verdict, said = _verdict(loop.rows)
+    nonlinear = _nonlinearity(loop)
+    if own and _rings(loop, nonlinear):
+        return Suspect(loop, likeness, _purity(loop), (RINGING,), True)
+    verdict, said = _verdict(loop)
     harmonics = loop.harmonics(period)
     by_form = BY_HARMONICS * float(np.log((harmonics + LEAST_HARMONICS) / USUAL_HARMONICS))
-    nonlinear = _nonlinearity(loop)
     coupled = 0.0 if nonlinear is None else float(np.clip(nonlinear - 1.0, -1.0, MOST_NONLINEARITY))
     score = verdict
     if own and not any(row.kind == "tuning" for row in loop.rows):  # a linear loop that hardly settles makes neither
-        score += float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS)) + BY_NONLINEARITY * coupled
+        form = loop.power * float(np.clip(by_form, -MOST_BY_HARMONICS, MOST_BY_HARMONICS))  # the rest is noise
+        score += form + BY_NONLINEARITY * coupled
     score += BY_POWER * loop.power if own else NO_OWN
     why = [said] if said else []
     if by_form > 0.0 and own:
@@ -82,6 +93,23 @@ def suspect(loop: Swinging, likeness: float, period: float, own: bool) -> Suspec
     if nonlinear is not None and nonlinear > 1.0:
         why.append("its phases are coupled")
     return Suspect(loop, likeness, score, tuple(why), bool(said))
+
+
+def _rings(loop: Swinging, nonlinear: float | None) -> bool:
+    """Whether a loop swings as a linear one that hardly settles: noise builds its amplitude up and takes it away.
+
+    A limit cycle and what is forced from outside keep their amplitude.
+    """
+    valve = any(row.kind == "actuator" for row in loop.rows)
+    return not valve and (loop.spread or 0.0) >= WANDERS and (nonlinear is None or nonlinear < 1.0)
+
+
+def _purity(loop: Swinging) -> float:
+    """Log odds of a loop that rings: on every way noise is added, so the source swings purest and most regularly."""
+    power = float(np.clip(loop.power, 0.01, 0.99))
+    regular = float(np.median([row.regularity or 1.0 for row in loop.rows]))
+    found = BY_PURITY * np.log(power / (1.0 - power)) + np.log(regular / USUAL_REGULAR)
+    return float(np.clip(found, -MOST_PURITY, MOST_PURITY))
 
 
 def name(suspects: Sequence[Suspect]) -> Named:
@@ -109,16 +137,20 @@ def _odds(scores: FloatArray) -> FloatArray:
     return np.asarray(raised / (raised.sum() + np.exp(OUTSIDE - most)))
 
 
-def _verdict(rows: Sequence[AssessmentRow]) -> tuple[float, str]:
+def _verdict(loop: Swinging) -> tuple[float, str]:
     """Log odds that the diagnoses of a loop give, the strongest of its windows; and their words."""
-    found = [_of_row(row) for row in rows if row.stage is Stage.ASSESSED]
+    found = [_of_row(row, loop.spread) for row in loop.rows if row.stage is Stage.ASSESSED]
     return max(found, key=lambda one: abs(one[0])) if found else (0.0, "")
 
 
-def _of_row(row: AssessmentRow) -> tuple[float, str]:
+def _of_row(row: AssessmentRow, spread: float | None) -> tuple[float, str]:
     if row.kind == "actuator":
         sure = row.confidence if row.probability is None else row.probability
-        return _log_odds(sure), f"{row.verdict} of its valve (probability {100.0 * (sure or 0.5):.0f} %)"
+        if (sure or 0.0) < BLAMED:
+            return _log_odds(sure), ""
+        return _log_odds(sure) + BY_BLAME, f"{row.verdict} of its valve (probability {100.0 * (sure or 0.5):.0f} %)"
+    if row.kind == "tuning" and (spread is None or spread < STEADY):
+        return NOT_SEEN, ""  # a swing of that form, but nothing shows that the loop itself makes it
     if row.kind == "tuning":
         said = f"its tuning makes it swing (confidence {100.0 * (row.confidence or 0.5):.0f} %)"
         return BY_TUNING * _log_odds(row.confidence), said

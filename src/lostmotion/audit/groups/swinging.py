@@ -53,6 +53,12 @@ class Swinging:
         return float(np.mean([row.power or 0.0 for row in self.rows]))
 
     @property
+    def spread(self) -> float | None:
+        """Deviation of its amplitude over the mean, mean of the windows; None: too few cycles in each."""
+        known = [row.indices["amplitude_spread"] for row in self.rows if "amplitude_spread" in row.indices]
+        return float(np.mean(known)) if known else None
+
+    @property
     def cycles(self) -> float:
         """Periods in all windows; 0 where it has none of its own."""
         return self.seconds / self.period if self.period else 0.0

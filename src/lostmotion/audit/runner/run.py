@@ -228,13 +228,12 @@ def _assessed(run: _Run, outcome: Done | Lost) -> tuple[list[AssessmentRow], lis
 def _rank(run: _Run) -> None:
     steps, store = run.job.steps, run.store
     run.report(Progress("rank", 0, 1))
-    rows = store.rows(run.number)
-    if steps.ranked:
-        rows = resolved(steps.ranked)(rows, run.loops)
-        store.put_ranks(run.number, rows)
+    rows, found = store.rows(run.number), ()
     if steps.groups:
-        rows = sorted(rows, key=lambda row: (row.tag, row.window_start))
-        store.put_groups(run.number, resolved(steps.groups)(store.spectra(run.number), rows))
+        found = resolved(steps.groups)(store.spectra(run.number), rows)
+        store.put_groups(run.number, found)
+    if steps.ranked:
+        store.put_ranks(run.number, resolved(steps.ranked)(rows, run.loops, found))
     run.report(Progress("rank", 1, 1))
 
 

@@ -14,8 +14,11 @@ from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord, limits
 from lostmotion.records.modes import Kind, rows_of
 from lostmotion.records.record import StringArray
-from lostmotion.records.sampling import Bools, runs
-from lostmotion.records.standstill import held_op, is_live, stopped, stuck
+from lostmotion.records.sampling import Bools, neighbours, runs
+from lostmotion.records.standstill import held_op, improbable_run, is_live, stopped, stuck
+
+FAR = 2.0  # times the range of OP elsewhere
+USUAL = (0.02, 0.98)  # quantiles of OP: where it comes back from having run away is neither
 
 
 def of_loop(loop: PlantLoop, record: LoopRecord) -> LoopRecord:
@@ -63,8 +66,8 @@ class ScreenRows:
 
     @cached_property
     def stuck(self) -> Bools:
-        """PV stands still, though its noise is seen elsewhere."""
-        return np.asarray(stuck(self.record))
+        """PV stands still, though its noise is seen elsewhere, or OP runs away from all that it is elsewhere."""
+        return np.asarray(stuck(self.record) | _left_behind(self.record))
 
     @cached_property
     def modes_known(self) -> bool:
@@ -147,6 +150,32 @@ class ScreenRows:
             return False
         reach = float(np.ptp(pv)) + float(np.nanmax(sp) - np.nanmin(sp))
         return bool(np.nanmin(apart) > reach + limits.SMALL_AMPLITUDE * float(np.abs(pv).max()))
+
+
+def _left_behind(record: LoopRecord) -> Bools:
+    """Rows in which PV stands still for longer than chance makes while OP moves far; shape (n,).
+
+    As long as OP stays where it is elsewhere, a PV without noise may rest in a lost motion.
+    """
+    still = (np.diff(record.pv) == 0) & neighbours(record)
+    rows = np.zeros(len(record), dtype=np.bool_)
+    if not is_live(still):
+        return rows
+    starts, lengths = runs(still)
+    long = lengths >= max(limits.FROZEN_RUN - 1, improbable_run(still))
+    inside = np.zeros(len(record), dtype=np.bool_)
+    for start, length in zip(starts[long].tolist(), lengths[long].tolist(), strict=True):
+        inside[start : start + length + 1] = True
+    rest = record.op[~inside & np.isfinite(record.op)]
+    if not inside.any() or not rest.size:
+        return rows
+    reach = FAR * float(np.subtract(*np.quantile(rest, USUAL[::-1])))
+    for start, length in zip(starts[long].tolist(), lengths[long].tolist(), strict=True):
+        part = record.op[start : start + length + 1]
+        known = part[np.isfinite(part)]
+        if known.size and float(np.ptp(known)) > reach:
+            rows[start + 1 : start + length + 1] = True
+    return rows
 
 
 def _mode_rows(kind: Kind, mode: StringArray | None) -> Bools | None:

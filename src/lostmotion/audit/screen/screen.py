@@ -15,7 +15,7 @@ from lostmotion.audit.screen.health import Health, health_of
 from lostmotion.audit.screen.rows import ScreenRows, of_loop
 from lostmotion.audit.screen.scatter import scatter
 from lostmotion.audit.screen.spectrum import Spectrum, spectrum_of
-from lostmotion.audit.screen.swing import Swing, nonlinearity, phase_at, swing_of
+from lostmotion.audit.screen.swing import Swing, amplitude_spread, nonlinearity, phase_at, swing_of
 from lostmotion.audit.screen.windows import in_utc, seconds_of_rows
 from lostmotion.audit.screen.worth import Seen, worth
 from lostmotion.audit.settings import AuditSettings
@@ -129,8 +129,16 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
         "scatter_percent": _scatter(rows),
+        "amplitude_spread": _amplitude_spread(rows, one.swing),
     }
     return {name: float(value) for name, value in found.items() if np.isfinite(value)}
+
+
+def _amplitude_spread(rows: ScreenRows, swing: Swing | None) -> float:
+    """Of a regular swing of the error of control; NaN where there is none."""
+    regular = swing is not None and swing.regularity > 1.0
+    found = amplitude_spread(rows.error, swing.period, rows.record.dt) if swing is not None and regular else None
+    return float("nan") if found is None else found
 
 
 def _scatter(rows: ScreenRows) -> float:

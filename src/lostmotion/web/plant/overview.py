@@ -18,8 +18,7 @@ from lostmotion.audit.run_view import run_facts
 from lostmotion.report.plant.pages import NARROW, NEW
 from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
 from lostmotion.report.plant.words import LETTER
-from lostmotion.store.changed import ORDER
-from lostmotion.store.news import New
+from lostmotion.store.changed import ORDER, New
 from lostmotion.store.overview import OF_LOOP, OF_ROW
 from lostmotion.store.queries import Line
 from lostmotion.store.rows import GroupRow, Stage
