@@ -123,7 +123,8 @@ class BlockWriter:
         except LinkError as error:
             self._say_lost(str(error))
             return
-        self._begin(self._supervisor, report)
+        if report.seen["link_ok"]:  # not before the block sees the heartbeat: it would refuse
+            self._begin(self._supervisor, report)
 
     def _supervised(self) -> Supervisor:
         self._link = self._open_link()
