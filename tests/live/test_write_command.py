@@ -9,7 +9,7 @@ pytest.importorskip("asyncua")
 
 from lostmotion.live.audit_log import read_log
 from tests.command import run
-from tests.live_bench import Bench, Command, fit_of
+from tests.live_bench import PATIENCE, Bench, Command, fit_of
 
 SPEED = 2.0  # a scan is 0.25 s, the time-out 5 s
 ARGUMENTS = ("--insecure",)
@@ -35,9 +35,11 @@ def test_with_the_word_of_the_file_alone_nothing_is_written(bench, tmp_path):
     plant = bench.files(tmp_path / "bench", report_every=4)
     bench.calls.clear()
     live = Command("live", plant, *ARGUMENTS)
-    live.until(lambda one: one["kind"] == "note" and "--write" in one["message"])
-    live.until(lambda one: one["kind"] == "report" and one["sample"] >= 16)
-    code, messages, _ = live.end()
+    try:
+        live.until(lambda one: one["kind"] == "note" and "--write" in one["message"])
+        live.until(lambda one: one["kind"] == "report" and one["sample"] >= 16)
+    finally:
+        code, messages, _ = live.end()
     assert (code, bench.calls) == (0, [])
     assert bench.seen("heartbeat") == 0.0
     assert not (plant.parent / "requests.jsonl").exists()
@@ -92,7 +94,8 @@ def test_the_whole_way(bench, tmp_path, capsys, fit):
         assert [line.split(" by ")[0] for line in out.splitlines()] == ["asked", "request", "verify"]
         assert bench.seen("supervision") == 1.0
         second = Command("live", plant, "--write", *ARGUMENTS)  # two supervisors of one block must not be
-        code, messages, said = second.end() if second.process.wait(60) is None else second.end()
+        second.process.wait(PATIENCE)
+        code, messages, said = second.end()
         assert (code, "another one that works with it" in said) == (1, True)
         bench.press()
         bench.until(lambda: bench.seen("supervision") == 3.0)

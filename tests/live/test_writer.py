@@ -1,4 +1,4 @@
-"""One block and its thread: what it asks after a study, whom it answers, and how it ends. The PLC is in this process."""
+"""One block and its thread: what it asks after a study, whom it answers, how it ends. The PLC is in this process."""
 
 import threading
 import time

@@ -25,6 +25,7 @@ op = "ns=2;s=TY103.OP_OUT"        # what goes to the valve, behind the block
 pv = "ns=2;s=TIC103.PV"
 mode = "ns=2;s=TIC103.MODE"
 orders = [1, 0, 1]
+noise = 6
 dt = {dt!r}
 start_samples = 600
 report_every = 100

@@ -165,7 +165,7 @@ class VirtualPlant:
                 "FIC-102", pipe(0.5), width=2.0, kp=0.5, ki=0.12, sp=54.0, noise=0.05, seed=seed + 1, make_plc=make_plc
             ),
             VirtualLoop(
-                "TIC-103", jacket(0.5), width=4.0, kp=0.5, ki=0.12, sp=50.0, noise=0.05, load=0.5, seed=seed + 2,
+                "TIC-103", jacket(0.5), width=4.0, kp=0.5, ki=0.12, sp=50.0, noise=0.05, load=0.1, seed=seed + 2,
                 manual=MIDDLE, kind="dead zone", commissioned=2.8, swing=3.0, make_plc=make_plc,
             ),
         )  # fmt: skip

@@ -6,6 +6,7 @@ import multiprocessing
 import signal
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from lostmotion.compensate import CompensatorBlock
@@ -118,4 +119,5 @@ def _answer(says: Any, work: Callable[..., CompensationStudy], given: tuple[Any,
         answer = type(error)(str(error))
     except Exception as error:  # noqa: BLE001  said where it was asked for
         answer = GateError.expected("a study", f"{type(error).__name__}: {error}", "tell us, with the fit")
-    says.send(answer)
+    with suppress(OSError):  # nobody waits for it any more
+        says.send(answer)
