@@ -69,7 +69,7 @@ function addBlock(server, tag, config, written) {
     const block = own.addObject({ organizedBy: server.engine.addressSpace.rootFolder.objects, browseName: tag });
     for (const name of config.names) {
         const type = name === "ACCEPT" ? "Boolean" : config.type;
-        const held = { dataType: DataType[type], value: name === "ACCEPT" ? false : 0 };
+        const held = { dataType: DataType[type], value: { Boolean: false, String: "" }[type] ?? 0 };
         const open = (config.readonly ?? []).includes(name) ? "CurrentRead" : "CurrentRead | CurrentWrite";
         const set = (variant) => {
             if ((config.refused ?? []).includes(name)) return StatusCodes.BadOutOfRange;

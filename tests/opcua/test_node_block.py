@@ -7,6 +7,7 @@ pytest.importorskip("asyncua")
 from lostmotion.compensate.request import Request
 from lostmotion.compensate.supervision_variables import supervision
 from lostmotion.live.link import LinkError
+from lostmotion.live.opcua import plc_link
 from lostmotion.live.opcua.certificates import own_certificate, read_certificate
 from lostmotion.live.opcua.plc_link import PlcLink
 from lostmotion.live.opcua.secrets import Secret, User
@@ -16,6 +17,7 @@ from tests.opcua.certificates import URI, pair
 from tests.opcua.node_server import NodeServer, config
 
 NAMES = [variable.name for variable in supervision("", "") if variable.section in ("input", "output")]
+BUSY = 120.0  # s for an answer: anything may run beside it
 WRITER = User("supervisor", Secret("correct horse battery"))
 ASKED = Request(1, 500, 48_400, 4_000_000, 3).values
 BLOCKS = {
@@ -42,14 +44,15 @@ def site(tmp_path_factory):
 
 
 @pytest.fixture
-def linked(site):
+def linked(site, monkeypatch):
+    monkeypatch.setattr(plc_link, "OPENING", BUSY)
     server, identity, trust = site
     server.do("written")
     links = []
 
     def made(tag):
         nodes = {name.lower(): f"ns=1;s={tag}.{name}" for name in NAMES}
-        links.append(PlcLink(server.address(), nodes, identity, trust))
+        links.append(PlcLink(server.address(), nodes, identity, trust, answer=BUSY))
         return links[-1]
 
     yield made
