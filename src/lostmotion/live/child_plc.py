@@ -104,11 +104,12 @@ class ChildPlc(VirtualPlc):
         self._answers.put("")
 
     def _ask(self, said: dict[str, Any], seconds: float) -> dict[str, Any]:
-        try:
+        with suppress(OSError):  # it has ended: what it said last, or its end, is the answer
             self._pipe("stdin").write(json.dumps(said) + "\n")
             self._pipe("stdin").flush()
+        try:
             answer = json.loads(self._answers.get(timeout=seconds) or "null")
-        except (OSError, ValueError) as error:
+        except ValueError as error:
             raise FileAccessError(f"expected an answer of the PLC, got {error}; {REMEDY}") from error
         except queue.Empty as error:
             raise FileAccessError(f"expected an answer of the PLC within {seconds:g} s, got none; {REMEDY}") from error
