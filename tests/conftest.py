@@ -23,10 +23,11 @@ SLOW_DOCTESTS = {
 PROCESSES = {
     "contract": "documentation every_message pages public_names scripts sizes startup writing",
     "e2e": "audit closed_output commands_of_batches demo_live demo_plant live_store odd_words outside_tree page "
-    "page_attacks page_monitors plant_shared refused_before_work report_in_browser several_files "
-    "several_loops shared_data_reads stopped_batches supervised_command supervised_machine",
-    "live": "cut_network discover joined link live_command plant_file plc_link",
-    "opcua": "asyncua_security node_opcua node_restart",
+    "page_attacks page_monitors plant_shared plc_of_ones_own refused_before_work report_in_browser "
+    "several_files several_loops shared_data_reads stopped_batches supervised_command supervised_machine",
+    "live": "cut_network discover handed_over joined link live_command plant_file plc_link supervision_settings "
+    "write_command write_faults writer",
+    "opcua": "asyncua_security node_block node_opcua node_restart",
     "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts database "
     "dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "

@@ -31,6 +31,8 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "web/desk/desk.py": {"mkdir", "mkdtemp", "rmtree", "unlink"}, "web/server/browser.py": {"mkstemp"},
     "web/trend/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"},
     "web/desk/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
+    "live/demo_files.py": {"mkdir"},  # the folder that --files names, and the door in it
+    "live/supervision/handed_over.py": {"rename", "unlink"},  # a request is taken once, or taken back
 }  # fmt: skip
 NOT_FILES_BUT_OPENED = {  # the null device, a pipe, folders for their locks, the worker's own output
     "cli/closed_output.py", "files/alone.py", "files/child.py", "files/undamaged.py", "web/worker/work.py",
@@ -88,6 +90,7 @@ PROCESSES = {  # this Python and a script or module of ours: no word of it is fr
     "files/reader_process.py": {"subprocess", "Popen"}, "web/worker/handle.py": {"subprocess", "Popen"},
     "audit/runner/limit.py": {"ctypes"},  # Python's own function that interrupts a thread of this process
     "web/server/serve.py": {"socket"},  # listens; the core reaches out to nobody
+    "live/child_plc.py": {"subprocess", "Popen"},  # on the bench: the command that was typed behind demo-live --plc
 }  # fmt: skip
 
 
@@ -145,6 +148,15 @@ def test_the_worker_of_the_page_is_this_python_and_a_module_of_ours():
         if isinstance(node, ast.FunctionDef) and node.name == "command"
     ]
     assert ast.unparse(made.body[-1]) == "return [sys.executable, '-P', '-m', 'lostmotion.web.worker.work']"
+
+
+def test_the_plc_of_the_bench_is_started_without_a_shell_and_by_demo_live_alone():
+    path = CORE / "live" / "child_plc.py"
+    (run,) = [node for called, node, on in calls(path) if called == "Popen"]
+    assert "shell" not in {word.arg for word in run.keywords}
+    assert ast.unparse(run.args[0]) == "list(command)"
+    users = [one.name for one in FILES if one != path and "child_plc import" in one.read_text(encoding="utf-8")]
+    assert users == ["demo_live.py"]
 
 
 def _reaches_out(module):

@@ -64,7 +64,9 @@ async def on(address, work):
 
 def test_its_loops_are_found(plant):
     found = asyncio.run(on(plant, discovered))
-    assert [(loop.tag, loop.op) for loop in found] == [("LIC101", "ns=2;s=LIC101.OP"), ("FIC102", "ns=2;s=FIC102.OP")]
+    assert [(loop.tag, loop.op) for loop in found] == [
+        (tag, f"ns=2;s={tag}.OP") for tag in ("LIC101", "FIC102", "TIC103")
+    ]
     assert all(loop.sp and loop.mode for loop in found)
 
 

@@ -62,6 +62,28 @@ function addLoop(server, tag) {
     return nodes;
 }
 
+// The variables of a supervised block, which does not scan: all of one type, but for a flag; some that cannot be
+// written, some whose value the controller refuses. What was written is kept in its order.
+function addBlock(server, tag, config, written) {
+    const own = server.engine.addressSpace.getOwnNamespace();
+    const block = own.addObject({ organizedBy: server.engine.addressSpace.rootFolder.objects, browseName: tag });
+    for (const name of config.names) {
+        const type = name === "ACCEPT" ? "Boolean" : config.type;
+        const held = { dataType: DataType[type], value: { Boolean: false, String: "" }[type] ?? 0 };
+        const open = (config.readonly ?? []).includes(name) ? "CurrentRead" : "CurrentRead | CurrentWrite";
+        const set = (variant) => {
+            if ((config.refused ?? []).includes(name)) return StatusCodes.BadOutOfRange;
+            held.value = variant.value;
+            written.push([`${tag}.${name}`, DataType[variant.dataType], variant.value]);
+            return StatusCodes.Good;
+        };
+        own.addVariable({
+            componentOf: block, browseName: name, nodeId: `s=${tag}.${name}`, dataType: type, accessLevel: open,
+            userAccessLevel: open, value: { get: () => new opcua.Variant(held), set },
+        });
+    }
+}
+
 // One value with its source time; the server time is now.
 function put(node, value, at, quality) {
     node.setValueFromSource({ dataType: DataType.Double, value }, StatusCodes[quality ?? "Good"], new Date(at));
@@ -116,6 +138,7 @@ async function answer(one, asked) {
     else if (asked.do === "quality") loop.quality = asked.is;
     else if (asked.do === "trust") await trust(server.serverCertificateManager, asked.file);
     else if (asked.do === "samples") return { samples: loop.samples };
+    else if (asked.do === "written") return { written: one.written.splice(0) };
     else return { error: `no such command: ${asked.do}` };
     return { done: asked.do };
 }
@@ -126,7 +149,8 @@ async function main() {
     const all = {};
     for (const [name, config] of Object.entries(configs)) {
         const server = await makeServer(config);
-        all[name] = { server, loop: new Loop(addLoop(server, config.tag ?? "FIC101"), config) };
+        all[name] = { server, loop: new Loop(addLoop(server, config.tag ?? "FIC101"), config), written: [] };
+        for (const [tag, block] of Object.entries(config.blocks ?? {})) addBlock(server, tag, block, all[name].written);
         await server.start();
     }
     const ports = Object.entries(all).map(([name, one]) => [name, one.server.endpoints[0].port]);

@@ -25,12 +25,13 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "online": "Watch the dead zone of a loop in service: one JSON line per report, event or note.",
     "live": "Watch the dead zones of a running plant over OPC UA: "
     "one JSON line per report, event or note, with its tag.",
+    "request": "Ask the block of a loop for the widths of a fit: first as a study, with --write in the plant.",
     "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
     "audit": "Look at all loops of a plant: "
     "which valves need a hand, how sure that is, what swings with what, what is new.",
     "demo-plant": "Make a plant to try an audit on: a file a loop, a list of the loops, and the truth beside them.",
     "demo-live": "Run a plant to try the live link on: "
-    "a level and a flow loop with worn valves, behind OPC UA on this machine.",
+    "level, flow and temperature with worn valves, over OPC UA on this machine.",
     "serve": "Show a plant, its loops and dropped records as a page in the browser, on this machine only.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }

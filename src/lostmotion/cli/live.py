@@ -6,6 +6,7 @@ import asyncio
 import json as json_module
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from lostmotion.cli.gate import GateOptions
+from lostmotion.cli.live_write import Write, one_at_a_time, supervised
 from lostmotion.cli.online import Auto, EstimatorOptions, WatchOptions, Width, stop_on_signals
 from lostmotion.cli.options import number
 from lostmotion.cli.output import Json
@@ -21,6 +23,7 @@ from lostmotion.errors import ParameterError
 if TYPE_CHECKING:
     from lostmotion.live.loop_settings import LoopSettings
     from lostmotion.live.opcua.link import Connect
+    from lostmotion.live.plant_file import PlantFile
     from lostmotion.live.watch import Kinds
 
 Source = Annotated[str, typer.Argument(help="Plant file (TOML), or address of a server: opc.tcp://host:port.")]
@@ -110,6 +113,7 @@ def live(
     state: State = None,
     record: Record = None,
     store: Store = None,
+    write: Write = False,
     json: Json = False,  # noqa: ARG001  the output is JSON in any case
 ) -> None:
     """Watch the dead zones of a running plant over OPC UA: one JSON line per report, event or note, with its tag.
@@ -120,10 +124,13 @@ def live(
 
     The first time: lostmotion live --trust opc.tcp://plc1:4840, and lostmotion live --discover opc.tcp://plc1:4840
 
-    Only reads; nothing is written to the server. Ctrl-C and SIGTERM keep the states and exit with 0. The exit code is
-    1 where no loop can go on, the server is not believed, or a fit shows no dead zone.
+    Only reads; with --write, and write = true for a block in the file, a supervisor asks that block for other widths,
+    which the operator accepts or not. Ctrl-C and SIGTERM keep the states and exit with 0; the heartbeat of a supervisor
+    ends with it, and its block sheds. The exit code is 1 where no loop can go on, the server is not believed, a fit
+    shows no dead zone, or a supervisor had to end.
     """
     path = Path(source)
+    plant: PlantFile | None = None
     if "://" in source:
         address, said, folder = source, {}, Path()
         loops: Callable[[], tuple[LoopSettings, ...]] = lambda: (  # noqa: E731
@@ -133,8 +140,8 @@ def live(
         from lostmotion.live.plant_file import read_plant_file
 
         plant = read_plant_file(path)
-        address, said, folder = plant.address, plant.security, path.parent
-        loops = lambda: plant.loops  # noqa: E731
+        address, said, folder, known = plant.address, plant.security, path.parent, plant.loops
+        loops = lambda: known  # noqa: E731
     if link.trust:
         _trust(address, link)
         return
@@ -144,18 +151,25 @@ def live(
         return
     from lostmotion.live.watch import Kinds
 
-    raise typer.Exit(0 if _watch(loops(), connect, Kinds(state, record, store, address)) else 1)
+    kept = Kinds(state, record, store, address)
+    raise typer.Exit(0 if _watch(loops(), connect, kept, plant, write) else 1)
 
 
-def _watch(loops: tuple[LoopSettings, ...], connect: Connect, kept: Kinds) -> bool:
+def _watch(
+    loops: tuple[LoopSettings, ...], connect: Connect, kept: Kinds, plant: PlantFile | None, write: bool
+) -> bool:
     from lostmotion.live.warm import warm
     from lostmotion.live.watch import Watch
 
+    emit = one_at_a_time(_emit)
+    blocks = supervised(plant, connect, emit, write)
     with stop_on_signals() as stop:
-        watch = Watch(loops, connect, _emit, kept)
+        watch = Watch(loops, connect, emit, kept)
         watch.meet()  # compiling may take minutes
         warm()
-        return asyncio.run(watch.run(stop))
+        with nullcontext() if blocks is None else blocks.at_work(watch.watched):
+            going = asyncio.run(watch.run(stop))
+        return going and (blocks is None or not blocks.failed)
 
 
 def _one(

@@ -25,6 +25,14 @@ from lostmotion.files.schema import (
     whole,
 )
 from lostmotion.live.loop_settings import LoopSettings
+from lostmotion.live.supervision.settings import (
+    BLOCK,
+    SUPERVISION,
+    BlockSettings,
+    Supervision,
+    block_of,
+    supervision_of,
+)
 
 MOST_LOOPS = 10_000
 REMEDY = "correct it; docs/live.md says what it holds"
@@ -40,8 +48,11 @@ SETTINGS = {
     "automatic": each(_word, 100), "uncertain": one_of("bad", "keep"), "on_change": flag(),
     "report_every": whole(1), "trend_every": whole(1), "op_limits": row(number(), number()), "frozen": whole(2),
 }  # fmt: skip
-LOOP = group({**SETTINGS, "sp": _word, "mode": _word}, tag=_word, op=_word, pv=_word)
-FILE = group({"defaults": group(SETTINGS), "security": table(anything)}, address=_word, loop=each(LOOP, MOST_LOOPS, 1))
+LOOP = group({**SETTINGS, "sp": _word, "mode": _word, "block": BLOCK}, tag=_word, op=_word, pv=_word)
+FILE = group(
+    {"defaults": group(SETTINGS), "security": table(anything), "supervision": SUPERVISION},
+    address=_word, loop=each(LOOP, MOST_LOOPS, 1),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -55,11 +66,16 @@ class PlantFile:
     loops : tuple of LoopSettings
     security : dict
         As it stands; who connects looks at it.
+    blocks : tuple of BlockSettings
+        Of the loops that have one in the PLC.
+    supervision : Supervision or None
     """
 
     address: str
     loops: tuple[LoopSettings, ...]
     security: dict[str, Any]
+    blocks: tuple[BlockSettings, ...] = ()
+    supervision: Supervision | None = None
 
 
 def read_plant_file(path: Path) -> PlantFile:
@@ -99,7 +115,9 @@ def plant_of(content: Mapping[str, Any], folder: Path, name: str = "the plant fi
     twice = [tag for tag, count in Counter(loop.tag for loop in loops).items() if count > 1]
     if twice:
         raise DataError.expected(f"each tag once in {name}", f"{twice[0]!r} twice", "rename one")
-    return PlantFile(content["address"], loops, dict(content.get("security", {})))
+    blocks = tuple(block for one in content["loop"] if (block := block_of(one, folder)) is not None)
+    supervision = supervision_of(content, folder, name)
+    return PlantFile(content["address"], loops, dict(content.get("security", {})), blocks, supervision)
 
 
 def _loop(one: Mapping[str, Any], folder: Path) -> LoopSettings:

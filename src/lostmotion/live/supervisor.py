@@ -92,6 +92,7 @@ class Supervisor:
         self._who = name
         self._asked_at: float | None = None
         self._force_id: int | None = None
+        self._withdrawn: int | None = None
 
     def propose(self, study: CompensationStudy, who: str) -> Request:
         """Ask the block for the widths that `study` has passed; once, now.
@@ -197,20 +198,25 @@ class Supervisor:
             self._note("verify", "shown as asked, waits for the operator", new=self.request.to_dict())
 
     def _watch(self, seen: Mapping[str, float]) -> None:
-        """Note what is in force when that changes, and a request that a supervisor before this one left behind."""
+        """Note what is in force when that changes, and withdraw a request that nobody follows.
+
+        It is one of a supervisor before this one, one that arrived after it was given up, or another hand's.
+        """
         force = int(seen["force_id"])
         if self._force_id is not None and force != self._force_id and not force:
             self._note("shed", REASONS[int(seen["shed_reason"])], old={"id": self._force_id})
         if self._force_id is None:
             self._note("begin", f"found {STATES[int(seen['supervision'])]}", old={"id": force})
-            if seen["waiting"]:
-                self._note("withdraw", "about to be sent: found waiting", old={"id": int(seen["echo_id"])})
-                self.link.write({"request_id": 0})
         self._force_id = force
+        waiting = int(seen["echo_id"])
+        if seen["waiting"] and self.state not in UNDER_WAY and waiting != self._withdrawn:
+            self._withdrawn = waiting  # once: it is gone with the next scan, or somebody looks
+            self._note("withdraw", "about to be sent: found waiting", old={"id": waiting})
+            self.link.write({"request_id": 0})
 
     def _drop(self, state: str, why: str) -> None:
         """End a request: the block forgets it."""
-        self.state = state
+        self.state, self._withdrawn = state, None if self.request is None else self.request.id
         self._note("withdraw", f"about to be sent: {why}", new=None if self.request is None else self.request.to_dict())
         self._send({"request_id": 0})
 

@@ -50,8 +50,15 @@ class VirtualPlc:
     def scan(self, op_in: float) -> float:
         """One scan; returns the command to the valve."""
         self.set("op_in", op_in)
-        self.specification.run(self.settings, self._state, self.inputs, self.outputs)
+        self._execute()
         return float(self.outputs[0, 0])
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _execute(self) -> None:
+        """Inputs and settings to outputs."""
+        self.specification.run(self.settings, self._state, self.inputs, self.outputs)
 
     def read(self, names: Iterable[str]) -> Mapping[str, float]:
         """Values of inputs and outputs."""

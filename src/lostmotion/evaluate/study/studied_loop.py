@@ -11,10 +11,10 @@ import numpy as np
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate.gate import Said, pass_gate
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import DataError, GateError, ParameterError, Status
 from lostmotion.evaluate.study.faults import REMEDY, WANTED, NoFault, fault_of
 from lostmotion.evaluate.study.study_plant import StudyPlant
-from lostmotion.identify import FitFacts, RatedEstimate, facts_of
+from lostmotion.identify import FitFacts, RatedEstimate, RecursiveEstimate, facts_of
 from lostmotion.models import Hammerstein, NoiseModel
 
 
@@ -56,19 +56,20 @@ class Known:
 
 
 def known(
-    model: Hammerstein | RatedEstimate | Mapping[str, Any],
+    model: Hammerstein | RatedEstimate | RecursiveEstimate | Mapping[str, Any],
     noise: NoiseModel | float | None,
     diagnosis: Said | None = None,
     accept: str | None = None,
 ) -> Known:
-    """From a fit, facts or the dictionary of a fit, or a model with its noise.
+    """From a fit, facts or the dictionary of a fit, an estimate in service, or a model with its noise.
 
     Raises
     ------
     ParameterError
         An actuator without lost motion, noise beside a fit, or a model without noise.
     GateError
-        A fit that shows no lost motion, or a diagnosis that says something else, and no reason to accept it.
+        A fit that shows no lost motion, or a diagnosis that says something else, and no reason to accept it; an
+        estimate in service that is not OK.
     DataError
         A dictionary of something else.
     """
@@ -81,7 +82,16 @@ def known(
         return Known(StudyPlant(model), made)
     if noise is not None:
         raise ParameterError.expected("a fit alone", "a fit and noise", "the fit has its own noise model")
+    if isinstance(model, RecursiveEstimate):
+        return _from_service(model)
     return _from_fit(facts_of(model), diagnosis, accept)
+
+
+def _from_service(estimate: RecursiveEstimate) -> Known:
+    if estimate.status is not Status.OK or estimate.noise is None:
+        raise GateError.expected("an estimate in service of status OK", estimate.status.name, estimate.status.value)
+    source = f"an estimate in service after {estimate.samples} samples, status {estimate.status.name}"
+    return Known(StudyPlant(estimate.model), estimate.noise, estimate.parameters, estimate.covariance, source=source)
 
 
 def _from_fit(facts: FitFacts, diagnosis: Said | None, accept: str | None) -> Known:

@@ -34,7 +34,7 @@ from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
 from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
 from lostmotion.evaluate.study.worth import decide
-from lostmotion.identify import RatedEstimate
+from lostmotion.identify import RatedEstimate, RecursiveEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
@@ -47,7 +47,7 @@ MOST_SAMPLES = 20_000  # of a record's set point
 FEWEST_SETTLE, MOST_SETTLE = 600, 4000
 PERIODS = 4.0  # of a limit cycle until it has set in
 BAND_IN_DEVIATIONS = 3.0  # of the noise in OP: one sample in 370 of Gaussian noise is outside
-Model = Hammerstein | RatedEstimate | Mapping[str, Any]
+Model = Hammerstein | RatedEstimate | RecursiveEstimate | Mapping[str, Any]
 
 
 @one_thread
@@ -76,8 +76,9 @@ def compensation_study(
 
     Parameters
     ----------
-    model : HammersteinFit, FitFacts, mapping or Hammerstein
-        A fit, from memory or from ``read_fit()``, its ``to_dict()``, or a model beside its noise.
+    model : HammersteinFit, FitFacts, mapping, RecursiveEstimate or Hammerstein
+        A fit, from memory or from ``read_fit()``, its ``to_dict()``, an estimate in service of status OK, which needs
+        `block`, or a model beside its noise.
     controller : PI, optional
         Gains of the plant's controller; its limits are replaced by the span. None: estimated from `record`, where a
         PI explains the moves of OP.
@@ -133,6 +134,8 @@ def compensation_study(
     (True, 2)
     """
     found = known(model, noise, diagnosis, accept)
+    if block is None and isinstance(model, RecursiveEstimate):
+        raise ParameterError.expected("a block beside an estimate in service", "none", "give the block in the PLC")
     span = _span(span, record)
     gains, source = _controller(controller, record)
     if op_now is not None:

@@ -46,8 +46,8 @@ def block_tag(name: str) -> str:
 class DemoServer:
     """Server of a virtual plant, without security; used as ``async with``.
 
-    Each loop is a folder with OP, PV, SP and MODE, and OP, PV and SP have a history; its block is another with all its
-    inputs and outputs. What a supervisor writes, ACCEPT and SP can be written. ACCEPT is a button: it springs back.
+    Each loop is a folder with OP, PV, SP and MODE; its block is another with all its inputs and outputs. OP, PV, SP and
+    OP_OUT have a history. What a supervisor writes, ACCEPT and SP can be written. ACCEPT is a button: it springs back.
 
     Parameters
     ----------
@@ -68,6 +68,7 @@ class DemoServer:
         self.period = next(iter(plant.loops.values())).scan_time / speed
         self._nodes: dict[str, Any] = {}
         self._shown: dict[str, Any] = {}
+        self._set_points: dict[str, Any] = {}  # that were shown: another one is an operator's
         logging.getLogger("asyncua").addHandler(logging.NullHandler())
 
     @property
@@ -95,7 +96,7 @@ class DemoServer:
         listening: Any = self._server.bserver
         self._port = listening._server.sockets[0].getsockname()[1]
         for name, node in self._nodes.items():
-            if name.endswith((".OP", ".PV", ".SP")):
+            if name.endswith((".OP", ".PV", ".SP", ".OP_OUT")):
                 await self._server.historize_node_data_change(node, ANY_AGE, KEPT)
         return self
 
@@ -141,13 +142,14 @@ class DemoServer:
             loop.accept()
             await self._write(f"{block}.ACCEPT", False, datetime.now(UTC))
         sp = self._value(f"{loop_tag(loop.name)}.SP")
-        if isinstance(sp, int | float) and math.isfinite(sp):
+        if sp != self._set_points.get(loop.name) and isinstance(sp, int | float) and math.isfinite(sp):
             loop.sp = min(max(float(sp), LOW), HIGH)
 
     async def _show(self, stamp: datetime) -> None:
         for loop in self.plant.loops.values():
             for name, value in self._signals(loop).items():
                 await self._write(f"{loop_tag(loop.name)}.{name}", value, stamp)
+            self._set_points[loop.name] = loop.set_point
             kinds = _types_of_block(loop)
             known = loop.plc.read([name.lower() for name in kinds])
             for name in kinds.keys() - {"ACCEPT", *(name.upper() for name in WRITABLE)}:

@@ -25,8 +25,10 @@ from lostmotion.live.virtual_plc import DINT, WRITABLE
 
 ANSWER = 3.0  # s for a read or a write: a block sheds after ten without a heartbeat
 OPENING = 3 * REQUEST  # s for endpoints, channel and session together
-WHOLE = (ua.VariantType.Int32, ua.VariantType.Int64)
-KINDS: dict[Any, ua.VariantType] = {k.value: k for k in (*WHOLE, ua.VariantType.Float, ua.VariantType.Double)}
+SIGNED = (ua.VariantType.Int32, ua.VariantType.Int64)
+UNSIGNED = (ua.VariantType.UInt32, ua.VariantType.UInt64)
+REAL = (ua.VariantType.Float, ua.VariantType.Double)  # ids and widths stay below 2^24, which both hold exactly
+KINDS: dict[Any, ua.VariantType] = {k.value: k for k in (*SIGNED, *UNSIGNED, *REAL)}  # 16 bits hold no id
 Answer = TypeVar("Answer")
 
 
@@ -77,8 +79,17 @@ class PlcLink:
         *,
         answer: float = ANSWER,
     ) -> None:
-        self._connect: Connect = lambda: connected(address, identity, trust, insecure)
-        self._names, self._answer = dict(nodes), answer
+        self._begin(lambda: connected(address, identity, trust, insecure), nodes, answer)
+
+    @classmethod
+    def over(cls, connect: Connect, nodes: Mapping[str, str], *, answer: float = ANSWER) -> Self:
+        """The same over a connection that is made elsewhere; errors are those of `connect`."""
+        made = cls.__new__(cls)
+        made._begin(connect, nodes, answer)
+        return made
+
+    def _begin(self, connect: Connect, nodes: Mapping[str, str], answer: float) -> None:
+        self._connect, self._names, self._answer = connect, dict(nodes), answer
         self._client: Client | None = None
         self._nodes: dict[str, ua.NodeId] = {}
         self._kinds: dict[str, ua.VariantType] = {}
@@ -216,6 +227,9 @@ class PlcLink:
             for name, kind in said.items()
             if isinstance(kind, ua.NodeId) and kind.NamespaceIndex == 0 and kind.Identifier in KINDS
         }
+        unfit = [name for name in inputs if name not in self._kinds]
+        if unfit:  # known before anything is written
+            raise LinkError(f"expected nodes of 32 bits or more for {unfit}, got other types; make them DINT")
 
 
 def _number(name: str, data: ua.DataValue) -> float:
@@ -228,5 +242,9 @@ def _number(name: str, data: ua.DataValue) -> float:
 
 def _data(name: str, value: int, kind: ua.VariantType | None) -> ua.DataValue:
     if kind is None:
-        raise LinkError(f"expected a node with a whole number for {name}, got another type; make it a DINT")
-    return ua.DataValue(ua.Variant(int(value) if kind in WHOLE else float(value), kind), StatusCode=None)
+        raise LinkError(f"expected a node of 32 bits or more for {name}, got another type; make it a DINT")
+    if kind in UNSIGNED and value < 0:
+        raise LinkError(
+            f"expected a value of 0 or more for {name}, whose node has no sign, got {value}; make it a DINT"
+        )
+    return ua.DataValue(ua.Variant(float(value) if kind in REAL else int(value), kind), StatusCode=None)
