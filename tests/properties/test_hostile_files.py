@@ -13,7 +13,7 @@ import pytest
 from lostmotion.errors import DataError, FileAccessError, TimeError
 from lostmotion.files import limits, read_loop
 from tests.hostile_files import FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
-from tests.unit.test_packed import zipped
+from tests.packed_files import zipped
 from tests.use_of_files import outcome
 
 EACH = 25
@@ -69,6 +69,19 @@ def test_a_list_longer_than_any_memory_in_parquet(tmp_path):
     (tmp_path / "a.parquet").write_bytes(mutant("parquet", 561, seed=5))
     with pytest.raises(DataError, match="expected a whole Parquet file, got a damaged one"):
         read_loop(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize("tag", ["Time", "Tag", "Value", "null", "tag"])
+def test_tags_called_as_columns_are(tmp_path, tag):
+    """Once a DuplicateError of Polars, or the values of a tag instead of the times."""
+    rows = [(name, f"10:00:{k:02d}", k % 7) for k in range(20) for name in ("F1.OP", "F1.PV", tag)]
+    for cells in (rows, sorted(rows, key=lambda row: row[0])):
+        (tmp_path / "a.csv").write_bytes(text("Tag,Time,Value", cells))
+        if tag == "Time":
+            with pytest.raises(DataError, match="expected tags with names of their own, got one called 'Time'"):
+                read_loop(tmp_path / "a.csv")
+        else:
+            assert len(read_loop(tmp_path / "a.csv")) == 20
 
 
 @pytest.mark.parametrize("unit", ["us", "ms"])
