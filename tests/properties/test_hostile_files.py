@@ -84,6 +84,16 @@ def test_tags_called_as_columns_are(tmp_path, tag):
             assert len(read_loop(tmp_path / "a.csv")) == 20
 
 
+def test_one_time_of_each_tag_and_qualities_as_long_as_a_book(tmp_path):
+    """Once a mean of nothing, and a number too large for a float."""
+    path = tmp_path / "a.csv"
+    path.write_bytes(text("Tag,Time,Value", [("F1.OP", "10:00:00", 1), ("F1.PV", "10:00:00", 2)] * 3))
+    assert outcome(path) == "refused"
+    rows = [(name, f"10:00:{k:02d}", k, "9" * 400 if k == 5 else "Good") for k in range(20) for name in ("OP", "PV")]
+    path.write_bytes(text("Tag,Time,Value,Status", rows))
+    assert outcome(path) == "read"
+
+
 @pytest.mark.parametrize("unit", ["us", "ms"])
 def test_dates_out_of_the_calendar(unit):
     frame = pl.DataFrame(
