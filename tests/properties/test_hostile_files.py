@@ -35,6 +35,13 @@ def test_odd_frames():
     assert {said for said in found.values() if said not in ("read", "refused")} == set(), FRAMES
 
 
+@pytest.mark.parametrize("cell", [[1.0, 2.0], {"a": 1}, b"\xff", None])
+def test_modes_that_are_no_words(cell):
+    """Lists were once an error of Polars."""
+    frame = pl.DataFrame({"t_s": np.arange(20), "OP": OP[:20], "PV": PV[:20], "Mode": [cell] * 20})
+    assert outcome(frame) in ("read", "refused")
+
+
 @pytest.mark.parametrize("kind", FORMATS)
 def test_what_is_changed_is_read_before(kind):
     pytest.importorskip(NEEDS.get(kind, "numpy"))
