@@ -1,4 +1,4 @@
-"""Attack on the readers: mutated files of every format, in forked workers that are made again where one dies.
+"""Attack on the readers: mutated files of every format, and files beside records, in forked workers.
 
 Run: ``PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/hostile_readers.py`` (an hour or two); ``--count 200`` is a
 quick look, ``--log FILE`` keeps what was tried and goes on there. Prints a table of outcomes by format; exit code 1
@@ -29,6 +29,7 @@ from lostmotion.files.limits import MOST_GIB, MOST_SECONDS
 from lostmotion.files.reader_process import KEPT
 from tests import use_of_files
 from tests.hostile_files import APART, FORMATS, FRAMES, bases
+from tests.hostile_plant import PLANT
 from tests.killed import threads_of_polars
 
 ATTACK = "readers"
@@ -39,6 +40,7 @@ LESS = {MOST_GIB: "1.2", MOST_SECONDS: "5"}  # of a reader in its process; by it
 AT_ONCE = 2000  # files of one worker: memory that is not given back would end it
 TOLD = 500  # files between two lines of the log
 ENDED = "ended the process of its reader"
+EVERY = (*FORMATS, FRAMES, *PLANT)
 DIED = ("SIGNAL", "HANG", "MEMORY")
 
 
@@ -193,7 +195,7 @@ def main() -> int:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--count", type=int, default=COUNT)
     options.add_argument("--seed", type=int, default=0)
-    options.add_argument("--only", choices=(*FORMATS, FRAMES), action="append")
+    options.add_argument("--only", choices=EVERY, action="append")
     options.add_argument("--keep", type=Path)
     options.add_argument("--log", type=Path, help="keep what was tried; go on behind what is there of this source")
     options.add_argument("--times", type=int, default=0, help="instead: so many sound files of a format")
@@ -208,7 +210,7 @@ def main() -> int:
     log, bad = Log(given.log), False
     print("| format | files | read | refused in one line | ended the process of their reader | anything else | s |")
     print("|---|---|---|---|---|---|---|")
-    for kind in given.only or (*FORMATS, FRAMES):
+    for kind in given.only or EVERY:
         begun, before = 0, Counter[str]()
         for old in log.entries():
             if (old.attack, old.part, old.source, old.more.get("seed")) == (ATTACK, kind, source(ATTACK), given.seed):

@@ -9,17 +9,18 @@ import lostmotion as lm
 from lostmotion.errors import LostMotionError
 from lostmotion.files import apart, child
 from tests.hostile_files import APART, FRAMES, mutant, odd_frame
+from tests.hostile_plant import PLANT, USES, plant_mutant
 
 LONGEST = 3000  # characters of one line
 HURRY = 2  # s of work for a file in a reader without a process of its own; who takes longer has another try in one
 
 
-def outcome(source):
-    """Read it as a command would, with warnings as errors."""
+def outcome(source, use=lm.read_loops):
+    """Read it as a command would, with warnings as errors; `use` gives False where it has told of a refusal itself."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            records = lm.read_loops(source)
+            found = use(source)
     except LostMotionError as error:
         said = str(error)
         worse = (
@@ -38,7 +39,9 @@ def outcome(source):
             where = where.tb_next
         place = "" if where is None else f"{Path(where.tb_frame.f_code.co_filename).name}:{where.tb_lineno}"
         return f"TRACEBACK {type(error).__name__} {place} {str(error)[:80]!r}"
-    return "read" if records else "TRACEBACK no record"
+    if found is False:
+        return "refused"
+    return "TRACEBACK no record" if use is lm.read_loops and not found else "read"
 
 
 class Errors:
@@ -95,10 +98,12 @@ def serve(asked, said, kind, seed, path, here, more):
         if apart_here:
             hurried(HURRY)
         if kind == FRAMES:
-            found = odd_frame(number, seed)
+            came = outcome(odd_frame(number, seed))
+        elif kind in PLANT:
+            path.write_bytes(plant_mutant(kind, number, seed))
+            came = outcome(path, USES[kind][1])
         else:
             path.write_bytes(mutant(kind, number, seed))
-            found = path
-        came = outcome(found)
+            came = outcome(path)
         stray = errors.taken()
         os.write(said, f"{came}{f' STRAY {stray!r}' if stray else ''}\n".encode())

@@ -22,6 +22,7 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from lostmotion.errors import FileAccessError
+from lostmotion.files.schema import parsed
 from lostmotion.files.writer import write_folder
 from lostmotion.live.opcua.certificates import bare, fingerprint, read_certificate
 from lostmotion.live.opcua.refusal import RefusedError
@@ -113,7 +114,7 @@ def _files(folder: Path, endings: tuple[str, ...]) -> list[Path]:
 def _accepted(path: Path) -> set[str]:
     """Hosts in a file beside a certificate; none where it is not there."""
     try:
-        names = json.loads(path.read_text(encoding="utf-8"))
+        names = parsed(path.read_bytes())
     except FileNotFoundError:
         return set()
     except (OSError, ValueError) as error:

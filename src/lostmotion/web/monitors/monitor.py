@@ -13,6 +13,7 @@ from typing import Any
 
 from lostmotion.errors import LostMotionError, ParameterError, one_line
 from lostmotion.files.limits import most_bytes
+from lostmotion.files.schema import parsed
 from lostmotion.online import OnlineMonitor, messages
 from lostmotion.online.packing import unpack
 from lostmotion.online.service import KIND
@@ -177,8 +178,9 @@ class Watched:
 
     def _hear(self, line: bytes) -> None:
         try:
-            message = json.loads(line)
-        except (ValueError, RecursionError):
+            message = parsed(line, LONGEST)
+            json.dumps(message, ensure_ascii=False).encode()  # halves of characters can be shown nowhere
+        except ValueError:
             message = None
         kind = message.get("kind") if isinstance(message, dict) else None
         if kind == "start":
