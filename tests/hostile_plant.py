@@ -224,11 +224,15 @@ def read_certificates(path):
         try:
             check_server(shown, "urn:plc", "opc.tcp://plc1:4840", store)
         except LostMotionError as error:
-            assert "\n" not in str(error)
-            refused += 1
+            refused += _in_one_line(error)
         if kind:
             (store.folder / kind / name).unlink()
     return refused < 4
+
+
+def _in_one_line(error):
+    assert "\n" not in str(error)
+    return True
 
 
 def _kept(folder, data):
