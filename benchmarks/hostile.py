@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 import lostmotion as lm
+from hostile_log import Log
 from hostile_tally import HEAD, told
 from lostmotion.export import TARGETS
 from lostmotion.files import writer
@@ -187,13 +188,14 @@ def main() -> int:
     options.add_argument("--share", type=float, default=1.0, help="of all inputs")
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
+    options.add_argument("--log", type=Path, help="keep what was tried")
     given = options.parse_args()
     warnings.simplefilter("error")
     bad = False
     print(HEAD)
     for name in given.only or ATTACKS:
         attack, count = ATTACKS[name]
-        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)))
+        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)), Log(given.log))
     return int(bad)
 
 
