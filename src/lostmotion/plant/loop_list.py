@@ -142,11 +142,8 @@ def _header(cells: Sequence[str], name: str) -> tuple[list[str], tuple[str, ...]
         said = f"{[cell[:LONGEST_SHOWN] for cell in named if cell][:SHOWN]}"
         raise DataError.expected(f"a column 'tag' in {name}", said, f"name the columns {', '.join(COLUMNS)}")
     odd = [cell for cell in named if cell and cell not in COLUMNS]
-    notes = (
-        (f"Columns that are not known in {name} were passed over: {', '.join(cell[:LONGEST_SHOWN] for cell in odd)}.",)
-        if odd
-        else ()
-    )
+    shown = ", ".join(cell[:LONGEST_SHOWN] for cell in odd)
+    notes = (f"Columns that are not known in {name} were passed over: {shown}.",) if odd else ()
     return [cell if cell in COLUMNS else "" for cell in named], notes
 
 
