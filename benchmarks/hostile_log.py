@@ -20,7 +20,11 @@ import lostmotion as lm
 SHOWN = 12  # hexadecimal digits of a digest
 
 
-PARTS = {"readers": ("files", "records", "arrays.py", "arguments.py", "errors.py")}  # of the package that are attacked
+COMMON = ("files", "records", "arrays.py", "arguments.py", "errors.py")
+PARTS = {  # of the package that are attacked
+    "readers": COMMON,
+    "files beside records": (*COMMON, "compensate", "identify", "live", "online", "plant", "store", "web"),
+}
 
 
 @cache

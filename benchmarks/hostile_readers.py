@@ -17,11 +17,13 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 import warnings
 from collections import Counter
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import lostmotion as lm
 from hostile_log import Log, source
@@ -32,7 +34,7 @@ from tests.hostile_files import APART, FORMATS, FRAMES, bases
 from tests.hostile_plant import PLANT
 from tests.killed import threads_of_polars
 
-ATTACK = "readers"
+ATTACK, BESIDE = "readers", "files beside records"
 COUNT = 20_000
 PATIENCE, START = 60.0, 300.0  # seconds for one file, and for the first of a worker, which loads what it needs
 MEMORY = 1 << 29  # bytes of address space of a worker, beyond what Python and its packages take: threads reserve some
@@ -79,7 +81,10 @@ class Worker:
                     return "HANG"
                 piece = os.read(self.answers, 1 << 16)
                 if not piece:
-                    return f"SIGNAL {-self.end()}"
+                    code = self.end()
+                    if not code:
+                        raise RuntimeError(f"expected outcomes of {self.given[0]}, got a worker that ended by itself")
+                    return f"SIGNAL {-code}"
                 told += piece
         return told.decode("utf-8", "replace").rstrip("\n")
 
@@ -88,11 +93,14 @@ class Worker:
         self.answers, said = os.pipe()
         self.process, self.tried = os.fork(), 0
         if not self.process:
-            with suppress(BaseException):  # nothing may go on in two processes
+            try:
                 for mine in (self.asking, self.answers):
                     os.close(mine)
                 use_of_files.serve(asked, said, *self.given)
-            os._exit(0)
+            except BaseException:  # noqa: BLE001  told, and the parent is told by the end
+                traceback.print_exc(file=sys.__stdout__)
+            finally:  # nothing may go on in two processes
+                os._exit(0)
         for other in (asked, said):
             os.close(other)
 
@@ -114,6 +122,11 @@ class Worker:
         self.end()
 
 
+def attack_of(kind: str) -> str:
+    """Name in the log, by which it is known what of the package was attacked."""
+    return BESIDE if kind in PLANT else ATTACK
+
+
 def attacked(kind: str, numbers: range, seed: int, keep: Path | None, log: Log) -> Counter[str]:
     """Outcomes of files of a format; Ctrl-C and SIGTERM end it, and what has been tried is told."""
     whole: Counter[str] = Counter()
@@ -123,7 +136,7 @@ def attacked(kind: str, numbers: range, seed: int, keep: Path | None, log: Log) 
     def told() -> None:
         nonlocal begin, since, part
         if number >= begin:
-            log.add(ATTACK, kind, part, time.monotonic() - since, seed=seed, begin=begin, stop=number + 1)
+            log.add(attack_of(kind), kind, part, time.monotonic() - since, seed=seed, begin=begin, stop=number + 1)
         whole.update(part)
         begin, since, part = number + 1, time.monotonic(), Counter()
 
@@ -180,14 +193,24 @@ def times(count: int) -> None:
         print(f"{kind}: {1e3 * spent / count:.0f} ms of processor time a file, {count} one after the other", flush=True)
 
 
-def row(kind: str, tally: Counter[str], *more: Any) -> tuple[str, bool]:
-    """Row of the table, and whether something in it is neither a record nor a refusal."""
-    tally = Counter(tally)
-    died = tally.pop(ENDED, 0)
-    worse = {said: times for said, times in tally.items() if _bad(said)}
-    shown = "; ".join(f"{times} x {said}" for said, times in sorted(worse.items())) or "0"
-    cells = (kind, tally.total(), tally["read"], tally["refused"], died, shown, *more)
-    return f"| {' | '.join(map(str, cells))} |", bool(worse)
+@dataclass(frozen=True)
+class Sorted:
+    """Tally of a format by what the page tells."""
+
+    tried: int
+    read: int
+    refused: int
+    died: int
+    worse: str
+
+
+def sorted_out(tally: Counter[str]) -> Sorted:
+    """Numbers of files by outcome; `worse`: all that is neither a record nor a refusal, "0" where there is none."""
+    rest = Counter(tally)
+    died = rest.pop(ENDED, 0)
+    worse = sorted((said, times) for said, times in rest.items() if _bad(said))
+    shown = "; ".join(f"{times} x {said}".replace("|", "/") for said, times in worse) or "0"
+    return Sorted(rest.total(), rest["read"], rest["refused"], died, shown)
 
 
 def main() -> int:
@@ -213,13 +236,15 @@ def main() -> int:
     for kind in given.only or EVERY:
         begun, before = 0, Counter[str]()
         for old in log.entries():
-            if (old.attack, old.part, old.source, old.more.get("seed")) == (ATTACK, kind, source(ATTACK), given.seed):
+            same = (old.attack, old.source) == (attack_of(kind), source(attack_of(kind)))
+            if same and (old.part, old.more.get("seed")) == (kind, given.seed):
                 begun, before = max(begun, old.more["stop"]), before + old.tally
         since = time.monotonic()
         found = attacked(kind, range(begun, given.count), given.seed, given.keep, log)
-        line, worse = row(kind, before + found, round(time.monotonic() - since))
-        bad |= worse
-        print(line, flush=True)
+        one = sorted_out(before + found)
+        bad |= one.worse != "0"
+        cells = (kind, one.tried, one.read, one.refused, one.died, one.worse, round(time.monotonic() - since))
+        print(f"| {' | '.join(map(str, cells))} |", flush=True)
     return int(bad)
 
 

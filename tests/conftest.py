@@ -27,7 +27,7 @@ PROCESSES = {
     "shared_data_reads stopped_batches supervised_command supervised_machine",
     "live": "discover joined link live_command plant_file plc_link",
     "opcua": "asyncua_security node_opcua node_restart",
-    "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
+    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts database "
     "dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
     "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "

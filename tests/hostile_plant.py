@@ -107,7 +107,7 @@ def state_file():
     from lostmotion.online.packing import pack
     from lostmotion.online.service import KIND
 
-    monitor = OnlineMonitor(lm.RecursiveML(1, 0, 1, dt=2.0, start_samples=300), dt=2.0, trend_every=50)
+    monitor = OnlineMonitor(lm.RecursiveML(1, 0, 1, dt=2.0, start_samples=300), dt=2.0, report_every=50, trend_every=50)
     u = lm.signals.prs(400, -5, 5, hold=8, seed=1)
     monitor.take(Rows(2.0 * np.arange(400.0), u, np.roll(u, 1) * 0.5))
     return pack(KIND, {"settings": {}, "position": {}}, monitor.to_bytes())
@@ -273,7 +273,7 @@ def read_form(path):
         def dropped(self, number, draft, label):
             shown = clean_label(label)
             assert shown.encode()
-            assert not set(shown) & set("/\\\n\0")
+            assert not set(shown) & set("/\n\0")
             return shown
 
     form = Form(Desk(), b"XX")
