@@ -9,13 +9,14 @@ from typing import Any
 
 from sqlalchemy.engine import Connection, Engine
 
+from lostmotion.errors import LostMotionError
 from lostmotion.store import queries
 from lostmotion.store.news import New, news
 from lostmotion.store.overview import Columns, Judged, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow
-from lostmotion.store.said import told
+from lostmotion.store.said import damaged, told
 
 
 class Asked:
@@ -27,7 +28,12 @@ class Asked:
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
         with told(self.name), self.engine.connect() as connection, connection.begin():
-            yield connection
+            try:
+                yield connection
+            except LostMotionError:
+                raise
+            except (LookupError, ArithmeticError, TypeError, ValueError) as error:  # rows that we have not written
+                raise damaged(self.name) from error
 
     def runs(self, limit: int | None = None) -> list[RunRow]:
         """Runs, the newest first."""
