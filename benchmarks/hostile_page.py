@@ -50,12 +50,13 @@ def of_readers(log: hostile_log.Log) -> Iterator[str]:
     """Table of the formats."""
     yield "| file | tried | read, refused in one line | ended the process of its reader | anything else | earlier |"
     yield "|---|---|---|---|---|---|"
-    found = {**tried(log, hostile_readers.ATTACK), **tried(log, hostile_readers.BESIDE)}
+    found = {attack: tried(log, attack) for attack in (hostile_readers.ATTACK, hostile_readers.BESIDE)}
     for kind in hostile_readers.EVERY:
-        one = found.get(kind, Tried())
+        one = found[hostile_readers.attack_of(kind)].get(kind, Tried())
         now, before = (hostile_readers.sorted_out(tally) for tally in (one.now, one.earlier))
         earlier = f"{before.tried:,}: {before.worse}" if before.tried else ""
-        cells = (kind, f"{now.tried:,}", f"{now.read:,}, {now.refused:,}", now.died, now.worse, earlier)
+        told = f"{now.read:,}, {now.refused:,}" if now.tried else ""
+        cells = (kind, f"{now.tried:,}", told, now.died or "", now.worse if now.tried else "", earlier)
         yield f"| {' | '.join(map(str, cells))} |"
 
 
