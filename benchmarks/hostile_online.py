@@ -27,6 +27,7 @@ from pathlib import Path
 import numpy as np
 
 import lostmotion as lm
+from hostile_log import Log
 from hostile_tally import HEAD, told
 from lostmotion.cli import main as command
 from lostmotion.cli import online as _  # noqa: F401  loaded before the forks
@@ -227,17 +228,18 @@ def main() -> int:
     options.add_argument("--seconds", type=float, default=1e9, help="after which no more are begun")
     options.add_argument("--clock-steps", type=int, default=0, help="records with them, instead of kills of one")
     options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--log", type=Path, help="keep what was tried")
     given = options.parse_args()
     warnings.simplefilter("error")  # in all processes that are forked from this one
     warm()
     random = np.random.default_rng(given.seed)
     print(HEAD)
     if given.clock_steps:
-        return int(told("clock steps of online", stepped(given.clock_steps, random)))
+        return int(told("clock steps of online", stepped(given.clock_steps, random), Log(given.log)))
     with tempfile.TemporaryDirectory() as place:
         data = record((given.kills + 1) * ROWS_EACH)
         tally = attack(data, given.kills, random, Path(place), given.seconds)
-    return int(told("kills of online", [tally]))
+    return int(told("kills of online", [tally], Log(given.log)))
 
 
 def stepped(count: int, random: np.random.Generator) -> Iterator[Counter[str]]:

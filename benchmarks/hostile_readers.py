@@ -1,8 +1,9 @@
-"""Attack on the readers: mutated files of every format, in worker processes that are started again where one dies.
+"""Attack on the readers: mutated files of every format, and files beside records, in forked workers.
 
-Run: ``PYTHONPATH=. .venv/bin/python benchmarks/hostile_readers.py`` (an hour or two); ``--count 200`` is a quick look.
-Prints a table of outcomes by format; exit code 1 where anything but a record or a refusal in one line came out. A file
-that did harm is kept under ``--keep``. File number k of a format and seed is always the same.
+Run: ``PYTHONPATH=.:benchmarks .venv/bin/python benchmarks/hostile_readers.py`` (an hour or two); ``--count 200`` is a
+quick look, ``--log FILE`` keeps what was tried and goes on there. Prints a table of outcomes by format; exit code 1
+where anything but a record or a refusal in one line came out. A file that did harm is kept under ``--keep``. File
+number k of a format and seed is always the same.
 """
 
 from __future__ import annotations
@@ -11,89 +12,162 @@ import argparse
 import os
 import re
 import selectors
+import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
+import traceback
+import warnings
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import lostmotion as lm
+from hostile_log import Log, source
+from lostmotion.files.limits import MOST_GIB, MOST_SECONDS
 from lostmotion.files.reader_process import KEPT
-from tests.hostile_files import APART, FORMATS, FRAMES, bases, mutant
+from tests import use_of_files
+from tests.hostile_files import APART, FORMATS, FRAMES, bases
+from tests.hostile_plant import PLANT
+from tests.killed import threads_of_polars
 
+ATTACK, BESIDE = "readers", "files beside records"
 COUNT = 20_000
-PATIENCE, START = 60.0, 300.0  # seconds for one file, and for the start of a worker
-MEMORY = 3 << 30  # bytes of address space of a worker, of which Python and its packages take 1.4
+PATIENCE, START = 60.0, 300.0  # seconds for one file, and for the first of a worker, which loads what it needs
+MEMORY = 1 << 29  # bytes of address space of a worker, beyond what Python and its packages take: threads reserve some
+LESS = {MOST_GIB: "1.2", MOST_SECONDS: "5"}  # of a reader in its process; by itself 2 and more, and 60
 AT_ONCE = 2000  # files of one worker: memory that is not given back would end it
-READY = -1  # said by a worker before its first file
+TOLD = 500  # files between two lines of the log
 ENDED = "ended the process of its reader"
+EVERY = (*FORMATS, FRAMES, *PLANT)
 DIED = ("SIGNAL", "HANG", "MEMORY")
 
 
-def attacked(kind: str, count: int, seed: int, keep: Path | None, tally: Counter[str]) -> None:
-    """Add the outcomes of files 0 .. count."""
-    begin = 0
-    while begin < count:
-        last = begin - 1
-        for number, first in _of_worker(kind, begin, min(count, begin + AT_ONCE), seed):
-            last, said = number, first
-            if kind in APART and first.startswith(DIED):  # as it is for users: the reader in a process of its own
-                tally[ENDED] += 1
-                ((_, said),) = _of_worker(kind, number, number + 1, seed, "apart")
-            tally[_class_of(said)] += 1
-            if _bad(said):
-                _kept(keep, kind, number, seed, said)
-        begin = last + 1
+class Worker:
+    """A fork of this process that reads the files whose numbers it is told; made again where it dies, and now and then.
+
+    Parameters
+    ----------
+    kind : str
+        Format.
+    seed : int
+    path : Path
+        Where the file is put that is tried.
+    here : bool
+        Readers that have a process of their own do without it, which is a hundred times faster.
+    """
+
+    def __init__(self, kind: str, seed: int, path: Path, here: bool) -> None:
+        self.given = (kind, seed, path, here, MEMORY)
+        self.process = self.tried = 0
+
+    def outcome(self, number: int) -> str:
+        """What came of a file."""
+        if not self.process or self.tried >= AT_ONCE:
+            self.end()
+            self._begin()
+        patience = PATIENCE if self.tried else START
+        self.tried += 1
+        os.write(self.asking, b"%d\n" % number)
+        with selectors.DefaultSelector() as waits:
+            waits.register(self.answers, selectors.EVENT_READ)
+            told = b""
+            while not told.endswith(b"\n"):
+                if not waits.select(patience):
+                    self.end()
+                    return "HANG"
+                piece = os.read(self.answers, 1 << 16)
+                if not piece:
+                    code = self.end()
+                    if not code:
+                        raise RuntimeError(f"expected outcomes of {self.given[0]}, got a worker that ended by itself")
+                    return f"SIGNAL {-code}"
+                told += piece
+        return told.decode("utf-8", "replace").rstrip("\n")
+
+    def _begin(self) -> None:
+        asked, self.asking = os.pipe()
+        self.answers, said = os.pipe()
+        self.process, self.tried = os.fork(), 0
+        if not self.process:
+            try:
+                for mine in (self.asking, self.answers):
+                    os.close(mine)
+                use_of_files.serve(asked, said, *self.given)
+            except BaseException:  # noqa: BLE001  told, and the parent is told by the end
+                traceback.print_exc(file=sys.__stdout__)
+            finally:  # nothing may go on in two processes
+                os._exit(0)
+        for other in (asked, said):
+            os.close(other)
+
+    def end(self) -> int:
+        """Its exit code; the next file has another one."""
+        if not self.process:
+            return 0
+        for pipe in (self.asking, self.answers):
+            os.close(pipe)
+        os.kill(self.process, signal.SIGKILL)  # the other worker may hold its pipes; of one that has died, no change
+        code = os.waitstatus_to_exitcode(os.waitpid(self.process, 0)[1])
+        self.process = 0
+        return code
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
 
 
-def _kept(keep: Path | None, kind: str, number: int, seed: int, said: str) -> None:
+def attack_of(kind: str) -> str:
+    """Name in the log, by which it is known what of the package was attacked."""
+    return BESIDE if kind in PLANT else ATTACK
+
+
+def attacked(kind: str, numbers: range, seed: int, keep: Path | None, log: Log) -> Counter[str]:
+    """Outcomes of files of a format; Ctrl-C and SIGTERM end it, and what has been tried is told."""
+    whole: Counter[str] = Counter()
+    part: Counter[str] = Counter()
+    begin, since, number = numbers.start, time.monotonic(), numbers.start - 1
+
+    def told() -> None:
+        nonlocal begin, since, part
+        if number >= begin:
+            log.add(attack_of(kind), kind, part, time.monotonic() - since, seed=seed, begin=begin, stop=number + 1)
+        whole.update(part)
+        begin, since, part = number + 1, time.monotonic(), Counter()
+
+    with tempfile.TemporaryDirectory() as place, suppress(KeyboardInterrupt):
+        path = Path(place) / "FIC-101.dat"
+        with Worker(kind, seed, path, here=True) as fast, Worker(kind, seed, path, here=False) as apart:
+            for now in numbers:
+                said = fast.outcome(now)
+                died = kind in APART and said.startswith(DIED)
+                if died:  # as it is for users: the reader in a process of its own
+                    said = apart.outcome(now)
+                part[_class_of(said)] += 1
+                part[ENDED] += died
+                number = now
+                if _bad(said):
+                    _kept(keep, path, kind, now, seed, said)
+                if (now + 1) % TOLD == 0:
+                    told()
+    told()
+    return whole
+
+
+def _kept(keep: Path | None, path: Path, kind: str, number: int, seed: int, said: str) -> None:
     """The file that did harm, and what it did."""
     if keep is None:
         return
     keep.mkdir(parents=True, exist_ok=True)
     with (keep / "list.txt").open("a") as listed:
-        listed.write(f"{kind}\t{number}\t{said}\n")
+        listed.write(f"{kind}\t{seed}\t{number}\t{said}\n")
     if kind != FRAMES:
-        (keep / f"{kind.replace(' ', '')}-{seed}-{number}").write_bytes(mutant(kind, number, seed))
-
-
-def _of_worker(kind: str, begin: int, stop: int, seed: int, *how: str) -> Iterator[tuple[int, str]]:
-    """Number and outcome of each file that it came to; the last one says how it died, if it did."""
-    words = [kind, str(begin), str(stop), str(seed), str(MEMORY), *how]
-    command = [sys.executable, "-W", "error", "-m", "tests.use_of_files", *words]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
-        known, ready = b"", False
-        for piece in _pieces(worker):
-            *lines, known = (known + piece).split(b"\n")
-            for line in lines:
-                number, _, said = line.decode("utf-8", "replace").partition(" ")
-                ready = True
-                if int(number) != READY:
-                    yield int(number), said
-        if not ready:
-            raise RuntimeError(f"the worker does not start: {command}")
-        if known:
-            code = worker.wait()
-            yield int(known.split(b" ")[0]), "HANG" if code == -9 else f"SIGNAL {-code}"
-
-
-def _pieces(worker: subprocess.Popen[bytes]) -> Iterator[bytes]:
-    """What it says; killed where it says nothing for longer than one file may take."""
-    assert worker.stdout is not None
-    patience = START
-    with selectors.DefaultSelector() as waits:
-        waits.register(worker.stdout, selectors.EVENT_READ)
-        while waits.select(patience):
-            piece = worker.stdout.read1(1 << 16)  # type: ignore[attr-defined]
-            if not piece:
-                return
-            yield piece
-            patience = PATIENCE
-        worker.kill()
+        shutil.copy(path, keep / f"{kind.replace(' ', '')}-{seed}-{number}")
 
 
 def _bad(said: str) -> bool:
@@ -119,35 +193,59 @@ def times(count: int) -> None:
         print(f"{kind}: {1e3 * spent / count:.0f} ms of processor time a file, {count} one after the other", flush=True)
 
 
+@dataclass(frozen=True)
+class Sorted:
+    """Tally of a format by what the page tells."""
+
+    tried: int
+    read: int
+    refused: int
+    died: int
+    worse: str
+
+
+def sorted_out(tally: Counter[str]) -> Sorted:
+    """Numbers of files by outcome; `worse`: all that is neither a record nor a refusal, "0" where there is none."""
+    rest = Counter(tally)
+    died = rest.pop(ENDED, 0)
+    worse = sorted((said, times) for said, times in rest.items() if _bad(said))
+    shown = "; ".join(f"{times} x {said}".replace("|", "/") for said, times in worse) or "0"
+    return Sorted(rest.total(), rest["read"], rest["refused"], died, shown)
+
+
 def main() -> int:
     """Print the tally; 1 where something is in capitals."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--count", type=int, default=COUNT)
     options.add_argument("--seed", type=int, default=0)
-    options.add_argument("--only", choices=(*FORMATS, FRAMES), action="append")
+    options.add_argument("--only", choices=EVERY, action="append")
     options.add_argument("--keep", type=Path)
+    options.add_argument("--log", type=Path, help="keep what was tried; go on behind what is there of this source")
     options.add_argument("--times", type=int, default=0, help="instead: so many sound files of a format")
     given = options.parse_args()
     if given.times:
         times(given.times)
         return 0
+    os.environ.update(LESS | os.environ)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    bad = 0
+    warnings.simplefilter("error")  # in all workers, which are forked from this one
+    assert not threads_of_polars()
+    log, bad = Log(given.log), False
     print("| format | files | read | refused in one line | ended the process of their reader | anything else | s |")
     print("|---|---|---|---|---|---|---|")
-    for kind in given.only or (*FORMATS, FRAMES):
-        begin = time.monotonic()
-        tally: Counter[str] = Counter()
-        with suppress(KeyboardInterrupt):  # what has been tried is told
-            attacked(kind, given.count, given.seed, given.keep, tally)
-        died = tally.pop(ENDED, 0)
-        worse = {said: times for said, times in tally.items() if _bad(said)}
-        bad += len(worse)
-        took = time.monotonic() - begin
-        shown = "; ".join(f"{times} x {said}" for said, times in sorted(worse.items())) or "0"
-        cells = (kind, tally.total(), tally["read"], tally["refused"], died, shown, round(took))
+    for kind in given.only or EVERY:
+        begun, before = 0, Counter[str]()
+        for old in log.entries():
+            same = (old.attack, old.source) == (attack_of(kind), source(attack_of(kind)))
+            if same and (old.part, old.more.get("seed")) == (kind, given.seed):
+                begun, before = max(begun, old.more["stop"]), before + old.tally
+        since = time.monotonic()
+        found = attacked(kind, range(begun, given.count), given.seed, given.keep, log)
+        one = sorted_out(before + found)
+        bad |= one.worse != "0"
+        cells = (kind, one.tried, one.read, one.refused, one.died, one.worse, round(time.monotonic() - since))
         print(f"| {' | '.join(map(str, cells))} |", flush=True)
-    return int(bad > 0)
+    return int(bad)
 
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ import polars as pl
 from matplotlib.figure import Figure
 
 import lostmotion as lm
+from hostile_log import Log
 from hostile_tally import HEAD, told
 from lostmotion.cli.output import OutputOptions
 from lostmotion.compensate import read_block
@@ -388,6 +389,7 @@ def main() -> int:
     options.add_argument("--share", type=float, default=1.0, help="of all repetitions")
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--only", choices=ATTACKS, action="append")
+    options.add_argument("--log", type=Path, help="keep what was tried")
     given = options.parse_args()
     warnings.simplefilter("error")  # in all processes that are forked from this one
     bad = False
@@ -395,7 +397,7 @@ def main() -> int:
     print(HEAD)
     for name in given.only or ATTACKS:
         attack, count = ATTACKS[name]
-        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)))
+        bad |= told(name, attack(max(1, round(count * given.share)), np.random.default_rng(given.seed)), Log(given.log))
     return int(bad)
 
 

@@ -28,7 +28,7 @@ PROCESSES = {
     "live": "cut_network discover handed_over joined link live_command plant_file plc_link supervision_settings "
     "write_command write_faults writer",
     "opcua": "asyncua_security node_block node_opcua node_restart",
-    "properties": "export_printer files hostile_files hostile_json loop_list outside_text",
+    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts database "
     "dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
     "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "

@@ -13,7 +13,7 @@ import pandas as pd
 import polars as pl
 from scipy.io import savemat
 
-from tests.unit.test_packed import workbook, zipped
+from tests.packed_files import workbook, zipped
 
 N = 24
 TIMES = [f"2024-03-01 10:00:{k:02d}" for k in range(N)]

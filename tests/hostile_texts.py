@@ -14,6 +14,7 @@ from lostmotion.export import TARGETS
 from lostmotion.export.source import Source
 from tests.exports import COMMON, KINDS
 
+MARK = "pwned_not_here_20260131"  # no text holds it
 MARKS = (
     "*/", "/*", "*)", "(*", "*\\", "\\*", "\\", "//", "]]>", "<![CDATA[", "-->", "<!--", "<b>", "&#42;",
     "&lt;", "'", '"', "$'", "{", "}", "??/", "?\\?/", "\n", "\r", "\0", "\x0b", "\x85", "\u2028", "\u2029",
@@ -45,21 +46,53 @@ def exported(target, text):
 
 def bare(files):
     """Everything but what the text may change, by parsers of XML and a C preprocessor that are not ours."""
-    return {name: BARE[name.rpartition(".")[2]](text, files) for name, text in files.items()}
+    return bare_of([files])[0]
 
 
-def _preprocessed(text, files):
-    """C without comments, as gcc sees it; trigraphs and spliced lines included."""
-    (name,) = [name for name in files if files[name] == text]
+def bare_of(exports):
+    """The same of many exports; the C of all of them by one start of the preprocessor."""
+    found = [{name: BARE.get(_ending(name), _as_it_is)(text) for name, text in files.items()} for files in exports]
+    places = [(k, name) for k, files in enumerate(exports) for name in files if _ending(name) in ("c", "h")]
+    codes = _preprocessed([_with_header(exports[k], name) for k, name in places])
+    for (k, name), code in zip(places, codes, strict=True):
+        found[k][name] = code
+    return found
+
+
+def _ending(name):
+    return name.rpartition(".")[2]
+
+
+def _as_it_is(text):
+    return text
+
+
+def _with_header(files, name):
+    text = files[name]
     both = files[name.rpartition(".")[0] + ".h"] + text if name.endswith(".c") else text
-    both = re.sub(r'^#include (".*"|<.*>)$', r"include_\1", both, flags=re.M)
+    return re.sub(r'^#include (".*"|<.*>)$', r"include_\1", both, flags=re.M)
+
+
+def _preprocessed(codes):
+    """C without comments, as gcc sees it; trigraphs and spliced lines included.
+
+    Between two codes stands a mark: one that swallows it, or the code behind it, is another tree. What the codes define
+    is undefined again behind each.
+    """
+    if not codes:
+        return []
+    names = sorted({name for code in codes for name in re.findall(r"#define (\w+)", code)})
+    undefined = "".join(f"\n#undef {name}" for name in names)
     command = [str(shutil.which("gcc")), "-std=c99", "-E", "-P", "-x", "c", "-"]
-    done = subprocess.run(command, input=both.encode(), capture_output=True, check=True)
+    whole = f"{undefined}\n{MARK}\n".join(codes)
+    done = subprocess.run(command, input=whole.encode(), capture_output=True, check=True)
     assert not done.stderr, done.stderr
-    return done.stdout.decode()
+    found = done.stdout.decode().split(MARK)
+    assert len(found) == len(codes), f"{len(found)} codes out of {len(codes)}"
+    return [code.strip() for code in found]
 
 
-def _without_comments(text, _):
+def _without_comments(text):
     """IEC comments do not nest in the standard, and nest in some tools: there must be no difference."""
     inside = re.findall(r"\(\*(.*?)\*\)", text, flags=re.S)
     assert not any(mark in said for said in inside for mark in ("(*", "*)", '"', "{", "}", "$", "\n"))
@@ -68,7 +101,7 @@ def _without_comments(text, _):
     return left
 
 
-def _tree(text, _):
+def _tree(text):
     return list(_elements(ET.fromstring(text.encode()), said=True))  # noqa: S314  our own file
 
 
@@ -78,13 +111,13 @@ def _elements(element, said):
     said = said and name not in ("Comment", "documentation", "Description")
     attributes = {key: value for key, value in element.attrib.items() if key != "Id"}  # Id: a digest of all
     inside = (element.text or "") if said else ""
-    code = _without_comments(inside, None) if name in ("Declaration", "ST", "Line", "p") else inside
+    code = _without_comments(inside) if name in ("Declaration", "ST", "Line", "p") else inside
     yield name, attributes, code.strip(), len(element), (element.tail or "").strip()
     for inner in element:
         yield from _elements(inner, said)
 
 
 BARE = {
-    "c": _preprocessed, "h": _preprocessed, "st": _without_comments, "scl": _without_comments, "xml": _tree,
+    "st": _without_comments, "scl": _without_comments, "xml": _tree,
     "TcPOU": _tree, "L5X": _tree,
 }  # fmt: skip

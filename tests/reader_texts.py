@@ -29,6 +29,7 @@ LONG = "\n".join(
     ["Tag,Time,Value", *(f"F1.{tag},{k},{k % 7}" for k in range(N) for tag in ("OP", "PV", "PV")[: 2 + (k == 9)])]
 )
 LONG = LONG.replace("F1.PV,9,2\nF1.PV,9,2", "F1.PV,9,2\nF1.PV,9,3")
+TIMES_AS_TAG = "\n".join(["Tag,Time,Value", *(f"{tag},{k},{k % 7}" for k in range(N) for tag in ("OP", "PV", "Time"))])
 DATES = [f"{1 + k // 9:02d}/{1 + k % 9:02d}/24" for k in range(N)]
 
 TEXTS = {  # text of a file, and the settings it is read with
@@ -54,6 +55,7 @@ TEXTS = {  # text of a file, and the settings it is read with
     "several loops": (WIDE, {}),
     "a loop that is not there": (WIDE, {"loop": "FIC9"}),
     "two values of one tag": (LONG, {}),
+    "a tag called as the times": (TIMES_AS_TAG, {}),
     "no times": (rows(head="n,OP,PV"), {"time": False}),
     "a time is missing": (changed(9, ",1,2"), {}),
     "a word for a time": (rows([f"2024-03-01 10:00:{k:02d}" for k in range(N)]).replace("10:00:09", "later"), {}),

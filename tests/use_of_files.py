@@ -1,8 +1,6 @@
-"""What comes of one file, in few words; and a worker that reads one after the other, each told before it is tried."""
+"""What comes of one file, in few words; and what a worker does that reads one after the other."""
 
 import os
-import sys
-import tempfile
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -11,16 +9,18 @@ import lostmotion as lm
 from lostmotion.errors import LostMotionError
 from lostmotion.files import apart, child
 from tests.hostile_files import APART, FRAMES, mutant, odd_frame
+from tests.hostile_plant import PLANT, USES, plant_mutant
 
 LONGEST = 3000  # characters of one line
+HURRY = 2  # s of work for a file in a reader without a process of its own; who takes longer has another try in one
 
 
-def outcome(source):
-    """Read it as a command would, with warnings as errors."""
+def outcome(source, use=lm.read_loops):
+    """Read it as a command would, with warnings as errors; `use` gives False where it has told of a refusal itself."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            records = lm.read_loops(source)
+            found = use(source)
     except LostMotionError as error:
         said = str(error)
         worse = (
@@ -39,7 +39,9 @@ def outcome(source):
             where = where.tb_next
         place = "" if where is None else f"{Path(where.tb_frame.f_code.co_filename).name}:{where.tb_lineno}"
         return f"TRACEBACK {type(error).__name__} {place} {str(error)[:80]!r}"
-    return "read" if records else "TRACEBACK no record"
+    if found is False:
+        return "refused"
+    return "TRACEBACK no record" if use is lm.read_loops and not found else "read"
 
 
 class Errors:
@@ -63,37 +65,45 @@ def in_this_process():
     apart._answer = lambda kind, raw, size: child.answer(kind, raw)
 
 
-def limited(memory):
+def limited(more):
+    """So many bytes of address space more than this process has now."""
     with suppress(ImportError):
         import resource
 
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        memory = pages * resource.getpagesize() + more
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def main(kind, begin, stop, seed, memory, how="here"):
-    if kind in APART and how == "here":
+def hurried(seconds):
+    """So many further seconds of processor time, then this process is ended."""
+    with suppress(ImportError):
+        import resource
+
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        most = int(used.ru_utime + used.ru_stime + seconds) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (most, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+
+
+def serve(asked, said, kind, seed, path, here, more):
+    """Numbers of files come by one descriptor, what came of each goes out by another, until no more comes."""
+    apart_here = kind in APART and here
+    if apart_here:
         in_this_process()
-    limited(int(memory))
-    _tell("-1 ready\n")
-    with tempfile.TemporaryDirectory() as folder:
-        path, errors = Path(folder) / "FIC-101.dat", Errors(folder)
-        for number in range(int(begin), int(stop)):
-            if kind == FRAMES:
-                source = odd_frame(number, int(seed))
-            else:
-                path.write_bytes(mutant(kind, number, int(seed)))
-                source = path
-            _tell(f"{number} ")
-            said = outcome(source)
-            stray = errors.taken()
-            _tell(f"{said}{f' STRAY {stray!r}' if stray else ''}\n")
-
-
-def _tell(text):
-    sys.stdout.write(text)
-    sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+    limited(more)
+    errors = Errors(path.parent)
+    for line in os.fdopen(asked):
+        number = int(line)
+        if apart_here:
+            hurried(HURRY)
+        if kind == FRAMES:
+            came = outcome(odd_frame(number, seed))
+        elif kind in PLANT:
+            path.write_bytes(plant_mutant(kind, number, seed))
+            came = outcome(path, USES[kind][1])
+        else:
+            path.write_bytes(mutant(kind, number, seed))
+            came = outcome(path)
+        stray = errors.taken()
+        os.write(said, f"{came}{f' STRAY {stray!r}' if stray else ''}\n".encode())

@@ -15,11 +15,11 @@ from lostmotion.errors import LostMotionError
 from lostmotion.files import read_loop
 from tests.e2e.test_commands import run
 from tests.messages import PACKAGE, passed, places_in, refusals_in
+from tests.packed_files import workbook as spreadsheet
 from tests.reader_calls import OTHERS, PATCHED, checked, unusable
 from tests.reader_sources import SOURCES, made
 from tests.reader_texts import TEXTS, rows, stored
 from tests.unit.test_packed import ROWS
-from tests.unit.test_packed import workbook as spreadsheet
 
 NOT_READERS = (  # they write, or read what we have written
     "write.py",

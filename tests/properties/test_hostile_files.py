@@ -13,7 +13,7 @@ import pytest
 from lostmotion.errors import DataError, FileAccessError, TimeError
 from lostmotion.files import limits, read_loop
 from tests.hostile_files import FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
-from tests.unit.test_packed import zipped
+from tests.packed_files import zipped
 from tests.use_of_files import outcome
 
 EACH = 25
@@ -33,6 +33,13 @@ def test_each_is_read_or_refused_in_one_line(kind, tmp_path, capfd):
 def test_odd_frames():
     found = {number: outcome(odd_frame(number)) for number in range(EACH)}
     assert {said for said in found.values() if said not in ("read", "refused")} == set(), FRAMES
+
+
+@pytest.mark.parametrize("cell", [[1.0, 2.0], {"a": 1}, b"\xff", None])
+def test_modes_that_are_no_words(cell):
+    """Lists were once an error of Polars."""
+    frame = pl.DataFrame({"t_s": np.arange(20), "OP": OP[:20], "PV": PV[:20], "Mode": [cell] * 20})
+    assert outcome(frame) in ("read", "refused")
 
 
 @pytest.mark.parametrize("kind", FORMATS)
@@ -69,6 +76,29 @@ def test_a_list_longer_than_any_memory_in_parquet(tmp_path):
     (tmp_path / "a.parquet").write_bytes(mutant("parquet", 561, seed=5))
     with pytest.raises(DataError, match="expected a whole Parquet file, got a damaged one"):
         read_loop(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize("tag", ["Time", "Tag", "Value", "null", "tag"])
+def test_tags_called_as_columns_are(tmp_path, tag):
+    """Once a DuplicateError of Polars, or the values of a tag instead of the times."""
+    rows = [(name, f"10:00:{k:02d}", k % 7) for k in range(20) for name in ("F1.OP", "F1.PV", tag)]
+    for cells in (rows, sorted(rows, key=lambda row: row[0])):
+        (tmp_path / "a.csv").write_bytes(text("Tag,Time,Value", cells))
+        if tag == "Time":
+            with pytest.raises(DataError, match="expected tags with names of their own, got one called 'Time'"):
+                read_loop(tmp_path / "a.csv")
+        else:
+            assert len(read_loop(tmp_path / "a.csv")) == 20
+
+
+def test_one_time_of_each_tag_and_qualities_as_long_as_a_book(tmp_path):
+    """Once a mean of nothing, and a number too large for a float."""
+    path = tmp_path / "a.csv"
+    path.write_bytes(text("Tag,Time,Value", [("F1.OP", "10:00:00", 1), ("F1.PV", "10:00:00", 2)] * 3))
+    assert outcome(path) == "refused"
+    rows = [(name, f"10:00:{k:02d}", k, "9" * 400 if k == 5 else "Good") for k in range(20) for name in ("OP", "PV")]
+    path.write_bytes(text("Tag,Time,Value,Status", rows))
+    assert outcome(path) == "read"
 
 
 @pytest.mark.parametrize("unit", ["us", "ms"])

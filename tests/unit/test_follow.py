@@ -176,6 +176,33 @@ def test_a_clock_that_begins_anew_is_a_new_recording():
     assert "new recording" in found.notes[0].text
 
 
+STEPS = (-1e5, -7203.0, -3600.0, -60.0, -3.0, -0.5, 0.5, 3.0, 60.0, 3600.0, 1e5, 4e7)  # s, of NTP to a dead battery
+
+
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("row", [10, 30, 55, 100])
+def test_a_clock_that_is_set_never_ends_it(step, row):
+    """Also among the first rows, from which the sampling time is taken: once refused there."""
+    seconds = 2.0 * np.arange(4000)
+    seconds[row:] += step
+    (time, op, _, _, notes), follower = whole(text([f"{t},{k},{k % 5}" for k, t in enumerate(seconds)]))
+    assert follower.layout.dt == 2.0
+    taken = op[~np.isnan(op)]
+    late = 0 if step < -7200.0 else int(max(-step, 0.0) / 2.0) + 1
+    np.testing.assert_array_equal(taken[:row], np.arange(row))
+    np.testing.assert_array_equal(taken[-1000:], np.arange(3000, 4000))
+    assert len(taken) >= 4000 - late
+    assert bool(notes) == (step < -2.0 or step > 2000.0)
+    assert time[-1] == seconds[-1]
+
+
+def test_an_odd_step_of_rounded_stamps_is_no_clock_that_is_set():
+    seconds = np.round(2.03 * np.arange(400))
+    assert whole(text([f"{t},{k % 7},{k % 5}" for k, t in enumerate(seconds)]))[1].layout.dt == pytest.approx(
+        2.03, 0.01
+    )
+
+
 def test_one_wild_stamp_does_not_stop_the_service():
     rows = numbered(90)
     rows[70] = "1e15,1,1"

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,6 +12,7 @@ import typer
 import lostmotion as lm
 from lostmotion.cli.options import number
 from lostmotion.errors import DataError, FileAccessError, ParameterError
+from lostmotion.files.schema import parsed, toml_of
 
 if TYPE_CHECKING:
     from lostmotion.models import LinearModel, NoiseModel
@@ -54,7 +53,7 @@ def take_numbers(ctx: typer.Context, path: Path | None) -> Path | None:
 def _read(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
-        data = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
+        data = parsed(text) if path.suffix.lower() == ".json" else toml_of(text)
     except OSError as error:
         raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
     except ValueError as error:

@@ -29,7 +29,7 @@ def read_block(path: str | os.PathLike[str]) -> CompensatorBlock:
     DataError
         It is not the JSON of a block.
     """
-    return _block(read_json(path, "a block", REMEDY))
+    return block_of(read_json(path, "a block", REMEDY))
 
 
 def read_fit_or_block(path: str | os.PathLike[str]) -> FitFacts | CompensatorBlock:
@@ -38,11 +38,11 @@ def read_fit_or_block(path: str | os.PathLike[str]) -> FitFacts | CompensatorBlo
     if "model" in data:
         return FitFacts.from_dict(data)
     if any(key in data for key in KEYS):
-        return _block(data)
+        return block_of(data)
     raise DataError.expected("the JSON of a fit or of a block", f"keys {sorted(data)} in {path}", EITHER)
 
 
-def _block(data: Mapping[str, Any]) -> CompensatorBlock:
+def block_of(data: Mapping[str, Any]) -> CompensatorBlock:
     """Block of a dictionary whose types are checked here and whose values by the block itself."""
     saved = Fields(data, "a block", REMEDY)
     saved.require(*KEYS)

@@ -15,10 +15,12 @@ from lostmotion.arguments import positive
 from lostmotion.arrays import Reals
 from lostmotion.compensate import variables as listed
 from lostmotion.compensate.block import CompensatorBlock
+from lostmotion.compensate.saved_block import REMEDY, block_of
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.supervision_variables import supervision
 from lostmotion.compensate.variables import SECTIONS
-from lostmotion.errors import ParameterError
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.files.fields import Fields
 from lostmotion.kernels.blocks.supervised import backlash, dead_zone, knocker, two_moves
 
 SECONDS = {"timeout": 10.0, "show_scans": 3.0, "accept_scans": 900.0, "least_scans": 300.0}
@@ -157,8 +159,20 @@ class SupervisedBlock:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """Inverse of :meth:`to_dict`."""
-        return cls.of(CompensatorBlock.from_dict(data), **data.get("supervision", {}))
+        """Inverse of :meth:`to_dict`.
+
+        Raises
+        ------
+        DataError, ParameterError
+            Something is missing, of another type, unknown or outside its range.
+        """
+        block = block_of(data)
+        given = Fields(data.get("supervision", {}), "a supervised block", REMEDY, "supervision.")
+        known = {variable.name.lower() for variable in SUPERVISED[block.kind].section("parameter")}
+        unknown = [name for name in given.names if name not in known]
+        if unknown:
+            raise DataError.expected("settings of the supervision in a supervised block", unknown[:3], REMEDY)
+        return cls.of(block, **{name: given.number(name) for name in given.names})
 
 
 def _usual(block: CompensatorBlock) -> dict[str, float]:

@@ -25,6 +25,8 @@ from lostmotion.files.resampled import resampled
 from lostmotion.files.table import Table
 from lostmotion.files.times import Stamps, read_times
 
+FEWEST = 2  # rows
+
 
 @dataclass(frozen=True, eq=False)
 class Meaning:
@@ -116,8 +118,8 @@ def interpret(
     table = with_moments(table) if time is None else table
     if usable is None:
         table = with_columns_of_tags(table, trust)
-    if len(table.frame) < 2:
-        raise DataError.expected("at least 2 rows", f"1 in {table.source!r}", "check the export")
+    if len(table.frame) < FEWEST:
+        raise DataError.expected(f"at least {FEWEST} rows", f"1 in {table.source!r}", "check the export")
     sampling = _sampling_column(table, (op, pv, sp, position, time, mode))
     columns = resolve([name for name in table.names if name != sampling], op, pv, sp, position, time, mode, loop)
     roles = (columns.op, columns.pv, columns.sp, columns.position, columns.time, sampling)
@@ -147,16 +149,26 @@ def interpret(
         words = (*words, *filled.notes)
         stamps = None if stamps is None else _of_rows(stamps, table, filled.rows)
     ts = None if sampling is None else _sampling_time(table, sampling, decimal)
-    try:
-        clock = find_clock(stamps, dt, ts, whole=usable is None)
-    except TimeError as error:
-        if not table.own_times or stamps is None or dt is not None:
-            raise
-        raise no_common_rate(stamps.seconds, ~table.column(columns.pv).is_null().to_numpy()) from error
+    clock = _clock(table, columns.pv, stamps, dt, ts, whole=usable is None)
     assumed = (*table.notes, *columns.notes, *comma)
     words = (*words, *doubt)
     start, lost = began(stamps, clock) if usable is None else (None, ())
     return Meaning(table, columns, used, decimal, signals, stamps, clock, assumed, words, made_up, start, lost)
+
+
+def _clock(table: Table, pv: str, stamps: Stamps | None, dt: float | None, ts: float | None, whole: bool) -> Clock:
+    """Clock of the rows; where each tag has times of its own, the error tells of them."""
+    if stamps is None or not table.own_times:
+        return find_clock(stamps, dt, ts, whole)
+    cause = None
+    if len(stamps.seconds) >= FEWEST:
+        try:
+            return find_clock(stamps, dt, ts, whole)
+        except TimeError as error:
+            if dt is not None:
+                raise
+            cause = error
+    raise no_common_rate(stamps.seconds, ~table.column(pv).is_null().to_numpy()) from cause
 
 
 def _of_rows(stamps: Stamps, table: Table, rows: IntArray) -> Stamps:

@@ -176,9 +176,9 @@ def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: 
         set_back = set_back or found.set_back
         notes += [*said, *words, *(f"{one.table.source}: {note}" for note in found.notes)]
         parts.append(pl.DataFrame({"time": found.seconds, "tag": name, "value": values[found.rows.tolist()]}))
-    frame = wide(pl.concat(parts, how="vertical_relaxed").filter(pl.col("time").is_not_nan()), "time")
-    clock = _clock(frame["time"], stamps, dated=not set_back and stamps.certain)
-    frame = frame.with_columns(clock).rename({"time": str(ones[0].time)})
+    time = str(ones[0].time)
+    frame = wide(pl.concat(parts, how="vertical_relaxed").filter(pl.col("time").is_not_nan()), time)
+    frame = frame.with_columns(_clock(frame[time], stamps, dated=not set_back and stamps.certain).alias(time))
     return Table(nw.from_native(frame, eager_only=True), source, notes=tuple(notes), own_times=True)
 
 

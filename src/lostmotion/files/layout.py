@@ -15,10 +15,12 @@ from lostmotion.files.dates import all_are, date_orders, states_zone
 from lostmotion.files.interpret import Meaning, check_dt, interpret
 from lostmotion.files.moments import moment_columns
 from lostmotion.files.number_cells import BAD_WORDS, is_text, text_cells
+from lostmotion.files.rates import between_steps, rounded, uniform
 from lostmotion.files.table import Table
 from lostmotion.files.text import find_rows, parse_text
 from lostmotion.files.times import Stamps
 from lostmotion.records.modes import unknown_words, words_of
+from lostmotion.records.sampling import Bools
 
 HEAD_ROWS = 60  # rows that the sampling time and the decimal mark are read from
 FEWEST_ROWS = 3
@@ -244,14 +246,33 @@ def _with_times(layout: Layout, stamps: Stamps | None) -> Layout:
 
 
 def _usable(stamps: Stamps) -> Stamps:
-    """Rows whose time is known and later than all before, where the others are few: they are passed over."""
+    """Rows of one clock: a few without a time, or not later than all before, are passed over.
+
+    Where the clock was set among them, those of one setting: :class:`lostmotion.files.grid.Grid` sees to the step.
+    """
     if stamps.dates is not None and all_are(stamps.dates, dated=False):
         stamps = replace(stamps, seconds=_unwrapped(stamps.seconds, DAY))
+    later = _later(stamps)
+    steps = np.diff(later.seconds)
+    if not len(steps) or ((steps > 0).all() and (uniform(steps) or rounded(later.seconds, steps))):
+        return later
+    known = ~np.isnan(stamps.seconds)
+    keep = known.copy()
+    keep[known] = between_steps(stamps.seconds[known])
+    return _with_rows(stamps, keep) if keep.sum() < known.sum() else later
+
+
+def _later(stamps: Stamps) -> Stamps:
+    """Rows whose time is known and later than all before, where the others are few."""
     seconds = np.where(np.isnan(stamps.seconds), -np.inf, stamps.seconds)
     before = np.concatenate([[-np.inf], np.maximum.accumulate(seconds)[:-1]])
     keep = seconds > before
     if keep.mean() < 1.0 - COARSE_SHARE or keep.sum() < FEWEST_ROWS:
         return stamps  # not a few: find_clock says what is wrong
+    return _with_rows(stamps, keep)
+
+
+def _with_rows(stamps: Stamps, keep: Bools) -> Stamps:
     frame = stamps.table.frame.filter(keep.tolist())
     lines = stamps.table.lines
     kept = None if lines is None else [line for line, good in zip(lines, keep, strict=True) if good]

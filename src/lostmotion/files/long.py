@@ -17,6 +17,8 @@ from lostmotion.files.table import Table
 from lostmotion.files.tags import folded, key
 
 MOST_TAGS = 5000
+TAG, VALUE = "\0tag", "\0value"  # columns, called as no column of a file is
+NO_TAG = "null"  # of rows without one
 
 
 def with_columns_of_tags(table: Table, trust: Trust = ALL) -> Table:
@@ -69,8 +71,13 @@ def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:
     Raises
     ------
     ColumnError
-        Two values of one tag at one time.
+        Two values of one tag at one time, or a tag that is called as the column of times.
     """
+    long = long.with_columns(pl.col("tag").fill_null(NO_TAG))
+    if (long["tag"] == time).any():
+        raise ColumnError.expected(
+            "tags with names of their own", f"one called {time!r}, as the column of times is", "rename it in the export"
+        )
     if not _rising(long):
         long = long.unique(maintain_order=True)
         twice = long.select("time", "tag").is_duplicated()
@@ -84,13 +91,14 @@ def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:
         if all(part["time"].equals(parts[0]["time"], null_equal=False) for part in parts[1:]):  # one clock: as it is
             columns = [part["value"].alias(str(part["tag"][0])) for part in parts]
             return parts[0].select(pl.col("time").alias(time)).with_columns(*columns)
-    return long.pivot(on="tag", index="time", values="value", maintain_order=True).rename({"time": time})
+    long = long.rename({"time": time, "tag": TAG, "value": VALUE})
+    return long.pivot(on=TAG, index=time, values=VALUE, maintain_order=True)
 
 
 def _rising(long: pl.DataFrame) -> bool:
     """Whether tag stands behind tag, each at rising times: then no two rows are of one tag and time."""
     runs = long["tag"].rle().struct.field("value")
-    if long["tag"].null_count() or runs.n_unique() < len(runs):
+    if runs.n_unique() < len(runs):
         return False
     later = (pl.col("time") > pl.col("time").shift()) | (pl.col("tag") != pl.col("tag").shift())
     return bool(long.select(later.fill_null(False).slice(1).all()).item())

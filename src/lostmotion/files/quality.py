@@ -23,6 +23,7 @@ OF_UA = (GOOD, UNCERTAIN, BAD, BAD)
 BESIDE = (*LONG["quality"], "st", "q", "qlty", "statuscode", "status code", "quality code")
 VALUE_ENDS = (" cv", " value", " val")  # PV.CV has its status in PV.ST
 _CODE = re.compile(r"[+-]?\d+(\.0*)?|0x[0-9a-f]+")
+LONGEST_CODE = 20  # characters of a quality that is a number
 SHOWN = 3  # words in a note
 
 
@@ -133,7 +134,7 @@ def marks_of(words: Sequence[str], column: str) -> Marks | None:
 
 
 def _code(word: str) -> int | None:
-    if not _CODE.fullmatch(word):
+    if len(word) > LONGEST_CODE or not _CODE.fullmatch(word):
         return None
     return int(word, 16) if word.startswith("0x") else int(float(word))
 

@@ -17,6 +17,8 @@ SCATTER = 0.25  # of the mean step, at most: standard deviation of the steps of 
 STEADY = 0.05  # the quarters of a record agree in their mean step to this share, or it has no one rate
 ROW_SPREAD = (0.1, 1.5)  # rows by which stamps of one rate differ: one, and for jitter a share of them, at most so many
 ROW_SHARE = 0.05  # or this share of them
+MOST_STEPS = 2  # of a clock that is set, among the first rows of a growing record
+STEADY_ROWS = 20  # of one clock, at least, beside such a step
 FEWEST_STAMPS = 2  # whole ones that the rows of a stamp are counted from
 RESOLUTIONS = (60.0, 1.0, 0.1, 0.01, 0.001)  # s: what stamps are rounded to
 
@@ -69,6 +71,34 @@ def uniform(steps: FloatArray) -> Rate | None:
     if gaps.mean() > GAP_SHARE or (np.abs(steps - multiple * middle) > JITTER * middle * multiple).any():
         return None
     return Rate(tidy(middle, 1e-6 * middle), gaps, JITTER)
+
+
+def between_steps(seconds: FloatArray) -> Bools:
+    """Rows of the longest stretch of a clock that was set once or twice; all rows where that is not what happened.
+
+    Examples
+    --------
+    >>> seconds = np.arange(60.0)
+    >>> seconds[35:] -= 3600.0
+    >>> np.flatnonzero(between_steps(seconds))[[0, -1]]
+    array([ 0, 34])
+    """
+    whole = np.ones(len(seconds), dtype=bool)
+    if len(seconds) <= STEADY_ROWS:
+        return whole
+    steps = np.diff(seconds)
+    middle = float(np.median(steps))
+    multiple = np.round(steps / middle) if middle > 0.0 else np.zeros_like(steps)
+    odd = (multiple < 1.0) | (np.abs(steps - multiple * middle) > JITTER * middle * multiple)
+    if not 0 < odd.sum() <= MOST_STEPS:
+        return whole
+    ends = np.concatenate([[0], np.flatnonzero(odd) + 1, [len(seconds)]])
+    longest = int(np.argmax(np.diff(ends)))
+    first, stop = ends[longest : longest + 2]
+    if stop - first < max(STEADY_ROWS, len(seconds) // 2):
+        return whole
+    rows = np.arange(len(seconds))
+    return np.asarray((rows >= first) & (rows < stop))
 
 
 def rounded(seconds: FloatArray, steps: FloatArray) -> Rate | None:

@@ -11,7 +11,7 @@ import polars as pl
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.columns import Wanted
 from lostmotion.files.interpret import Meaning, check_dt, interpret
-from lostmotion.files.number_cells import native
+from lostmotion.files.number_cells import native, text_cells
 from lostmotion.files.opened import opened
 from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
@@ -162,6 +162,8 @@ def trust_of(plant: Mapping[str, Any]) -> Trust:
 def _modes(table: Table, name: str, plant: Plant) -> StringArray:
     """Cells of a column as text, empty where missing, with AUTO and MAN for the words that were said to mean them."""
     cells = native(table.column(name))
+    if cells.dtype.is_nested() or cells.dtype == pl.Object:  # no words
+        cells = text_cells(table.column(name))
     known = cells.drop_nulls().unique(maintain_order=True)  # few words in many rows
     words = [_meant(str(cell).strip(), plant) for cell in known.to_list()]
     rows = cells.replace_strict(known, range(len(known)), default=len(known), return_dtype=pl.UInt32).to_numpy()

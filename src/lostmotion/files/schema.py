@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
@@ -180,12 +181,38 @@ def parsed(data: bytes | str, most: int = 1 << 28) -> Any:
         value = json.loads(data, parse_constant=_refuse_constant, parse_int=_as_int, parse_float=_as_float)
     except RecursionError:
         raise ValueError(f"deeper than {DEEPEST}") from None
+    _refuse_deep(value)
+    return value
+
+
+def _refuse_deep(value: Any) -> None:
     level = [value]
     for _ in range(DEEPEST):
         level = [inner for outer in level if isinstance(outer, dict | list) for inner in _inside(outer)]
         if not level:
-            return value
+            return
     raise ValueError(f"deeper than {DEEPEST}")
+
+
+def toml_of(text: str) -> dict[str, Any]:
+    """TOML as it is written in files for us: not deeper than they are.
+
+    Raises
+    ------
+    ValueError
+        It is no TOML, or none of this kind.
+
+    Examples
+    --------
+    >>> toml_of("gain = 1.5")
+    {'gain': 1.5}
+    """
+    try:
+        found = tomllib.loads(text)
+    except RecursionError:
+        raise ValueError(f"deeper than {DEEPEST}") from None
+    _refuse_deep(found)
+    return found
 
 
 def _inside(outer: dict[str, Any] | list[Any]) -> Any:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from lostmotion.errors import DataError, FileAccessError
+from lostmotion.errors import DataError, one_line
+from lostmotion.files.frames import read_bytes
 from lostmotion.files.schema import (
     anything,
     checked,
@@ -22,6 +22,7 @@ from lostmotion.files.schema import (
     row,
     table,
     text,
+    toml_of,
     whole,
 )
 from lostmotion.live.loop_settings import LoopSettings
@@ -88,14 +89,11 @@ def read_plant_file(path: Path) -> PlantFile:
     DataError
         No TOML, something missing or unknown, a tag twice, or a secret in it: each with its place.
     """
+    data = read_bytes(path)
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise FileAccessError(f"expected a readable {path}, got {error.strerror}; check the path") from error
-    try:
-        content = tomllib.loads(data.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError.expected(f"TOML in {path.name}", str(error), "correct it") from error
+        content = toml_of(data.decode("utf-8"))
+    except ValueError as error:
+        raise DataError.expected(f"TOML in {path.name}", one_line(str(error))[:300], "correct it") from error
     return plant_of(content, path.parent, path.name)
 
 

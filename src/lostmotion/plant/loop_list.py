@@ -23,6 +23,8 @@ COLUMNS = (
 TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
 _OWN = {"type", "op_low", "op_high", "pv_low", "pv_high", "area", "weight"}  # what no record has
 SHOWN = 10  # errors of one list
+LONGEST_SHOWN = 60  # characters of a name in a message
+MOST_COLUMNS = 1000
 _TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time")
 
 
@@ -79,7 +81,7 @@ def parse_loop_list(text: str, name: str = "the loop list") -> LoopList:
     ...
     lostmotion.errors.DataError: expected weight as a number, got 'heavy' in line 2 of the loop list; correct it
     """
-    lines = [(number, line) for number, line in _rows(text) if any(cell.strip() for cell in line)]
+    lines = [(number, line) for number, line in _rows(text, name) if any(cell.strip() for cell in line)]
     if not lines:
         raise DataError.expected(
             f"a header with the columns {', '.join(COLUMNS)} in {name}", "nothing", "make one with --propose"
@@ -107,23 +109,28 @@ def parse_loop_list(text: str, name: str = "the loop list") -> LoopList:
     return LoopList(tuple(found), notes)
 
 
-def _rows(text: str) -> list[tuple[int, list[str]]]:
+def _rows(text: str, name: str) -> list[tuple[int, list[str]]]:
     """Lines that are no comments, cut into cells, with their numbers from 1."""
     top = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     delimiter = max(",;\t", key=top.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
     rows: list[tuple[int, list[str]]] = []
     begin = 1
-    for cells in reader:
-        if not (cells and cells[0].lstrip().startswith("#")):
-            rows.append((begin, cells))
-        begin = reader.line_num + 1
+    try:
+        for cells in reader:
+            if not (cells and cells[0].lstrip().startswith("#")):
+                rows.append((begin, cells))
+            begin = reader.line_num + 1
+    except csv.Error as error:
+        raise DataError.expected(f"cells of text in {name}", f"{error} behind line {begin}", "correct it") from error
     return rows
 
 
 def _header(cells: Sequence[str], name: str) -> tuple[list[str], tuple[str, ...]]:
     """Columns, "" for those that are passed over, and what to say of these."""
     named = [cell.strip().lower() for cell in cells]
+    if len(named) > MOST_COLUMNS:
+        raise DataError.expected(f"at most {MOST_COLUMNS} columns in {name}", len(named), "leave out what is not known")
     twice = next((cell for cell in named if cell and named.count(cell) > 1), None)
     if twice is not None:
         raise DataError.expected(f"each column once in {name}", f"{twice!r} twice", "leave one out")
@@ -132,10 +139,11 @@ def _header(cells: Sequence[str], name: str) -> tuple[list[str], tuple[str, ...]
         if near and near[0] not in named:
             raise DataError.expected(f"a column {near[0]!r} in {name}", repr(cell), "correct its name")
     if "tag" not in named:
-        said = f"{[cell for cell in named if cell]}"
+        said = f"{[cell[:LONGEST_SHOWN] for cell in named if cell][:SHOWN]}"
         raise DataError.expected(f"a column 'tag' in {name}", said, f"name the columns {', '.join(COLUMNS)}")
     odd = [cell for cell in named if cell and cell not in COLUMNS]
-    notes = (f"Columns that are not known in {name} were passed over: {', '.join(odd)}.",) if odd else ()
+    shown = ", ".join(cell[:LONGEST_SHOWN] for cell in odd)
+    notes = (f"Columns that are not known in {name} were passed over: {shown}.",) if odd else ()
     return [cell if cell in COLUMNS else "" for cell in named], notes
 
 

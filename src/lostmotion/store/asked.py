@@ -9,6 +9,7 @@ from typing import Any
 
 from sqlalchemy.engine import Connection, Engine
 
+from lostmotion.errors import LostMotionError
 from lostmotion.store import queries, watches
 from lostmotion.store.changed import New
 from lostmotion.store.news import news
@@ -16,7 +17,7 @@ from lostmotion.store.overview import Columns, Judged, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow, WatchRow
-from lostmotion.store.said import told
+from lostmotion.store.said import damaged, told
 
 
 class Asked:
@@ -28,7 +29,12 @@ class Asked:
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
         with told(self.name), self.engine.connect() as connection, connection.begin():
-            yield connection
+            try:
+                yield connection
+            except LostMotionError:
+                raise
+            except (LookupError, ArithmeticError, TypeError, ValueError) as error:  # rows that we have not written
+                raise damaged(self.name) from error
 
     def stamp(self) -> tuple[Any, ...]:
         """What changes with every review and every write of an audit; as long as it is the same so is every answer."""

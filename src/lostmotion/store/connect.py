@@ -15,7 +15,7 @@ from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from lostmotion.addresses import is_url
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.files.paths import is_file, is_folder
-from lostmotion.store.said import explained, store_error, told
+from lostmotion.store.said import damaged, explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
 
 PATIENCE = 30.0  # s in which a server may come up, and in which a lock of SQLite may go
@@ -183,6 +183,8 @@ def _first_connection(engine: Engine, name: str, patience: float) -> None:
                 raise explained(name, error) from None
         except SQLAlchemyError as error:
             raise explained(name, error) from None
+        except UnicodeDecodeError:
+            raise damaged(name) from None
         time.sleep(wait)
         wait *= 2.0
 

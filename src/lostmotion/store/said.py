@@ -45,6 +45,13 @@ def told(name: str) -> Iterator[None]:
         yield
     except DBAPIError as error:
         raise explained(name, error) from None  # the error of a driver may show the password
+    except UnicodeDecodeError:  # in what SQLite says of names that are none
+        raise damaged(name) from None
+
+
+def damaged(name: str) -> FileAccessError:
+    """Error of a store whose content is none of ours."""
+    return store_error(name, "one that is damaged", "take a copy of it from before, or begin a new one")
 
 
 def explained(name: str, error: SQLAlchemyError) -> FileAccessError:

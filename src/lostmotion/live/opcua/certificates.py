@@ -24,6 +24,13 @@ BITS = 3072  # RSA: 128 bits of strength; both policies take 2048 to 4096
 YEARS = 5  # of our certificate; a new one has to be trusted by each server again
 EARLIER = timedelta(hours=1)  # clocks of a plant differ
 CERTIFICATE, KEY = "certificate.der", "key.pem"
+DAMAGED = (  # what reading a certificate of others may end in, at once or when a part of it is asked for
+    ValueError,
+    UnsupportedAlgorithm,
+    x509.InvalidVersion,
+    x509.DuplicateExtension,
+    x509.UnsupportedGeneralNameType,
+)
 
 
 @dataclass(frozen=True)
@@ -115,7 +122,7 @@ def read_certificate(path: Path) -> x509.Certificate:
         return x509.load_pem_x509_certificate(data) if pem else x509.load_der_x509_certificate(data)
     except OSError as error:
         raise FileAccessError(f"expected a certificate {path}, got {error.strerror}; check the path") from error
-    except ValueError as error:
+    except DAMAGED as error:
         raise FileAccessError(f"expected a certificate (DER or PEM), got something else in {path}; check it") from error
 
 
@@ -167,7 +174,7 @@ def hosts(certificate: x509.Certificate) -> list[str]:
 
 
 def _alternative(certificate: x509.Certificate, kind: type[x509.GeneralName]) -> list[str]:
-    with suppress(x509.ExtensionNotFound, ValueError):
+    with suppress(x509.ExtensionNotFound, *DAMAGED):
         names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
         return [str(name.value) for name in names if isinstance(name, kind)]
     return []

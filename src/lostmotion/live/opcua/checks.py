@@ -12,7 +12,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from lostmotion.live.opcua.certificates import hosts, uris
+from lostmotion.live.opcua.certificates import DAMAGED, hosts, uris
 from lostmotion.live.opcua.refusal import RefusedError
 from lostmotion.live.opcua.trust import TrustStore
 
@@ -56,8 +56,17 @@ def check_form(certificate: x509.Certificate, uri: str, address: str) -> None:
     Raises
     ------
     RefusedError
-        expired, early, uri, key, use
+        expired, early, uri, key (one that cannot be read, too), use
     """
+    try:
+        _check_form(certificate, uri, address)
+    except RefusedError:
+        raise
+    except DAMAGED as error:
+        raise RefusedError.because("key", f"a certificate of {address}", "a damaged one", SERVER) from error
+
+
+def _check_form(certificate: x509.Certificate, uri: str, address: str) -> None:
     now = datetime.now(UTC)
     if certificate.not_valid_after_utc < now:
         until = f"{certificate.not_valid_after_utc:%Y-%m-%d %H:%M} UTC"

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lostmotion.errors import FileAccessError, ParameterError
+from lostmotion.files.schema import toml_of
 from lostmotion.live.opcua.certificates import refuse_public
 
 USER, PASSWORD = "LOSTMOTION_OPCUA_USER", "LOSTMOTION_OPCUA_PASSWORD"  # names of variables
@@ -78,7 +78,7 @@ def user_from(path: Path | None) -> User | None:
 def _of_file(path: Path) -> User:
     refuse_public(path)
     try:
-        held = tomllib.loads(path.read_text(encoding="utf-8"))
+        held = toml_of(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileAccessError(f"expected a readable file {path}, got {error.strerror}; check the path") from error
     except ValueError:  # what is wrong with it may hold the password

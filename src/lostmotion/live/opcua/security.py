@@ -15,7 +15,14 @@ from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from lostmotion.addresses import without_password
-from lostmotion.live.opcua.certificates import OwnCertificate, default_pki, own_certificate, read_certificate, read_key
+from lostmotion.live.opcua.certificates import (
+    DAMAGED,
+    OwnCertificate,
+    default_pki,
+    own_certificate,
+    read_certificate,
+    read_key,
+)
 from lostmotion.live.opcua.checks import SERVER, check_server
 from lostmotion.live.opcua.refusal import RefusedError
 from lostmotion.live.opcua.secrets import User
@@ -193,5 +200,5 @@ def _certificate(data: bytes) -> x509.Certificate:
     """First certificate of a chain; its length stands in bytes 2 and 3, as for all from 256 bytes on."""
     try:
         return x509.load_der_x509_certificate(data[: int.from_bytes(data[2:4], "big") + 4])
-    except ValueError as error:
+    except DAMAGED as error:
         raise RefusedError.because("key", "a certificate of the server", "something else", SERVER) from error

@@ -22,8 +22,9 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from lostmotion.errors import FileAccessError
+from lostmotion.files.schema import parsed
 from lostmotion.files.writer import write_folder
-from lostmotion.live.opcua.certificates import bare, fingerprint, read_certificate
+from lostmotion.live.opcua.certificates import DAMAGED, bare, fingerprint, read_certificate
 from lostmotion.live.opcua.refusal import RefusedError
 
 CERTIFICATES, LISTS = (".der", ".pem", ".crt", ".cer"), (".crl", ".der", ".pem")
@@ -102,7 +103,7 @@ class TrustStore:
             try:
                 pem = data.lstrip().startswith(b"-----")
                 yield x509.load_pem_x509_crl(data) if pem else x509.load_der_x509_crl(data)
-            except ValueError as error:
+            except DAMAGED as error:
                 raise FileAccessError(f"expected a revocation list, got something else in {path}; check it") from error
 
 
@@ -113,7 +114,7 @@ def _files(folder: Path, endings: tuple[str, ...]) -> list[Path]:
 def _accepted(path: Path) -> set[str]:
     """Hosts in a file beside a certificate; none where it is not there."""
     try:
-        names = json.loads(path.read_text(encoding="utf-8"))
+        names = parsed(path.read_bytes())
     except FileNotFoundError:
         return set()
     except (OSError, ValueError) as error:
@@ -128,7 +129,7 @@ def _issued(certificate: x509.Certificate, issuer: x509.Certificate) -> bool:
     try:
         constraints = issuer.extensions.get_extension_for_class(x509.BasicConstraints).value
         certificate.verify_directly_issued_by(issuer)
-    except (x509.ExtensionNotFound, InvalidSignature, ValueError, TypeError):
+    except (x509.ExtensionNotFound, InvalidSignature, TypeError, *DAMAGED):
         return False
     return constraints.ca and issuer.not_valid_before_utc < datetime.now(UTC) < issuer.not_valid_after_utc
 

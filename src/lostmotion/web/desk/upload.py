@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import TYPE_CHECKING
 
 from python_multipart.exceptions import MultipartParseError
@@ -24,6 +25,7 @@ HEAD_BYTES = 8192  # of a part before its content
 AROUND = 1 << 20  # bytes of a form beside its files
 FIELD = "file"
 _running = 0
+logging.getLogger("python_multipart").addHandler(logging.NullHandler())  # what is wrong with a form is answered
 
 
 async def received(request: Request, desk: Desk) -> list[Item]:

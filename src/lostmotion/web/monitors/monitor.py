@@ -14,6 +14,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from lostmotion.errors import LostMotionError, one_line
+from lostmotion.files.schema import parsed
 from lostmotion.web.monitors.loop_log import NOTES, LoopLog
 from lostmotion.web.monitors.said import Said, words_of
 from lostmotion.web.monitors.state_file import is_state, state_log
@@ -130,8 +131,9 @@ class Lines:
 
     def _hear(self, line: bytes, by: float) -> bool:
         try:
-            message = json.loads(line)
-        except (ValueError, RecursionError):
+            message = parsed(line, LONGEST)
+            json.dumps(message, ensure_ascii=False).encode()  # halves of characters can be shown nowhere
+        except ValueError:
             return False
         if not isinstance(message, dict):
             return False
