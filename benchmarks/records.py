@@ -259,7 +259,7 @@ PAGE = """# Records as plants have them
 Made by `.venv/bin/python benchmarks/records.py`. Paper's level tank, dead zone +-1, white measurement noise of
 deviation 0.173; "open" is a pseudo-random command, "none", "mild" and "strong" are routine closed-loop operation with
 that drift. 24 seeds a row, a third of that in the last two tables. The thresholds of `prepare` and of the remarks of a
-fit stand in `records/limits.py` and `report/fit_remarks.py`; these tables are their reason.
+fit stand in `records/limits.py` and `report/remarks_on_fit.py`; these tables are their reason.
 
 ## PV rounded to a step
 

@@ -104,13 +104,12 @@ def state_file():
     import lostmotion as lm
     from lostmotion.files.grid import Rows
     from lostmotion.online import OnlineMonitor
-    from lostmotion.online.packing import pack
-    from lostmotion.online.service import KIND
+    from lostmotion.online.packing import STATE, pack
 
     monitor = OnlineMonitor(lm.RecursiveML(1, 0, 1, dt=2.0, start_samples=300), dt=2.0, report_every=50, trend_every=50)
     u = lm.signals.prs(400, -5, 5, hold=8, seed=1)
     monitor.take(Rows(2.0 * np.arange(400.0), u, np.roll(u, 1) * 0.5))
-    return pack(KIND, {"settings": {}, "position": {}}, monitor.to_bytes())
+    return pack(STATE, {"settings": {}, "position": {}}, monitor.to_bytes())
 
 
 @cache
@@ -178,16 +177,17 @@ def read_monitor(path):
     from lostmotion.web.monitors.svg import width_chart
 
     watched = Watched(str(path))
-    said = watched.look()
     watched.look()
-    json.dumps(said.to_dict(), allow_nan=False, ensure_ascii=False).encode()
-    words = [said.status, said.words("start", "source"), said.words("start", "dt"), said.words("report", "sample")]
-    shown = [str(width_chart(said.points)), *map(str, said.numbers()), *words]
-    for which in ("events", "notes"):
-        shown += [word for pair in said.said_before(which) for word in pair]
-    "".join(shown).encode()
-    assert "\n" not in said.trouble
-    return not said.trouble
+    found = watched.look()
+    for said in found:
+        json.dumps(said.to_dict(), allow_nan=False, ensure_ascii=False).encode()
+        words = [said.status, said.words("start", "source"), said.words("start", "dt"), said.words("report", "sample")]
+        shown = [str(width_chart(said.points)), *map(str, said.numbers()), *words]
+        for which in ("events", "notes"):
+            shown += [word for pair in said.said_before(which) for word in pair]
+        "".join(shown).encode()
+        assert "\n" not in said.trouble
+    return not any(said.trouble for said in found)
 
 
 def read_model(path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-REMARKS = "src/lostmotion/report/fit_remarks.py"  # loaded by the verb of a fit
+REMARKS = "src/lostmotion/report/remarks_on_fit.py"  # loaded by the verb of a fit
 REPORT = "src/lostmotion/report/diagnosis_*.py"
 SHARED = "the real records in ../shared/data"
 COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
@@ -77,6 +77,7 @@ BY_HAND = {
     "method": "how it works and what was tried; figures of the tries are of that time, others are quoted",
     "page": "what the page shows and refuses; tests/e2e/test_page*.py and benchmarks/page.py hold it to that",
     "live": "what the live link does and promises; tests/live and benchmarks/live.py hold it to that",
+    "live-write": "how a block is asked for other widths; tests/live/test_write*.py and tests/e2e hold it to that",
     "live-security": "whom the live link believes; tests/opcua attacks it",
     "security": "what is trusted and promised; tests/properties/test_hostile_*.py and benchmarks/hostile.py attack it",
     "reading": "what the readers repair and what they refuse; tests/e2e/test_corpus.py runs it",

@@ -285,6 +285,7 @@ GIVEN = {
     "20 to 30 % of the oscillations": "literature, as cited in the paper's introduction",
     "Ulaganathan and Rengaswamy 2008": "literature",
     "ICINCO 2010": "the paper",
+    "up to 2 hours back": "a rule of online/timeline.py",
     "Python 3.11": "pyproject.toml",
     "`right_slope` is 1 by convention": "a convention",
     "exit code is 0": "a convention",

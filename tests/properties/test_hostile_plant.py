@@ -55,7 +55,7 @@ def test_lines_of_a_monitor_that_no_page_could_show(line, tmp_path):
 
     good = json.dumps({"kind": "report", "time": 1.0, "width": {"value": 2.0}})
     (tmp_path / "a.jsonl").write_text(f"{good}\n{line}\n")
-    said = Watched(str(tmp_path / "a.jsonl")).look()
+    (said,) = Watched(str(tmp_path / "a.jsonl")).look()
     assert (said.lines, said.bad, said.trouble) == (2, 1, "")
     json.dumps(said.to_dict(), allow_nan=False, ensure_ascii=False).encode()
 

@@ -9,12 +9,12 @@ import pytest
 
 from lostmotion.errors import DataError, LostMotionError
 from lostmotion.identify import RecursiveML
-from lostmotion.online import monitor, service
-from lostmotion.online.packing import unpack
+from lostmotion.online import monitor
+from lostmotion.online.packing import STATE, unpack
 from tests import state_of_online as online
 from tests.hostile_values import archived, array_mutant, changed, mutants, signed, unarchived, unsigned
 
-KIND, INNER = service.KIND, monitor.KIND
+KIND, INNER = STATE, monitor.KIND
 
 
 @pytest.fixture(scope="module")

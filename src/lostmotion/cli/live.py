@@ -69,6 +69,15 @@ class NodeOptions:
 
 
 @dataclass(frozen=True)
+class KeptOptions:
+    """What is kept of it, and where."""
+
+    state: State = None
+    record: Record = None
+    store: Store = None
+
+
+@dataclass(frozen=True)
 class LinkOptions:
     """Whom we believe, and who we are."""
 
@@ -108,11 +117,9 @@ def live(
     estimator: EstimatorOptions,
     watched: WatchOptions,
     gate: GateOptions,
+    kept: KeptOptions,
     auto_value: Auto = None,
     width_limit: Width = None,
-    state: State = None,
-    record: Record = None,
-    store: Store = None,
     write: Write = False,
     json: Json = False,  # noqa: ARG001  the output is JSON in any case
 ) -> None:
@@ -151,8 +158,8 @@ def live(
         return
     from lostmotion.live.watch import Kinds
 
-    kept = Kinds(state, record, store, address)
-    raise typer.Exit(0 if _watch(loops(), connect, kept, plant, write) else 1)
+    kinds = Kinds(kept.state, kept.record, kept.store, address)
+    raise typer.Exit(0 if _watch(loops(), connect, kinds, plant, write) else 1)
 
 
 def _watch(

@@ -15,6 +15,6 @@ from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
 OF_STICKING = np.array([name in ("memory", "shape", "waveform") for name in NAMES])  # the rest: of the other faults
-CONSTANTS = (-1.80, -1.71)  # log-odds of the two where all features are 0
-WEIGHTS = (1.01, 2.78, 0.45, 1.95, 1.44, 57.09)  # in the order of NAMES
-SIMULATED = (-1.80, -1.71, 1.74, 4.79, 0.78, 1.95, 1.44, 57.09)  # constants and weights by simulated loops alone
+CONSTANTS = (-1.32, -1.66)  # log-odds of the two where all features are 0
+WEIGHTS = (0.94, 2.47, 0.37, 1.86, 1.24, 49.19)  # in the order of NAMES
+SIMULATED = (-1.61, -1.66, 2.51, 6.62, 1.00, 1.86, 1.24, 49.19)  # constants and weights by simulated loops alone

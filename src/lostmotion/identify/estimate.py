@@ -73,9 +73,9 @@ def identify(
     orders : "auto" or (na, nb, delay)
         Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
         and delays from 1.
-    noise : "auto", "white" or int
-        Order of the AR noise at the output; "white" is the Output Error model of the paper. "auto" chooses the order,
-        and a zero beside it where the noise asks for one: drift behind fast noise does.
+    noise : "auto", "white", "arma" or int
+        Order of the AR noise at the output; "white" is the Output Error model of the paper; "arma" chooses the order
+        and a zero beside it, for slow drift behind fast noise (docs/method.md).
     gain : float, optional
         Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
         and the product stays in the linear part. Only a dead zone has slopes; other kinds ignore it.
@@ -124,10 +124,9 @@ def identify(
 def identify_alone(
     records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
 ) -> HammersteinFit:
-    """A kind without a look at the others, and AR noise, from records as they are: for estimators that follow this."""
+    """A kind without a look at the others, from records as they are: for estimators that follow this kind."""
     asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
-    asked = replace(asked_for.asked, autoregressive=True)
-    return replace(asked_for, asked=asked, compared=False).run()
+    return replace(asked_for, compared=False).run()
 
 
 def _asked_for(
@@ -144,7 +143,7 @@ def _asked_for(
 ) -> _Identification:
     """What was handed to ``identify``, checked."""
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
-    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain))
+    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain), noise == "arma")
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
@@ -258,7 +257,7 @@ class _Identification:
         return HammersteinFit(
             status=status,
             model=_model(named.values, fitted, data),
-            noise=_noise_model(fitted, scaling),
+            noise=NoiseModel(tuple(fitted.parts.d), fitted.variance * scaling.y_scale**2, s.zero),
             parameters=named.values,
             covariance=covariance,
             residuals=np.concatenate(errors) * scaling.y_scale,
@@ -278,11 +277,6 @@ def _chosen(fitted: Fitted) -> Chosen:
     s, loads = fitted.problem.structure, fitted.problem.family.loads
     events = () if loads is None else tuple(event.to_dict() for event in loads.events)
     return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero)
-
-
-def _noise_model(fitted: Fitted, scaling: Scaling) -> NoiseModel:
-    variance = fitted.variance * scaling.y_scale**2
-    return NoiseModel(tuple(fitted.parts.d), variance, fitted.problem.structure.zero)
 
 
 def _model(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:
@@ -338,7 +332,7 @@ def _integrating(integrating: bool | None, orders: str | tuple[int, int, int], g
 
 def _noise(noise: str | int) -> int | None:
     if isinstance(noise, str):
-        _check_choice("noise", noise, ("auto", "white"))
+        _check_choice("noise", noise, ("auto", "white", "arma"))
         return 0 if noise == "white" else None
     if isinstance(noise, bool):
         raise ParameterError.expected('noise as "auto", "white" or an order', noise, "e.g. noise=4")

@@ -16,17 +16,17 @@ class Asked:
     orders : (na, nb, delay) or None
         None: chosen from the data.
     noise : int or None
-        Order of the AR noise; None: chosen from the data, and a zero beside it.
+        Order of the AR noise; None: chosen from the data.
     integrating : bool or None
         Whether the process integrates; None: chosen from the data.
-    autoregressive : bool
-        The noise has no zero.
+    zero : bool
+        Whether the noise may have a zero, where its order is chosen.
     """
 
     orders: tuple[int, int, int] | None = None
     noise: int | None = None
     integrating: bool | None = None
-    autoregressive: bool = False
+    zero: bool = False
 
     @property
     def needed(self) -> int:

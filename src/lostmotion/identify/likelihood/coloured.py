@@ -13,7 +13,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import per_row
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import autoregression_behind, likeliest_zero
+from lostmotion.identify.likelihood.noise_order import autoregression_behind, choose_noise, likeliest_zero
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled
 
@@ -24,7 +24,7 @@ SCANNED = (0.0, 0.8, 0.92, 0.97)  # of the best structure
 
 def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
     """The fit with the zero of the noise that its residual asks for, refined, where that pays."""
-    if asked.noise is not None or asked.autoregressive:
+    if not asked.zero:
         return fitted
     best = fitted
     for _ in range(ROUNDS):
@@ -38,10 +38,17 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
 
 def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
-    if asked.noise is not None or asked.autoregressive:
+    if not asked.zero:
         return fitted
     trials = (_recoloured(fitted, zero) for zero in SCANNED if zero != fitted.problem.structure.zero)
     return min([fitted, *(one for one in trials if one is not None)], key=per_row)
+
+
+def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
+    """Noise of a fit as an autoregression of at most so many lags, which rough fits have."""
+    if fitted.problem.structure.zero == 0.0:
+        return fitted.parts.d
+    return choose_noise(fitted.output_residual(), most)
 
 
 def _recoloured(fitted: Fitted, zero: float) -> Fitted | None:

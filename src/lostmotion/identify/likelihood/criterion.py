@@ -12,10 +12,10 @@ SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
 
 
 def cost_of_parameters(fitted: Fitted, rows: int) -> float:
-    """What the parameters cost: log n each (BIC); noise coefficients as where their number is chosen (Akaike)."""
+    """What the parameters cost: log n each (BIC); coefficients of D(q) as where their number is chosen (Akaike)."""
     s = fitted.problem.structure
     p = s.noise_order
-    return float((fitted.parameters - p) * math.log(rows) + PENALTY * (p + (s.zero != 0.0)))
+    return float((fitted.parameters - p + (s.zero != 0.0)) * math.log(rows) + PENALTY * p)
 
 
 def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:

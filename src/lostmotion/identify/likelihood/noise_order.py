@@ -52,7 +52,8 @@ def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOI
 
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
     """The c of ZEROS that an information criterion prefers; 0 where none pays."""
-    scores = [_best([_through(part, zero) for part in v], most)[0] + PENALTY * (zero != 0.0) for zero in ZEROS]
+    cost = float(np.log(sum(part.size for part in v)))  # beside a pole of D that it nearly cancels it tells nothing
+    scores = [_best([_through(part, zero) for part in v], most)[0] + cost * (zero != 0.0) for zero in ZEROS]
     return ZEROS[int(np.argmin(scores))]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.coloured import with_best_zero, with_coloured_noise
+from lostmotion.identify.likelihood.coloured import autoregression_like, with_best_zero, with_coloured_noise
 from lostmotion.identify.likelihood.criterion import criterion, per_row
 from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
@@ -37,7 +37,7 @@ FIRST_STEPS, ROUGH_STEPS = 6, 20
 PATIENCE, UNDECIDED = 3, 12.0  # as many steps again for fits that have not converged, so near to the best (BIC)
 MOST_FINISHED = 3  # structures that are refined to the end and only then compared
 BEHIND = 25.0  # BIC of fits after the first steps: what is further behind the best is given up
-# samples: a longer one is better resampled (fit_remarks.LATE), and a twentieth of the shortest piece if that is less
+# samples: a longer one is better resampled (remarks_on_fit.LATE), and a twentieth of the shortest piece if that is less
 LATEST_DELAY = 25
 MOST_STRUCTURES = 3  # refined of those that the grid scores: the best few by score (docs/method.md, "orders, delay")
 MOST_NULL_SPACE = 2  # kept beside the grid for nearly exact feedback only (docs/method.md, "start in strong feedback")
@@ -205,16 +205,10 @@ class _Search:
 
         Over all delays: the process beside another kind may be as wrong as that kind.
         """
-        d = self._noise_like(near[0])
-        begun = [(*_from(one, eta)[:2], self._noise_like(one)) for one in near]
+        begun = [(*_from(one, eta)[:2], autoregression_like(one, self._noise_lags)) for one in near]
+        d = begun[0][2]
         starts = self._grid(self._internal(eta), d, self.delays)
         return begun + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
-
-    def _noise_like(self, fitted: Fitted) -> FloatArray:
-        """Noise of another fit as an autoregression, which rough fits have."""
-        if fitted.problem.structure.zero == 0.0:
-            return fitted.parts.d
-        return choose_noise(fitted.output_residual(), self._noise_lags)
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps.
