@@ -34,7 +34,7 @@ class Taker:
     def __init__(self):
         self.source, self.rows = LoopSource(Signals("FIC101", NODES, DT, 2.0)), []
 
-    def turn(self):
+    def turn(self, take=True, *, at_end=True):
         rows = self.source.read(10_000)
         self.rows += list(zip(rows.time, rows.op, rows.pv, strict=True))
         return self.source.more

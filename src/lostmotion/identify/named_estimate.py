@@ -108,7 +108,7 @@ class NamedEstimate:
         >>> tank = lm.platforms.level_tank()
         >>> u = lm.signals.prs(1000, -5, 5, hold=10, seed=1)
         >>> fit = lm.identify(u, tank.simulate(u), 0.1, nonlinearity="dead zone", orders=(3, 2, 3), noise="white")
-        >>> [round(level, 3) for level in fit.simulate([0.0] * 5 + [3.0] * 100)[[0, 8, -1]].tolist()]
+        >>> [round(level, 3) + 0.0 for level in fit.simulate([0.0] * 5 + [3.0] * 100)[[0, 8, -1]].tolist()]
         [0.0, 0.043, 13.331]
         """
         source = as_scans(op)
