@@ -2,7 +2,7 @@
 
 Slow drift behind fast noise of measurement, the usual lot of a plant, is no autoregression of an order that a record
 carries: its zero lies near the pole of the drift. In a closed loop what a short one leaves is tied to OP by the
-controller, and moves the break points (docs/method.md, "noise with a zero").
+controller, and moves the break points (docs/method.md, "zero of the noise").
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregression_behind, choose_noise, likeliest_zero
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.models import NoiseModel
 
-LEFT, MOST_LAGS, SHARE = 0.02, 100, 8  # of a zero as an autoregression: what is cut off, and its order in lags and rows
+MOST_LAGS, SHARE = 100, 8  # of a zero as an autoregression: its order in lags, and in rows of a segment
 ROUNDS = 2  # of noise and everything else by turns
 SCANNED = (0.0, 0.8, 0.92, 0.97)  # of the best structure
 
@@ -77,8 +78,8 @@ def as_autoregression(fitted: Fitted) -> Fitted:
     if s.zero == 0.0:
         return fitted
     room = int(np.diff(problem.segments, axis=1).min()) // SHARE
-    lags = max(min(s.noise_order + int(np.log(LEFT) / np.log(s.zero)), MOST_LAGS, room), 1)
-    d = expanded(parts.d, s.zero, lags)
+    d = np.array(NoiseModel(tuple(parts.d), 1.0, s.zero).autoregression(min(MOST_LAGS, room)).d)
+    lags = d.size
     structure = Structure(s.na, s.nb, s.delay, lags, s.delay + lags, s.integrating)
     plain = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held)
     theta = plain.pack(parts.a, parts.b, parts.eta, d, parts.offset)
@@ -89,16 +90,6 @@ def as_autoregression(fitted: Fitted) -> Fitted:
     basis[plain.initial_at :, shared.shape[1] :] = np.eye(initial)
     begun = refine(plain, theta, basis[:, shared.shape[1] :], most_steps=2, tied=True)
     return Fitted(plain, begun, basis, fitted.rivals)
-
-
-def expanded(d: FloatArray, zero: float, lags: int) -> FloatArray:
-    """Coefficients 1 .. lags of D(q) / (1 - zero q^-1)."""
-    whole = np.zeros(lags + 1)
-    head = np.append(1.0, d)[: lags + 1]
-    whole[: head.size] = head
-    for lag in range(1, lags + 1):
-        whole[lag] += zero * whole[lag - 1]
-    return whole[1:]
 
 
 def _shared(fitted: Fitted) -> FloatArray:

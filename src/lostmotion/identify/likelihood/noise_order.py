@@ -38,16 +38,12 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
 
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
     """Coefficients d of the AR model that an information criterion prefers; empty for white noise."""
-    models, variances, rows = autoregressions(v, most)
-    if variances[0] < ROUNDING:
-        return models[0]
-    score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
-    return models[int(np.argmin(score))]
+    return _best(v, most, penalty)[1]
 
 
 def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
     """Coefficients d of the noise D(q) v = (1 - c q^-1) e that an information criterion prefers, with c = zero."""
-    return _best([_through(part, zero) for part in v], most)[1]
+    return choose_noise([_through(part, zero) for part in v], most)
 
 
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
@@ -57,12 +53,12 @@ def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
     return ZEROS[int(np.argmin(scores))]
 
 
-def _best(v: list[FloatArray], most: int) -> tuple[float, FloatArray]:
+def _best(v: list[FloatArray], most: int, penalty: float = PENALTY) -> tuple[float, FloatArray]:
     """Information criterion and coefficients of the best autoregression."""
     models, variances, rows = autoregressions(v, most)
     if variances[0] < ROUNDING:
         return -np.inf, models[0]
-    score = rows * np.log(np.maximum(variances, 1e-300)) + PENALTY * np.arange(len(models))
+    score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
     best = int(np.argmin(score))
     return float(score[best]), models[best]
 
