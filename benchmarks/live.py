@@ -12,6 +12,7 @@ import json
 import resource
 import sys
 import time
+from array import array
 from pathlib import Path
 from threading import Event
 
@@ -45,13 +46,13 @@ class Counted(Service):
 
     def __init__(self, source, kept, make, emit):
         super().__init__(source, kept, make, emit)
-        self.lags, self.stamps = [], []
+        self.lags, self.stamps = array("d"), array("d")  # of 16 bytes a row, so that they hide no growth
 
     def _take(self, rows, take):
         now = time.time()
         known = ~np.isnan(rows.pv)
-        self.lags += (now - rows.time[known]).tolist()
-        self.stamps += rows.time[known].tolist()
+        self.lags.frombytes((now - rows.time[known]).tobytes())
+        self.stamps.frombytes(rows.time[known].tobytes())
         super()._take(rows, take)
 
 
@@ -131,14 +132,14 @@ def load(seconds, slow, fast):
         begun += one.service.monitor is not None and one.service.monitor.estimator.started
         late += one.source.counts["late"] + one.source.counts["behind"]
         rows += len(one.service.stamps)
-        lags += one.service.lags[round(START / one.source.signals.dt) :]
+        lags += one.service.lags.tolist()[round(START / one.source.signals.dt) :]
     return {
         "seconds": seconds, "loops": [slow, fast], "rows": rows, "lost or twice": lost, "late": late,
         "estimates begun": begun, "connections": [link.connections for link in links], "told": told[:5],
         "lag p50": float(np.percentile(lags, 50)), "lag p99": float(np.percentile(lags, 99)), "lag max": max(lags),
         "longest block of the event loop": plant.longest_block,
         "share of a core": spent / seconds,
-        "MiB at half and at the end": [sizes[len(sizes) // 2], sizes[-1]],
+        "MiB after each tenth": [round(sizes[(len(sizes) * k) // 10 - 1]) for k in range(1, 11)],
     }  # fmt: skip
 
 

@@ -2,8 +2,8 @@
 
 Two logistic regressions on simulated loops, of valves that stick and of the other faults, each against sound loops, say
 what each piece of evidence is worth where the model is right. A real loop is worse than its model, and how much less
-its evidence is worth is one number, a discount on the log-odds of sticking, learned with a new constant from labelled
-real loops; every physical loop counts once, however many runs of it there are. No label of a real loop names a dead
+its evidence is worth is one number, a discount on the log-odds of sticking, learned from labelled real loops; every
+physical loop counts once, however many runs of it there are. No label of a real loop names a dead
 zone or counts the healthy ones among those that saturate, so the weights of these two remain those of simulated loops.
 """
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 from lostmotion.diagnose.weights import NAMES, OF_STICKING
 from verdicts.cases import Row
@@ -78,9 +78,13 @@ def with_real(prior: Weights, rows: list[Row]) -> Weights:
     score of contributors left out worse: 0.121, 0.125, 0.130 for 0.120.
     """
     odds = features_of(rows)[:, OF_STICKING] @ prior.each[OF_STICKING]
-    constant, discount = logistic(odds[:, None], sticks(rows), shares(rows), ridge=0.0)
-    each = np.where(OF_STICKING, prior.each * discount[0], prior.each)
-    return Weights((constant, prior.constants[1]), each)
+    side, weight = 2.0 * sticks(rows) - 1.0, shares(rows)
+
+    def loss(discount: float) -> float:
+        return float(weight @ np.logaddexp(0.0, -side * (prior.constants[0] + discount * odds)))
+
+    discount = minimize_scalar(loss, bounds=(0.0, 1.0), method="bounded").x
+    return Weights(prior.constants, np.where(OF_STICKING, prior.each * discount, prior.each))
 
 
 def sticks(rows: list[Row]) -> Array:

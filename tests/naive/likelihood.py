@@ -16,10 +16,12 @@ class Orders:
     p: int
     delay: int
     first: int
+    zero: float = 0.0
+    early: float = 0.0
 
     @property
     def initial(self):
-        return max(self.na, self.nb)
+        return max(self.na, self.nb) + (self.zero > 0.0)
 
     def size(self, segments):
         return self.na + self.nb + 1 + 1 + self.ne + self.p + self.initial * segments
@@ -33,17 +35,20 @@ def unpack(theta, orders, segments):
     return a, b, offset[0], eta, d, parts[5:]
 
 
-def segment_errors(a, b, c, offset, d, delay, first, x, y):
+def segment_errors(a, b, c, offset, d, delay, first, x, y, zero=0.0, early=0.0):
     """Simulated output from row `first` on, and the errors e = D v from row first + p on, of one segment.
 
-    Before `first` the delayed input and the output of the process count as zero.
+    Before `first` the delayed input and the output of the process count as zero, and the noise, where the rows before
+    first + p count, by the root of the weight `early`.
     """
     acting = np.array([x[k - delay] for k in range(first, len(y))])
-    z = simulate(a, b, 0, acting, forcing=c)
+    forcing = c if zero == 0.0 else simulate([-zero], [1.0], 0, np.append(c, np.zeros(len(acting) - len(c))))
+    z = simulate(a, b, 0, acting, forcing=forcing)
     v = [y[first + k] - offset - z[k] for k in range(len(z))]
     p = len(d)
-    errors = [v[k] + sum(d[i - 1] * v[k - i] for i in range(1, p + 1)) for k in range(p, len(v))]
-    return z + offset, np.array(errors)
+    errors = [v[k] + sum(d[i - 1] * v[k - i] for i in range(1, min(p, k) + 1)) for k in range(len(v))]
+    begun = [early**0.5 * e for e in errors[:p]] if early else []
+    return z + offset, np.array(begun + errors[p:])
 
 
 def all_errors(theta, orders, segments, u, y):
@@ -52,7 +57,8 @@ def all_errors(theta, orders, segments, u, y):
     parts = []
     for c, (start, stop) in zip(initial, segments, strict=True):
         x = actuator(eta, u[start:stop])
-        parts.append(segment_errors(a, b, c, offset, d, orders.delay, orders.first, x, y[start:stop])[1])
+        more = x, y[start:stop], orders.zero, orders.early
+        parts.append(segment_errors(a, b, c, offset, d, orders.delay, orders.first, *more)[1])
     return np.concatenate(parts)
 
 

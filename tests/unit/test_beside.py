@@ -20,7 +20,7 @@ def begun(structure: Structure, load: bool = False, loads: Loads | None = None) 
     u = np.repeat(rng.normal(size=104), 5)
     y = np.convolve(u, [0.0, 0.4, 0.2, 0.1])[: u.size] + 0.1 * rng.normal(size=u.size)
     family = BacklashFamily(float(np.ptp(u)), SEGMENTS, load=load, loads=loads)
-    problem = Problem(u, y, SEGMENTS, family, structure)
+    problem = Problem(u, y, SEGMENTS, family, structure, early=0.4 if structure.zero else 0.0)
     theta = 0.1 * rng.normal(size=problem.size)
     theta[: structure.na] = [-1.3, 0.3] if structure.integrating else [-1.2, 0.4]
     theta[problem.eta_at] = 0.0
@@ -33,6 +33,8 @@ def begun(structure: Structure, load: bool = False, loads: Loads | None = None) 
         (Structure(2, 1, 1, 3, 4), False, None),
         (Structure(2, 0, 2, 0, 5), False, None),
         (Structure(2, 1, 1, 2, 3, integrating=True), True, None),
+        (Structure(2, 1, 1, 3, 4, zero=0.9), False, None),
+        (Structure(2, 1, 1, 2, 6, integrating=True, zero=0.5), True, None),
         (Structure(2, 1, 1, 3, 4), False, Loads((Step(90, 0, 300), Swing(17.0, 300, 520)), 520)),
     ],
 )

@@ -177,10 +177,11 @@ CASES = [
 ]
 
 
-def likelihood_case(na, nb, p, delay, ne, lengths, seed):
+def likelihood_case(na, nb, p, delay, ne, lengths, seed, zero=0.0, early=0.0):
     """Random parameters, segments with rows between them that belong to none, and data."""
     rng = np.random.default_rng([na, nb, p, delay, ne, seed])
     orders = slow_likelihood.Orders(na, nb, ne, p, delay, first=delay + int(rng.integers(0, 3)))
+    orders.zero, orders.early = zero, early
     segments, at = [], 0
     for length in lengths:
         segments.append((at, at + length))
@@ -207,14 +208,15 @@ def check_normal_equations(orders, segments, u, y, theta):
     hessian, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
     cost = normal_equations.normal_equations(
         theta, orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first, segments, x, dx[:2],
-        dx[2:], y, hessian, gradient,
+        dx[2:], y, hessian, gradient, orders.zero, orders.early,
     )  # fmt: skip
     errors = slow_likelihood.all_errors(theta, orders, segments, u, y).real
     jacobian = slow_likelihood.jacobian(theta, orders, segments, u, y)
     np.testing.assert_allclose(cost, errors @ errors, rtol=1e-12)
     settings = orders.na, orders.nb, orders.ne, orders.p, orders.delay, orders.first
-    alone = squared_errors.squared_errors(theta, *settings, segments, x, y)
-    np.testing.assert_allclose(alone, cost, rtol=1e-15)  # the search compares one with the other
+    alone = squared_errors.squared_errors(theta, *settings, segments, x, y, orders.zero, orders.early)
+    same = 1e-15 if orders.early == 0.0 else 1e-13  # the search compares one with the other
+    np.testing.assert_allclose(alone, cost, rtol=same)
     expected = jacobian.T @ jacobian
     np.testing.assert_allclose(hessian, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
     slope = jacobian.T @ errors
@@ -239,6 +241,23 @@ def test_prediction_errors(na, nb, p, delay):
 @pytest.mark.parametrize(("na", "nb", "p", "delay"), CASES)
 def test_normal_equations(na, nb, p, delay):
     check_normal_equations(*likelihood_case(na, nb, p, delay, 3, [50, 35], 0))
+
+
+@pytest.mark.parametrize("early", [0.0, 0.3])
+@pytest.mark.parametrize(("na", "nb", "p", "delay"), CASES[::3])
+def test_normal_equations_with_a_zero_of_the_noise(na, nb, p, delay, early):
+    check_normal_equations(*likelihood_case(na, nb, p, delay, 3, [50, 35], 0, 0.8, early))
+
+
+@pytest.mark.parametrize("zero", [0.5, 0.97])
+def test_prediction_errors_with_a_zero_of_the_noise(zero):
+    orders, segments, u, y, theta = likelihood_case(2, 1, 2, 1, 3, [50], 0, zero)
+    x, _ = actuator_arrays(orders, theta, u)
+    a, b, offset, _, d, (c,) = slow_likelihood.unpack(theta, orders, len(segments))
+    z, errors = likelihood.prediction_errors(a, b, c, offset, d, 1, orders.first, x[:50], y[:50], zero)
+    slow_z, slow_errors = slow_likelihood.segment_errors(a, b, c, offset, d, 1, orders.first, x[:50], y[:50], zero)
+    np.testing.assert_allclose(z, slow_z, rtol=1e-11, atol=1e-11 * np.abs(slow_z).max())
+    np.testing.assert_allclose(errors, slow_errors, rtol=1e-11, atol=1e-11 * np.abs(slow_errors).max())
 
 
 @pytest.mark.parametrize("p", range(5))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
 
 Orders = Annotated[str, typer.Option("--orders", help='"auto", or na,nb,delay as in 3,2,3.')]
-Noise = Annotated[str, typer.Option("--noise", help='"auto", "white", "arma", or the order of the AR noise.')]
+Noise = Annotated[str, typer.Option("--noise", help='"auto", "ar", "white", or the order of the AR noise.')]
 Kind = Annotated[
     str, typer.Option("--nonlinearity", help='"auto", "dead zone", "backlash", "stiction", "saturation" or "none".')
 ]

@@ -73,9 +73,9 @@ def identify(
     orders : "auto" or (na, nb, delay)
         Orders of the linear part, ``B`` having nb + 1 coefficients; delay in samples. "auto" tries orders 1 to 3
         and delays from 1.
-    noise : "auto", "white", "arma" or int
-        Order of the AR noise at the output; "white" is the Output Error model of the paper; "arma" chooses the order
-        and a zero beside it, for slow drift behind fast noise (docs/method.md).
+    noise : "auto", "ar", "white" or int
+        Noise at the output: "auto" chooses the order of an autoregression and a zero, which slow drift behind fast
+        noise has (docs/method.md); "ar" and a number have none; "white" is the Output Error model of the paper.
     gain : float, optional
         Known static gain of the linear part, in units of y per unit of x (paper, eq 25). None: right_slope = 1
         and the product stays in the linear part. Only a dead zone has slopes; other kinds ignore it.
@@ -125,6 +125,7 @@ def identify_alone(
     records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
 ) -> HammersteinFit:
     """A kind without a look at the others, from records as they are: for estimators that follow this kind."""
+    noise = "ar" if noise == "auto" else noise  # recursions know no zero
     asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
     return replace(asked_for, compared=False).run()
 
@@ -143,7 +144,7 @@ def _asked_for(
 ) -> _Identification:
     """What was handed to ``identify``, checked."""
     _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
-    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain), noise == "arma")
+    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain), noise == "auto")
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
@@ -332,10 +333,10 @@ def _integrating(integrating: bool | None, orders: str | tuple[int, int, int], g
 
 def _noise(noise: str | int) -> int | None:
     if isinstance(noise, str):
-        _check_choice("noise", noise, ("auto", "white", "arma"))
+        _check_choice("noise", noise, ("auto", "ar", "white"))
         return 0 if noise == "white" else None
     if isinstance(noise, bool):
-        raise ParameterError.expected('noise as "auto", "white" or an order', noise, "e.g. noise=4")
+        raise ParameterError.expected('noise as "auto", "ar", "white" or an order', noise, "e.g. noise=4")
     return whole('noise (or "auto", "white")', noise, 0)
 
 

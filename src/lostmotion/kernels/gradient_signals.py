@@ -1,7 +1,8 @@
 """Signals of which all gradients of the prediction errors are lags, a block of samples at a time.
 
 The rows of a block are (1/A)z, (1/A)x, (1/A)delta, (B/A)dx/deta of every eta, and v = y - offset - z
-(``kernels.likelihood``). Behind D the last one is the prediction error. The columns before a block hold its past.
+(``kernels.likelihood``); where the noise has a zero, delta / (1 - zero q^-1) stands for delta. Behind D the last one
+is the prediction error. The columns before a block hold its past.
 """
 
 from __future__ import annotations
@@ -95,13 +96,18 @@ def fill_errors(
     errors: FloatArray,
     at: int,
     work: FloatArray,
+    zero: float,
 ) -> None:
     """Continue the rows `driven` = (1/A) x, `pulse` = (1/A) delta and `errors` = v; z is left in work[0]."""
     m = y.size
     z, drive = work[0, :m], work[1, :m]
     drive[:] = 0.0
-    if k0 == 0:
-        drive[0] = 1.0
+    start = zero**k0 if k0 > 0 else 1.0
+    for k in range(m):
+        if start < GONE:
+            break
+        drive[k] = start
+        start *= zero
     _two_pole_filters(a, x[begin + k0 : begin + k0 + m], driven, drive, pulse, at)
     z[:] = 0.0
     _add_taps(b, driven, at, z)
@@ -152,6 +158,7 @@ def fill_block(
     white: FloatArray,
     at: int,
     work: FloatArray,
+    zero: float,
 ) -> None:
     """Next samples of all signals, from column `at` on, as many as `y` has; the past is in the columns before.
 
@@ -159,7 +166,7 @@ def fill_block(
     """
     m, ne = y.size, dx.shape[0] + shapes.shape[0]
     z, drive = work[0, :m], work[1, :m]
-    fill_errors(a, b, c, offset, k0, begin, x, y, raw[X], raw[H], raw[ETA + ne], at, work)
+    fill_errors(a, b, c, offset, k0, begin, x, y, raw[X], raw[H], raw[ETA + ne], at, work, zero)
     done = 0
     if ne > 0:
         _moved(b, _eta_row(dx, shapes, 0), begin, k0, drive)

@@ -35,6 +35,33 @@ _dot = np.dot if config.DISABLE_JIT else _sum_of_products  # type: ignore[attr-d
 
 
 @njit(cache=True, nogil=True)
+def _add_early(
+    b: FloatArray, p: int, early: float, s: int, head: int, padded: FloatArray, without: FloatArray,
+    shared: FloatArray, initial: FloatArray, gram: FloatArray, cross: FloatArray, target: FloatArray,
+) -> None:  # fmt: skip
+    """The same over the first p rows of segment `s`, from `head` on."""
+    lags, m, nc = b.size, shared.shape[0], initial.shape[0]
+    row = np.empty(lags)
+    for k in range(p):
+        error = without[head + k]
+        for i in range(lags):
+            row[i] = early * padded[lags - i + k]
+            error -= b[i] * row[i]
+        for i in range(lags):
+            target[i] += row[i] * error
+            for j in range(lags):
+                gram[i, j] += row[i] * row[j]
+            for f in range(m):
+                cross[i, f] += row[i] * shared[f, head + k]
+            for f in range(nc):
+                cross[i, m + s * nc + f] += row[i] * initial[f, head + k]
+        for f in range(m):
+            target[lags + f] += shared[f, head + k] * error
+        for f in range(nc):
+            target[lags + m + s * nc + f] += initial[f, head + k] * error
+
+
+@njit(cache=True, nogil=True)
 def input_products(
     a: FloatArray,
     b: FloatArray,
@@ -46,6 +73,7 @@ def input_products(
     without: FloatArray,
     shared: FloatArray,
     initial: FloatArray,
+    early: float,
     gram: FloatArray,
     cross: FloatArray,
     target: FloatArray,
@@ -55,7 +83,8 @@ def input_products(
     The errors are `without` (n,), what they are without input, less B w. Adds to `gram` (lags, lags) the products of
     the lags; to `cross` (lags, m + s nc) those with `shared` (m, n) over all segments and with `initial` (nc, n) over
     each; to `target` (lags + m + s nc,) those of all with the errors. Over the rows from `first` + the order of D on,
-    both from the start of a segment.
+    both from the start of a segment, and with `early` (root of their weight) over those before, where all that is given
+    has it already.
     """
     lags, m, nc, p = b.size, shared.shape[0], initial.shape[0], d.size
     for s in range(segments.shape[0]):
@@ -80,6 +109,8 @@ def input_products(
                 cross[i, f] += _dot(row, shared[f, head + p : stop])
             for f in range(nc):
                 cross[i, m + s * nc + f] += _dot(row, initial[f, head + p : stop])
+        if early > 0.0:
+            _add_early(b, p, early, s, head, padded, without, shared, initial, gram, cross, target)
         for f in range(m):
             target[lags + f] += _dot(shared[f, head + p : stop], errors)
         for f in range(nc):

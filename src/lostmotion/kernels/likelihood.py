@@ -4,7 +4,9 @@ Model on one segment, for k >= first (everything before is zero, its effect is c
 
     A(q) z(k) = B(q) x(k-d) + c(k-first),   v = y - offset - z,   e = D(q) v  for k >= first + p
 
-c has max(na, nb) entries: the initial state of A and the inputs from before the segment. All gradients are then
+c has max(na, nb) entries: the initial state of A and the inputs from before the segment. Where the noise has a zero,
+signals go through it first (``kernels.smoothed``), whose state before the segment is unknown too: c has one entry more
+and acts as c / (1 - zero q^-1). All gradients are then
 shifts of a few filtered signals: dz/da_i = -q^-i (1/A) z, dz/db_i = q^-(d+i) (1/A) x, dz/dc_i = q^-i (1/A) delta,
 dz/deta = q^-d (B/A) dx/deta (Ljung, System Identification, 2nd ed., section 10.3).
 
@@ -83,12 +85,15 @@ def prediction_errors(
     first: int,
     x: FloatArray,
     y: FloatArray,
+    zero: float = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
     """Simulated output z + offset from row `first` on, and the prediction errors from `first + p` on."""
     n = y.size - first
     begin = first - delay
     drive = np.zeros(n)
     drive[: c.size] = c[:n]
+    if zero > 0.0:
+        all_pole(np.array([-zero]), drive.copy(), drive)
     add_lagged(b, x[begin : begin + n], drive)
     z = np.empty(n)
     all_pole(a, drive, z)

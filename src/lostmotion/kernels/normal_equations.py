@@ -188,6 +188,31 @@ def _add_level(
 
 
 @njit(cache=True, nogil=True)
+def _add_early(
+    flat: FloatArray, begins: IntArray, count: IntArray, errors_at: int, place: IntArray, sign: FloatArray,
+    d: FloatArray, level: int, early: float, hessian: FloatArray, gradient: FloatArray,
+) -> float:  # fmt: skip
+    """Add the weighted products of the first rows of a segment, one for each coefficient of D; their squared errors."""
+    groups, many, cost, whole = count.size, count.sum() + 1, 0.0, -1.0
+    row, at = np.empty(many), np.empty(many, np.int64)
+    for k in range(d.size):
+        n = 0
+        for g in range(groups):
+            for i in range(count[g]):
+                row[n], at[n] = sign[g] * flat[begins[g] - i + k], place[g] + i
+                n += 1
+        row[n], at[n] = whole, level
+        whole -= d[k]
+        error = flat[errors_at + k]
+        cost += early * error * error
+        for i in range(many):
+            gradient[at[i]] += early * row[i] * error
+            for j in range(many):
+                hessian[at[i], at[j]] += early * row[i] * row[j]
+    return cost
+
+
+@njit(cache=True, nogil=True)
 def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, values: FloatArray) -> None:
     """Fill `values` (groups, lags) with what is at a column, each group at its lags."""
     for g in range(count.size):
@@ -211,13 +236,17 @@ def normal_equations(
     y: FloatArray,
     hessian: FloatArray,
     gradient: FloatArray,
+    zero: float = 0.0,
+    early: float = 0.0,
 ) -> float:
     """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
 
     `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. Derivatives of x
     with respect to the ne parameters of the actuator are the rows of `dx` (m, samples) and then those of `shapes`.
+    With a `zero` of the noise each segment has one more initial condition. The first p rows of a segment, before which
+    the noise is taken as zero, count with the weight `early`.
     """
-    nc, level, signals = max(na, nb), na + nb + 1, 4 + ne
+    nc, level, signals = max(na, nb) + (zero > 0.0), na + nb + 1, 4 + ne
     shared = level + 1 + ne
     a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
     history = max(na, nb + 1, p, 4) + 1
@@ -240,9 +269,11 @@ def normal_equations(
             m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
             gone = nc if k0 > 0 and _quiet(white[H, :history]) else 0
             y_part = y[head + k0 : head + k0 + m]
-            fill_block(a, b, c, d, offset, k0, head - delay, x, dx, shapes, y_part, raw, white, history, work)
+            fill_block(a, b, c, d, offset, k0, head - delay, x, dx, shapes, y_part, raw, white, history, work, zero)
             if k0 == 0:
                 _ends(flat, begins, count, p - 1, heads)
+                if early > 0.0:
+                    cost += _add_early(flat, begins, count, single[-2], place, sign, d, level, early, hessian, gradient)
             if m > skipped:
                 _add_block(flat, begins, single, lagged, gone, skipped, m - skipped, cross, sums)
                 errors = white[ETA + ne, history + skipped : history + m]

@@ -6,7 +6,6 @@ segment begins as if its first value had always been there.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
@@ -25,10 +24,12 @@ def smooth(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> N
 
 @njit(cache=True, nogil=True)
 def roughen(x: FloatArray, zero: float) -> FloatArray:
-    """The signal of one stretch before F, whose first value is kept."""
-    found = np.empty(x.size)
-    last = x[0] if x.size else 0.0
-    for k in range(x.size):
-        found[k] = (x[k] - zero * last) / (1.0 - zero)
-        last = x[k]
+    """The signal of one stretch before F; the first value, behind which lies what was before, is that of the next."""
+    found = x.copy()
+    if zero == 0.0:
+        return found
+    for k in range(1, x.size):
+        found[k] = (x[k] - zero * x[k - 1]) / (1.0 - zero)
+    if x.size > 1:
+        found[0] = found[1]
     return found

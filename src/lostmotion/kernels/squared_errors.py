@@ -25,9 +25,11 @@ def squared_errors(
     segments: IntArray,
     x: FloatArray,
     y: FloatArray,
+    zero: float = 0.0,
+    early: float = 0.0,
 ) -> float:
     """Sum of e squared over all segments, arguments as in ``normal_equations``."""
-    nc, level = max(na, nb), na + nb + 1
+    nc, level = max(na, nb) + (zero > 0.0), na + nb + 1
     shared = level + 1 + ne
     a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
     history = max(na, nb + 1, p, 4) + 1
@@ -42,9 +44,11 @@ def squared_errors(
         for k0 in range(0, n, BLOCK):
             m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
             part = y[head + k0 : head + k0 + m]
-            fill_errors(a, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work)
-            if m > skipped:
+            fill_errors(a, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work, zero)
+            if m > skipped or (early > 0.0 and k0 == 0):
                 whiten(d, raw[2], history, white[:m])
+                if k0 == 0:
+                    cost += early * np.dot(white[:skipped], white[:skipped])
                 errors = white[skipped:m]
                 cost += np.dot(errors, errors)
             if k0 + m < n:

@@ -72,8 +72,7 @@ def sentence(fit: HammersteinFit) -> str:
     if fit.status is Status.COLOURED and fit.settings["noise"] == "auto":
         return (
             "Converged, but the residuals are not white, so the intervals are too narrow: no noise order that was "
-            "tried makes them so. Slow drift behind fast noise asks for noise='arma' (--noise arma). Look also for "
-            "made-up samples, disturbances that come and go, or a second fault."
+            "tried makes them so. Look for made-up samples, disturbances that come and go, or a second fault."
         )
     return fit.status.value
 

@@ -6,6 +6,7 @@ actuator alone: what does not depend on it is filtered and multiplied once.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +35,11 @@ class Beside:
         self.rows, self.columns = linear_columns(problem, problem.basis if basis is None else basis)
         self.parts = problem.parts(theta)
 
+    @property
+    def _early(self) -> float:
+        """Root of the weight of the rows before those whose past noise is known."""
+        return math.sqrt(self.problem.early)
+
     @cached_property
     def _moving(self) -> slice:
         """Of the parameter vector: sizes of what acts beside the actuator."""
@@ -54,9 +60,9 @@ class Beside:
             n = stop - start - s.first
             for lag in range(min(s.initial, n)):
                 pulse = np.zeros(n)
-                pulse[lag] = 1.0
+                pulse[lag:] = s.zero ** np.arange(n - lag)
                 respond(self.parts.a, self.parts.d, pulse, found[lag, start + s.first : stop])
-                found[lag, start + s.first : start + s.start] = 0.0
+                found[lag, start + s.first : start + s.start] *= self._early
         return found
 
     @cached_property
@@ -66,13 +72,14 @@ class Beside:
         found = np.zeros((1 + len(self._courses), problem.u.size))
         for start, stop in problem.segments.tolist():
             head, first = start + s.first, start + s.start
+            found[0, head:first] = self._early * np.cumsum(np.append(1.0, parts.d))[: first - head]
             found[0, first:stop] = 1.0 + parts.d.sum()
             for row, course in zip(found[1:], self._courses, strict=True):
                 white = np.empty(stop - head)
                 respond(parts.a, parts.d, course[head - s.delay : stop - s.delay], white)
                 for lag, gain in enumerate(parts.b):
                     row[head + lag : stop] += gain * white[: white.size - lag]
-                row[head:first] = 0.0
+                row[head:first] *= self._early
         return found
 
     @cached_property
@@ -84,6 +91,7 @@ class Beside:
         for (start, stop), state in zip(problem.segments.tolist(), states, strict=True):
             head = start + s.first
             respond(np.zeros(0), parts.d, problem.target[head:stop] - parts.offset, found[head:stop])
+            found[head : start + s.start] *= self._early
             found[head:stop] -= state @ self._initial[:, head:stop]
         return found
 
@@ -133,6 +141,6 @@ class Beside:
         gram, cross, target = np.zeros((lags, lags)), np.zeros((lags, len(known))), np.zeros(lags + len(known))
         input_products(
             parts.a, parts.b, parts.d, s.delay, s.first, self.problem.segments, x, self._without, self._shared,
-            self._initial, gram, cross, target,
+            self._initial, self._early, gram, cross, target,
         )  # fmt: skip
         return np.block([[gram, cross], [cross.T, known]]), -target

@@ -7,13 +7,20 @@ controller, and moves the break points (docs/method.md, "zero of the noise").
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.criterion import per_row
+from lostmotion.identify.likelihood.criterion import cost_of_equal, per_row
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import autoregression_behind, choose_noise, likeliest_zero
+from lostmotion.identify.likelihood.noise_order import (
+    autoregression_behind,
+    choose_noise,
+    likeliest_zero,
+    share_of_errors,
+)
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.models import NoiseModel
@@ -30,7 +37,7 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
     best = fitted
     for _ in range(ROUNDS):
         zero = likeliest_zero(best.output_residual())
-        trial = _recoloured(best, zero) if zero != 0.0 else None
+        trial = _recoloured(best, zero, best) if zero != 0.0 else None
         if trial is None or not per_row(trial) < per_row(best):
             break
         best = trial
@@ -41,8 +48,12 @@ def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
     if not asked.zero:
         return fitted
-    trials = (_recoloured(fitted, zero) for zero in SCANNED if zero != fitted.problem.structure.zero)
-    return min([fitted, *(one for one in trials if one is not None)], key=per_row)
+    best = fitted
+    for zero in SCANNED:
+        trial = None if zero == fitted.problem.structure.zero else _recoloured(fitted, zero, best)
+        if trial is not None and per_row(trial) < per_row(best):
+            best = trial
+    return best
 
 
 def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
@@ -52,17 +63,26 @@ def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
     return choose_noise(fitted.output_residual(), most)
 
 
-def _recoloured(fitted: Fitted, zero: float) -> Fitted | None:
-    """Refined with this zero, and the order that the residual asks for with it; None: it is the noise that it has."""
-    d = autoregression_behind(fitted.output_residual(), zero)
+def _recoloured(fitted: Fitted, zero: float, best: Fitted) -> Fitted | None:
+    """Refined with this zero, and the order that the residual asks for with it; None: it is the noise that it has.
+
+    Given up where it is plain that it does not come near `best`.
+    """
+    left = fitted.output_residual()
+    d = autoregression_behind(left, zero)
     problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
     if (zero, d.size) == (s.zero, s.noise_order):
         return None
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating, zero)
-    coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held)
+    early = share_of_errors(left, zero, d) if zero else 0.0
+    coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, early)
     basis = None if fitted.basis is None else _basis(fitted, coloured)
     start = settled(coloured, coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset), basis)
-    return Fitted(coloured, refine(coloured, start, basis, tied=coloured.family.needles), basis, fitted.rivals)
+    tied = coloured.family.needles  # whose place is sought elsewhere
+    free = coloured.free_but(coloured.own, basis) if tied else basis
+    begun = Fitted(coloured, replace(fitted.fit, theta=start), basis, fitted.rivals)
+    bound = cost_of_equal(begun, per_row(best))
+    return replace(begun, fit=refine(coloured, start, free, tied=tied, bound=bound))
 
 
 def _basis(fitted: Fitted, problem: Problem) -> FloatArray:

@@ -33,6 +33,12 @@ def per_row(fitted: Fitted) -> float:
     return criterion(fitted, FLOOR) / n - float(math.log(n))
 
 
+def cost_of_equal(fitted: Fitted, score: float) -> float:
+    """Sum of squared errors with which a fit would have this criterion for each row."""
+    n = fitted.problem.errors
+    return math.exp(score + math.log(n) - cost_of_parameters(fitted, n) / n)
+
+
 def gain_over_linear(fitted: Fitted, linear: Fitted) -> float:
     """BIC of the linear fit minus that of this one, per row, on the common number of rows."""
     if fitted is linear:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.kernels.normal_equations import normal_equations
 
 WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
@@ -77,7 +79,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     s = problem.structure
     order, first = (s.noise_order, s.first) if prewhitened else (0, s.start)
     if not prewhitened:
-        theta = np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
+        theta = _without_noise(problem, theta)
     eta = theta[problem.eta_at : problem.noise_at]
     knots, jumps = _knots(problem.u), problem.family.edges(fitted.actuator)
     added, first_new = len(knots) + len(jumps), len(problem.family.own) + problem.family.load
@@ -95,7 +97,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     hessian, gradient = np.zeros((longer.size, longer.size)), np.zeros(longer.size)
     cost = normal_equations(
         longer, s.na, s.nb, eta.size + added, order, s.delay, first, problem.segments, x, dx,
-        courses, y, hessian, gradient,
+        courses, y, hessian, gradient, *((s.zero, problem.early) if prewhitened else (0.0, 0.0)),
     )  # fmt: skip
     index = np.arange(longer.size)
     new = (index >= at) & (index < at + added)
@@ -112,6 +114,16 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     statistic = explained / max(cost / problem.errors, 1e-300)
     share = explained / max(cost, 1e-300)
     return chi2_tail(statistic, max(int(seen.sum()), 1)), min(share, 1.0)
+
+
+def _without_noise(problem: Problem, theta: FloatArray) -> FloatArray:
+    """The parameters of Output Error; where the noise has a zero, with initial states of their own."""
+    s = problem.structure
+    if s.zero == 0.0:
+        return np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
+    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0), early=0.0)
+    theta = np.concatenate([theta[: problem.noise_at], np.zeros(plain.size - plain.initial_at)])
+    return refine(plain, theta, np.eye(plain.size)[:, plain.initial_at :], most_steps=2, tied=True).theta
 
 
 def _knots(u: FloatArray) -> list[float]:

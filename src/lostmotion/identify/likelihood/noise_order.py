@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
 
@@ -44,6 +45,17 @@ def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: floa
 def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
     """Coefficients d of the noise D(q) v = (1 - c q^-1) e that an information criterion prefers, with c = zero."""
     return choose_noise([_through(part, zero) for part in v], most)
+
+
+def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
+    """Variance of the errors e of D(q) v = (1 - c q^-1) e, with c = zero, over that of v / (1 - c q^-1)."""
+    total = left = 0.0
+    for part in v:
+        seen = _through(part, zero)
+        errors = seen.copy()
+        add_lagged(d, seen[:-1], errors[1:])
+        total, left = total + float(seen @ seen), left + float(errors[d.size :] @ errors[d.size :])
+    return left / total if total > 0.0 else 0.0
 
 
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:

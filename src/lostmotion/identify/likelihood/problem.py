@@ -44,8 +44,8 @@ class Structure:
 
     @property
     def initial(self) -> int:
-        """Initial conditions of one segment."""
-        return max(self.na, self.nb)
+        """Initial conditions of one segment: of the process, and of a zero of the noise."""
+        return max(self.na, self.nb) + (self.zero > 0.0)
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,9 @@ class Problem:
         Start and stop rows.
     held : Held
         What the linear part may be.
+    early : float
+        Weight of the squared errors of the first rows of a segment, as many as D has coefficients, in which the noise
+        from before is not known and taken as zero. Without them noise with a zero leaves initial conditions open.
     """
 
     u: FloatArray
@@ -93,6 +96,7 @@ class Problem:
     family: Family
     structure: Structure
     held: Held = FREE
+    early: float = 0.0
 
     @cached_property
     def size(self) -> int:
@@ -127,7 +131,8 @@ class Problem:
     @cached_property
     def errors(self) -> int:
         """Number of prediction errors."""
-        return int((self.segments[:, 1] - self.segments[:, 0] - self.structure.start).sum())
+        skipped = self.structure.start - (self.structure.noise_order if self.early else 0)
+        return int((self.segments[:, 1] - self.segments[:, 0] - skipped).sum())
 
     def parts(self, theta: FloatArray) -> Parts:
         """What the stretches of a parameter vector mean; copies, contiguous as the kernels want them."""
@@ -155,15 +160,17 @@ class Problem:
     def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
         x, dx = inner
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        cost = normal_equations(theta, *self._layout, x, dx, self.courses, self.target, hessian, gradient)
-        if self.structure.zero == 0.0:
+        zero, signals = self.structure.zero, (x, dx, self.courses, self.target)
+        cost = normal_equations(theta, *self._layout, *signals, hessian, gradient, zero, self.early)
+        if zero == 0.0:
             return float(cost), gradient, hessian
         scale = self.sharpness**2
         return scale * float(cost), scale * gradient, scale * hessian
 
     def squares(self, theta: FloatArray, x: FloatArray) -> float:
         """Sum of squared errors alone, for the internal variable x (n,), smoothed as ``internal`` gives it."""
-        return self.sharpness**2 * float(squared_errors(theta, *self._layout, x, self.target))
+        cost = squared_errors(theta, *self._layout, x, self.target, self.structure.zero, self.early)
+        return self.sharpness**2 * float(cost)
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
@@ -227,7 +234,7 @@ class Problem:
         for (start, stop), state in zip(self.segments, initial, strict=True):
             z, e = kernel.prediction_errors(
                 parts.a, parts.b, state, parts.offset, parts.d, s.delay, s.first,
-                x[start:stop], self.target[start:stop],
+                x[start:stop], self.target[start:stop], s.zero,
             )  # fmt: skip
             simulated.append(z)
             errors.append(e)

@@ -10,11 +10,12 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.coloured import autoregression_like, with_best_zero, with_coloured_noise
-from lostmotion.identify.likelihood.criterion import criterion, per_row
+from lostmotion.identify.likelihood.coloured import autoregression_like, with_best_zero
+from lostmotion.identify.likelihood.criterion import per_row
 from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
+from lostmotion.identify.likelihood.finished import finished, without_load
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
@@ -85,42 +86,10 @@ def best_fit(
     best = min((one for one in tried if one is not None), key=search.score)
     if asked.orders is None:
         best = search.improve(best)
-    finals = [_finished(data, one, asked) for one in search.close_to(best)]
-    best = with_best_zero(min(finals, key=search.score), asked)
-    return replace(_without_load(best), rivals=search.rivals())
-
-
-def _finished(data: ScaledData, best: Fitted, asked: Asked) -> Fitted:
-    """Converged, with the noise order that its residual asks for."""
-    d = best.parts.d
-    if asked.noise is None:
-        d = choose_noise(best.output_residual())
-    s = best.problem.structure
-    whole = best.problem.segments is data.segments and s.start == s.delay + s.noise_order
-    if not (best.fit.converged and whole and d.size == s.noise_order):
-        best = refined(data, best, d)
-    return with_coloured_noise(best, asked)
-
-
-def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
-    """Converged fit with noise start d, on all rows that its structure allows."""
-    s, parts = best.problem.structure, best.parts
-    structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
-    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure, best.problem.held)
-    start = problem.pack(parts.a, parts.b, parts.eta, d, parts.offset)
-    return Fitted(problem, refine(problem, start), problem.basis)
-
-
-def _without_load(best: Fitted) -> Fitted:
-    """The same fit of an integrating process without a load, where the load explains nothing."""
-    family = best.problem.family
-    if not family.load:
-        return best
-    plain = replace(best.problem, family=family.with_load(False))
-    at = best.problem.eta_at + len(family.own)
-    start = np.delete(best.fit.theta, at)
-    fitted = Fitted(plain, refine(plain, start), plain.basis)
-    return fitted if criterion(fitted) <= criterion(best) else best
+    finals = [finished(data, one, asked) for one in search.close_to(best)]
+    final = search.simplest(best, min(finals, key=search.score))
+    best = with_best_zero(final, asked)
+    return replace(without_load(best), rivals=search.rivals())
 
 
 @dataclass(frozen=True)
@@ -229,6 +198,20 @@ class _Search:
                 break
             best = challenger
         return best
+
+    def simplest(self, rough: Fitted, final: Fitted) -> Fitted:
+        """A finished fit, or a likelier one with fewer poles: those were chosen beside a noise that it has not."""
+        s = final.problem.structure
+        if self.asked.orders is not None or s.na < 2 or 2 * s.noise_order > rough.problem.structure.noise_order:
+            return final
+        d = autoregression_like(final, self._noise_lags)
+        x, here = self._internal(final.actuator), (s.delay, s.delay)
+        starts = self._grid(x, d, here, simpler(final.parts.a, s.integrating))
+        fewer = distinct([start for start in starts if start.na < s.na], s.na - 1)
+        found = self.over([(final.actuator, start, d) for start in fewer])
+        if found is None or self.score(found) > self.score(final):
+            return final
+        return min(final, finished(self.data, found, self.asked), key=self.score)
 
     def _others(self, best: Fitted, tried: set[_Key], everywhere: bool) -> list[_Attempt]:
         """Untried structures that score about as well as that of a fit: with its own poles, on the grid where asked."""
