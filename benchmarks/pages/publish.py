@@ -43,14 +43,22 @@ def forget_parts(name: str, root: Path = ROOT) -> None:
 
 def source(page: Page, root: Path = ROOT, begun: float | None = None) -> str:
     """Digest of all that a page depends on; "mixed" where some of it is younger than `begun`."""
-    script = root / page.script
+    script, what = root / page.script, (page.also, root, page.without)
     if begun is not None:
-        younger = [path for path in sources(script, page.also, root) if path.stat().st_mtime > begun]
+        read = [name for name in page.without if _module(name) in sys.modules]
+        if read:
+            print(f"{page.file}: its script reads files ({', '.join(read)}); say so: reads=True", file=sys.stderr)
+            return MIXED
+        younger = [path for path in sources(script, *what) if path.stat().st_mtime > begun]
         if younger:
             names = ", ".join(path.relative_to(root).as_posix() for path in younger)
             print(f"{page.file}: changed while the script ran: {names}", file=sys.stderr)
             return MIXED
-    return digest(script, page.also, root)
+    return digest(script, *what)
+
+
+def _module(file: str) -> str:
+    return ".".join(Path(file).with_suffix("").parts[1:])
 
 
 def version(root: Path = ROOT) -> str:

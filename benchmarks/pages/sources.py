@@ -17,15 +17,15 @@ LEFT_OUT = Path("benchmarks", "pages")  # makes pages, changes no figure in them
 SHOWN = 12  # hexadecimal digits of a digest
 
 
-def digest(script: Path, also: Iterable[str] = (), root: Path = ROOT) -> str:
+def digest(script: Path, also: Iterable[str] = (), root: Path = ROOT, without: Iterable[str] = ()) -> str:
     """Fingerprint of all that a script depends on; the same where only docstrings, comments or layout differ."""
     whole = hashlib.sha256()
-    for path in sources(script, also, root):
+    for path in sources(script, also, root, without):
         whole.update(f"{path.relative_to(root).as_posix()} {_fingerprint(path)}\n".encode())
     return whole.hexdigest()[:SHOWN]
 
 
-def sources(script: Path, also: Iterable[str] = (), root: Path = ROOT) -> list[Path]:
+def sources(script: Path, also: Iterable[str] = (), root: Path = ROOT, without: Iterable[str] = ()) -> list[Path]:
     """Files that a script depends on, itself included, in order of their names.
 
     Parameters
@@ -33,11 +33,14 @@ def sources(script: Path, also: Iterable[str] = (), root: Path = ROOT) -> list[P
     script : Path
     also : iterable of str
         Patterns of further files, relative to `root`: what the script reads, or runs by its name.
+    without : iterable of str
+        Files that are imported only by functions that the script does not call so, and all that they alone import.
     """
-    found: set[Path] = set()
+    left_out = {root / name for name in without}
+    found = set(left_out)
     for start in [script.resolve(), *_matches(also, root)]:
         _follow(start, start.parent, root, found)
-    return sorted(path for path in found if not path.is_relative_to(root / LEFT_OUT))
+    return sorted(path for path in found - left_out if not path.is_relative_to(root / LEFT_OUT))
 
 
 def forget() -> None:

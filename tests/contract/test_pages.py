@@ -86,7 +86,7 @@ def test_sources_hold_all_that_python_imports(script):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT, env=tree)
     loaded = {Path(line) for line in done.stdout.splitlines() if Path(line).is_relative_to(ROOT)}
     loaded = {path for path in loaded if ".venv" not in path.parts and "pages" not in path.relative_to(ROOT).parts}
-    assert len(loaded) > 10
+    assert len(loaded) > 5
     assert loaded <= set(sources(path))
 
 

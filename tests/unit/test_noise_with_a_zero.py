@@ -99,10 +99,11 @@ def test_the_zero_is_found_and_pays():
     start = problem.pack(np.array([-0.8]), np.array([0.3]), np.array([-0.4, 0.6, 0.0]), np.zeros(12), 0.5)
     plain = replace(problem, structure=longer)
     fitted = Fitted(plain, refine(plain, start))
-    found = with_best_zero(fitted, Asked(zero=True))
+    found = with_best_zero(fitted, Asked())
     assert found.problem.structure.zero >= 0.8
     assert per_row(found) < per_row(fitted)
-    assert with_best_zero(fitted, Asked()) is fitted
+    assert with_best_zero(fitted, Asked(zero=False)) is fitted
+    assert with_best_zero(fitted, Asked(noise=12)) is fitted
 
 
 @pytest.mark.statistics

@@ -26,7 +26,12 @@ class Asked:
     orders: tuple[int, int, int] | None = None
     noise: int | None = None
     integrating: bool | None = None
-    zero: bool = False
+    zero: bool = True
+
+    @property
+    def any_noise(self) -> bool:
+        """Whether a zero of the noise is to be sought."""
+        return self.zero and self.noise is None
 
     @property
     def needed(self) -> int:

@@ -32,7 +32,7 @@ SCANNED = (0.0, 0.8, 0.92, 0.97)  # of the best structure
 
 def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
     """The fit with the zero of the noise that its residual asks for, refined, where that pays."""
-    if not asked.zero:
+    if not asked.any_noise:
         return fitted
     best = fitted
     for _ in range(ROUNDS):
@@ -46,7 +46,7 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
 
 def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
-    if not asked.zero:
+    if not asked.any_noise:
         return fitted
     best = fitted
     for zero in SCANNED:
