@@ -15,6 +15,6 @@ from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
 OF_STICKING = np.array([name in ("memory", "shape", "waveform") for name in NAMES])  # the rest: of the other faults
-CONSTANTS = (-1.32, -1.66)  # log-odds of the two where all features are 0
-WEIGHTS = (0.94, 2.47, 0.37, 1.86, 1.24, 49.19)  # in the order of NAMES
-SIMULATED = (-1.61, -1.66, 2.51, 6.62, 1.00, 1.86, 1.24, 49.19)  # constants and weights by simulated loops alone
+CONSTANTS = (-1.75, -1.67)  # log-odds of the two where all features are 0
+WEIGHTS = (1.03, 2.86, 0.45, 1.90, 1.96, 58.75)  # in the order of NAMES
+SIMULATED = (-1.75, -1.67, 1.82, 5.05, 0.80, 1.90, 1.96, 58.75)  # constants and weights by simulated loops alone
