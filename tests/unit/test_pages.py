@@ -39,7 +39,7 @@ FILES = {
     "benchmarks/words.md": "words\n",
     "benchmarks/toy.py": "import helper\nimport lostmotion as lm\n\nprint(lm.near)\n",
 }
-TOY = Page("toy", "benchmarks/toy.py", 1, ("benchmarks/words.md",))
+TOY = Page("toy", "benchmarks/toy.py", 1, ("benchmarks/words.md",), reads=True)
 # a script as those of benchmarks/ are, but for the repository that it is told
 WRITER = """import sys
 sys.path.insert(0, {root!r})
@@ -74,7 +74,7 @@ def toy_digest(root):
 
 def script(root, name, before=""):
     write(root, f"benchmarks/{name}.py", WRITER.format(root=str(ROOT), name=name, before=before))
-    return Page(name, f"benchmarks/{name}.py", 1)
+    return Page(name, f"benchmarks/{name}.py", 1, reads=True)
 
 
 class TestSources:

@@ -156,7 +156,7 @@ def test_a_valve_does_not_stick_where_op_stands_at_its_limit():
 
 
 def test_a_wave_alone_does_not_make_a_valve_stick():
-    wave, level = Features(shape=0.5), {"none": 0.0}
+    wave, level = Features(shape=0.5, waveform=3.0), {"none": 0.0}
     found = verdict(wave)
     assert (found.verdict, found.kind) == ("cannot tell", "unknown")
     assert "wave" in found.why
