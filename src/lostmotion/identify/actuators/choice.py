@@ -19,7 +19,7 @@ from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
 from lostmotion.identify.likelihood.criterion import FLOOR, cost_of_parameters
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.refinement import refine, with_states
 from lostmotion.identify.scaled import ScaledData
 
 # quarters: one holds set-point moves to be foretold, the others still tell the process (docs/method.md, "Left out")
@@ -181,7 +181,7 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[F
     problem = _on(fitted, structure, pieces)
     shared = fitted.fit.theta[: problem.initial_at]
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
-    theta = refine(problem, theta, _initial_only(problem), most_steps=2, tied=True).theta
+    theta = with_states(problem, theta)
     # what is known, an offset of zero or a ratio of slopes of one,
     held = [] if fitted.basis is None else np.flatnonzero(~fitted.basis[: problem.initial_at].any(axis=1)).tolist()
     # and what would be caught between jumps in a few steps, or acts in one fold only: held, and paid for in `_left_out`
@@ -194,12 +194,5 @@ def _predicted(fitted: Fitted, structure: Structure, pieces: IntArray, shared: F
     """Prediction errors of the fold; only its initial states are fitted, and its level: disturbances drift."""
     problem = _on(fitted, structure, pieces)
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])
-    states = list(range(problem.initial_at, problem.size))
-    if not structure.integrating:
-        states.append(problem.offset_at)
-    theta = refine(problem, theta, np.eye(problem.size)[:, states], most_steps=2, tied=True).theta
-    return np.concatenate(problem.predict(theta)[1])
-
-
-def _initial_only(problem: Problem) -> FloatArray:
-    return np.eye(problem.size)[:, problem.initial_at :]
+    level = () if structure.integrating else (problem.offset_at,)
+    return np.concatenate(problem.predict(with_states(problem, theta, level))[1])

@@ -22,7 +22,7 @@ from lostmotion.identify.likelihood.noise_order import (
     share_of_errors,
 )
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.identify.likelihood.refinement import refine, settled, with_states
 from lostmotion.models import NoiseModel
 
 MOST_LAGS, SHARE = 100, 8  # of a zero as an autoregression: its order in lags, and in rows of a segment
@@ -108,7 +108,7 @@ def as_autoregression(fitted: Fitted) -> Fitted:
     basis = np.zeros((plain.size, shared.shape[1] + initial))
     basis[: problem.noise_at, : shared.shape[1]] = shared
     basis[plain.initial_at :, shared.shape[1] :] = np.eye(initial)
-    begun = refine(plain, theta, basis[:, shared.shape[1] :], most_steps=2, tied=True)
+    begun = refine(plain, with_states(plain, theta), basis[:, shared.shape[1] :], most_steps=2, tied=True)
     return Fitted(plain, begun, basis, fitted.rivals)
 
 

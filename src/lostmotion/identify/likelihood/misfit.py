@@ -10,7 +10,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
-from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.refinement import with_states
 from lostmotion.kernels.normal_equations import normal_equations
 
 WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
@@ -123,7 +123,7 @@ def _without_noise(problem: Problem, theta: FloatArray) -> FloatArray:
         return np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
     plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0), early=0.0)
     theta = np.concatenate([theta[: problem.noise_at], np.zeros(plain.size - plain.initial_at)])
-    return refine(plain, theta, np.eye(plain.size)[:, plain.initial_at :], most_steps=2, tied=True).theta
+    return with_states(plain, theta)
 
 
 def _knots(u: FloatArray) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,6 +108,13 @@ def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None
     _, gradient, hessian = problem.evaluate(theta)
     moved = theta + linear_step(hessian, gradient, columns)
     return moved if problem.admissible(moved) else theta
+
+
+def with_states(problem: Problem, theta: FloatArray, also: Sequence[int] = ()) -> FloatArray:
+    """The vector with the best initial states, and parameters `also` in which the errors are linear."""
+    columns = np.eye(problem.size)[:, [*range(problem.initial_at, problem.size), *also]]
+    _, gradient, hessian = problem.evaluate(theta)
+    return theta + linear_step(hessian, gradient, columns)
 
 
 def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int], FloatArray]:
