@@ -166,6 +166,16 @@ def test_a_wave_alone_does_not_make_a_valve_stick():
     )  # behind a level it hides
 
 
+def test_a_dead_zone_in_a_loop_that_looks_stuck_is_not_named():
+    """Each line of evidence would do by itself, and they name different faults."""
+    fit = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0})
+    assert verdict(Features(dead_zone=STRONG), fit).verdict == "dead zone"
+    found = verdict(Features(dead_zone=STRONG, shape=0.3, waveform=4.0), fit)
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert "dead zone" in found.why
+    assert "sticks" in found.why
+
+
 @pytest.mark.parametrize("status", NOT_SHOWN)
 def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
     found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, status))

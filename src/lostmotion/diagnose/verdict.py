@@ -82,8 +82,8 @@ def decide(
     features = measured.features
     chance = fault_probability(features)
     parts = _contributions(features)
+    sticking, other = log_odds(features)
     if chance > SURE:
-        sticking, other = log_odds(features)
         verdict, kind = _fault(fit, measured, sticking > other), "actuator"
     elif chance < 1.0 - CLEARED:
         verdict, kind = _no_fault(fit, measured, stability, quantised)
@@ -96,6 +96,10 @@ def decide(
     elif _sticks(verdict) and features.memory == 0.0 and not _answers_as_a_level(fit, measured):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
+        limit = CARRIES * float(np.ptp(fit.data.u))
+    elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
+        why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
+        verdict, kind = "cannot tell", "unknown"
         limit = CARRIES * float(np.ptp(fit.data.u))
     if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone

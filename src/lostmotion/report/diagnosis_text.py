@@ -17,6 +17,9 @@ from lostmotion.report.fit_text import fill, head
 
 MARK = 0.5  # log-odds of one mark of a bar
 MOST_MARKS = 12
+LIKELY = (
+    0.8  # probability of a fault of the actuator, from which on it is named as the place even where the fault is not
+)
 
 
 def diagnosis_summary(diagnosis: Diagnosis) -> str:
@@ -81,7 +84,10 @@ def where_from(diagnosis: Diagnosis) -> str:
     """Where it comes from, and the probability of every cause."""
     ranked = sorted(diagnosis.probabilities.items(), key=lambda pair: -pair[1])
     causes = ", ".join(f"{cause(name)} {probability(value)}" for name, value in ranked)
-    return f"{KIND[diagnosis.kind]}{_in_units(diagnosis)} Probabilities: {causes}.".strip()
+    said = KIND[diagnosis.kind]
+    if diagnosis.kind == "unknown" and diagnosis.probabilities.get("actuator", 0.0) > LIKELY:
+        said = "It looks like the actuator; the record does not say which fault of it."
+    return f"{said}{_in_units(diagnosis)} Probabilities: {causes}.".strip()
 
 
 def size_text(diagnosis: Diagnosis) -> str:
