@@ -32,7 +32,9 @@ def drawn(monkeypatch):
     """How often a page of the ranking was made."""
     count = []
     shown = Overview.shown
-    monkeypatch.setattr(Overview, "shown", lambda self, query: count.append(query) or shown(self, query))
+    monkeypatch.setattr(
+        Overview, "shown", lambda self, query, brief=False: count.append(query) or shown(self, query, brief)
+    )
     return count
 
 

@@ -77,10 +77,10 @@ class Asked:
         with self._reading() as connection:
             return list(judged(connection, run, faults))
 
-    def at(self, run: int, keys: Sequence[tuple[int, datetime]]) -> tuple[Line, ...]:
-        """Lines of some loops (by number) and windows, in this order."""
+    def at(self, run: int, keys: Sequence[tuple[int, datetime]], brief: bool = False) -> tuple[Line, ...]:
+        """Lines of some loops (by number) and windows, in this order; `brief`: without the lines of evidence."""
         with self._reading() as connection:
-            return queries.at(connection, run, keys)
+            return queries.at(connection, run, keys, brief)
 
     def states(self) -> dict[int, ReviewState]:
         """Last review of every loop that was reviewed, by number."""

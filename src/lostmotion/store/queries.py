@@ -188,17 +188,22 @@ def _reviewed(state: str) -> Any:
     return assessment.c.loop_id.in_(said.where(review.c.state == state))
 
 
-def at(connection: Connection, number: int, keys: Sequence[tuple[int, datetime]]) -> tuple[Line, ...]:
-    """Rows of some loops and windows, in the order of these keys; not more than a few hundred."""
+def at(
+    connection: Connection, number: int, keys: Sequence[tuple[int, datetime]], brief: bool = False
+) -> tuple[Line, ...]:
+    """Rows of some loops and windows, in the order of these keys; not more than a few hundred. `brief`: no evidence."""
     loops = sorted({loop_id for loop_id, _ in keys})
     asked = sa.select(*LOOP, assessment).join_from(assessment, loop, loop.c.id == assessment.c.loop_id)
     starts = sorted({start for _, start in keys})
     here = (assessment.c.run_id == number) & assessment.c.loop_id.in_(loops) & assessment.c.window_start.in_(starts)
     states = last_reviews(connection, loops)
-    found = {}
-    for values in connection.execute(asked.where(here)).mappings():
+    found, left_out = {}, {"evidence": ()} if brief else {}
+    result = connection.execute(asked.where(here))
+    names = tuple(result.keys())
+    for line in result:
+        values = dict(zip(names, line, strict=True))  # looked into hundreds of times: a mapping of the driver is slow
         one = loop_row(values)
-        row = decoded(AssessmentRow, values, tag=one.tag)
+        row = decoded(AssessmentRow, values, tag=one.tag, **left_out)
         found[values["loop_id"], row.window_start] = Line(one, row, states.get(values["loop_id"], ReviewState.NEW))
     return tuple(found[key] for key in keys)
 

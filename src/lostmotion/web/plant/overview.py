@@ -158,12 +158,12 @@ class Overview:
                 self._complete = True
         return self
 
-    def shown(self, query: Query) -> Shown:
-        """Page of the ranking that is asked for; one beyond the last is the last."""
+    def shown(self, query: Query, brief: bool = False) -> Shown:
+        """Page of the ranking that is asked for; one beyond the last is the last. `brief`: rows without evidence."""
         found = self.chosen(query)
         last = max((len(found) - 1) // query.per, 0)
         first = min(query.page - 1, last) * query.per
-        return Shown(len(found), first + 1, self.at(found.slice(first, query.per)))
+        return Shown(len(found), first + 1, self.at(found.slice(first, query.per), brief))
 
     def chosen(self, query: Query) -> pl.DataFrame:
         """Lines that a query leaves, in its order."""
@@ -173,10 +173,11 @@ class Overview:
             return found
         return found.sort(column, descending=falling != query.turned, nulls_last=True, maintain_order=True)
 
-    def at(self, lines: pl.DataFrame) -> tuple[Line, ...]:
-        """Whole rows of some lines."""
+    def at(self, lines: pl.DataFrame, brief: bool = False) -> tuple[Line, ...]:
+        """Whole rows of some lines, or without their evidence."""
         found = lines.select("loop_id", "window_start")
-        return self.store.at(self.run.number, [(number, _moment(start)) for number, start in found.iter_rows()])
+        keys = [(number, _moment(start)) for number, start in found.iter_rows()]
+        return self.store.at(self.run.number, keys, brief)
 
     def _conditions(self, query: Query) -> list[pl.Expr]:
         asked = {"area": query.area, "type": query.type, "said": query.verdict, "label": query.label,

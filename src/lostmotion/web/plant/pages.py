@@ -119,7 +119,7 @@ def _no_run(page: Page, request: Request, query: Query) -> Response:
 
 
 def _context(plant: Plant, overview: Overview, query: Query) -> dict[str, Any]:
-    shown = overview.shown(query)
+    shown = overview.shown(query, brief=True)
     query = replace(query, page=(shown.first - 1) // query.per + 1)
     narrow, wide = overview.treemaps[1], overview.treemaps[0]
     return {

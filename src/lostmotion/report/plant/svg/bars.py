@@ -11,11 +11,12 @@ from lostmotion.report.plant.svg.element import element, percent
 from lostmotion.store.rows import AssessmentRow
 
 ODDS = 4.0  # of log-odds: longer bars say no more
+BASE = element("line", class_="base", x1="0", x2="100%", y1="50%", y2="50%")
 
 
 def size_bar(row: AssessmentRow, most: float) -> Markup:
     """Size with its interval on a line from 0 to `most` %; dashed up to what is not excluded."""
-    marks = [element("line", class_="base", x1="0", x2="100%", y1="50%", y2="50%")]
+    marks = [BASE]
     if row.size_percent is not None:
         low, high = ends_percent(row) or (row.size_percent, row.size_percent)
         marks.append(_span("whisker", low / most, high / most))
