@@ -130,9 +130,8 @@ class Problem:
 
     @cached_property
     def errors(self) -> int:
-        """Number of prediction errors."""
-        skipped = self.structure.start - (self.structure.noise_order if self.early else 0)
-        return int((self.segments[:, 1] - self.segments[:, 0] - skipped).sum())
+        """Number of prediction errors; the rows that `early` weighs tell so little that they are not counted."""
+        return int((self.segments[:, 1] - self.segments[:, 0] - self.structure.start).sum())
 
     def parts(self, theta: FloatArray) -> Parts:
         """What the stretches of a parameter vector mean; copies, contiguous as the kernels want them."""
