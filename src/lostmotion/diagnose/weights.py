@@ -15,6 +15,6 @@ from lostmotion.diagnose.features import Features
 
 NAMES = tuple(field.name for field in fields(Features))
 OF_STICKING = np.array([name in ("memory", "shape", "waveform") for name in NAMES])  # the rest: of the other faults
-CONSTANTS = (-1.75, -1.67)  # log-odds of the two where all features are 0
-WEIGHTS = (1.03, 2.86, 0.45, 1.90, 1.96, 58.75)  # in the order of NAMES
-SIMULATED = (-1.75, -1.67, 1.82, 5.05, 0.80, 1.90, 1.96, 58.75)  # constants and weights by simulated loops alone
+CONSTANTS = (-1.84, -1.71)  # log-odds of the two where all features are 0
+WEIGHTS = (1.02, 2.95, 0.43, 1.77, 1.48, 48.30)  # in the order of NAMES
+SIMULATED = (-1.84, -1.71, 1.82, 5.27, 0.77, 1.77, 1.48, 48.30)  # constants and weights by simulated loops alone
