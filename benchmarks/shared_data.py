@@ -155,7 +155,9 @@ def width(fit: lm.HammersteinFit) -> list[str]:
     if span is None:
         of = "% of range"
     low, high = fit.interval("width")
-    if fit.status is lm.Status.CANNOT_TELL or not np.isfinite(high):
+    if fit.evidence.other_kind is not None:
+        return [f"likelier: {fit.evidence.other_kind[0]}", "-"]
+    if fit.status is lm.Status.CANNOT_TELL or not high < float(np.ptp(fit.data.u)):
         return ["not bounded", "-"]
     if fit.preferred != "dead zone":
         return [f"< {high:.2g}", f"< {100 * high / size:.2g} {of}"]
@@ -187,9 +189,9 @@ PAGE = """# Real records
 
 Made by `.venv/bin/python benchmarks/shared_data.py` from the records in `../shared/data`, which are cited there and are
 not part of this repository. All {count} records, each read, checked, prepared and identified with every setting on
-"auto", in one process on one thread. Labels are those of the contributors; "stiction" is not a dead zone, and a dead
-zone as the nearest static shape of a sticking valve is no contradiction. The same loop can occur twice (CHEM10 and
-stiction-P-chemical, CHEM14 and sensor-F-oilgas, the runs 1 to 12 and 1 to 7 of two loops).
+"auto" but the kind, a dead zone, in one process on one thread. Labels are those of the contributors; "stiction" is not a
+dead zone, and where another kind is likelier (OTHER_KIND) it is named in the place of a width. The same loop can occur
+twice (CHEM10 and stiction-P-chemical, CHEM14 and sensor-F-oilgas, the runs 1 to 12 and 1 to 7 of two loops).
 
 Width in units of OP with its 95 % interval, then in % of the span of OP, or of the range of OP in the record where
 the span is not known; "<" is the widest dead zone that the record does not exclude. Fit: how much of PV the model
