@@ -189,7 +189,7 @@ PAGE = """# Real records
 
 Made by `.venv/bin/python benchmarks/shared_data.py` from the records in `../shared/data`, which are cited there and are
 not part of this repository. All {count} records, each read, checked, prepared and identified with every setting on
-"auto" but the kind, a dead zone, in one process on one thread. Labels are those of the contributors; "stiction" is not a
+"auto" but the kind, a dead zone, in one process on one thread. Labels are those of the contributors; "stiction" is no
 dead zone, and where another kind is likelier (OTHER_KIND) it is named in the place of a width. The same loop can occur
 twice (CHEM10 and stiction-P-chemical, CHEM14 and sensor-F-oilgas, the runs 1 to 12 and 1 to 7 of two loops).
 
