@@ -169,8 +169,8 @@ shortest holds that Fisher information prefers for this plant and target. Each t
 time with other noise, another PRS, and **another true plant**: break points up to 30 % of the half-width, slope ratio,
 gain and time constants up to a factor of 1.3 away from the guess that the design was made for. `lostmotion.identify`
 with the true orders takes the place of theory; records whose status is neither OK nor WIDE are left out of the
-averages and counted. For two break points the figures are those of the worse one. Promised: half-width of the 95 % interval, median
-over the plausible plants; measured: mean half-width that `identify` reports.
+averages and counted. For two break points the figures are those of the worse one. Promised: half-width of the 95 %
+interval, median over the plausible plants; measured: mean half-width that `identify` reports.
 
 {rows}
 
