@@ -74,8 +74,8 @@ def test_pages_named_in_the_source_are_known():
                 assert name in NAMES or name in BY_HAND, (path, name)
 
 
-@pytest.mark.parametrize("script", ["speed", "startup", "diagnosis"])
-def test_sources_hold_all_that_python_imports(script):
+@pytest.mark.parametrize(("script", "fewest"), [("speed", 10), ("startup", 5), ("diagnosis", 10)])
+def test_sources_hold_all_that_python_imports(script, fewest):
     """Python itself says what importing a script loads; what runs later can only be more of the same graph."""
     path = ROOT / "benchmarks" / f"{script}.py"
     code = (
@@ -86,7 +86,7 @@ def test_sources_hold_all_that_python_imports(script):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT, env=tree)
     loaded = {Path(line) for line in done.stdout.splitlines() if Path(line).is_relative_to(ROOT)}
     loaded = {path for path in loaded if ".venv" not in path.parts and "pages" not in path.relative_to(ROOT).parts}
-    assert len(loaded) > 5
+    assert len(loaded) > fewest  # packages load lazily: the commands that start-up measures run elsewhere
     assert loaded <= set(sources(path))
 
 
@@ -118,7 +118,7 @@ def test_excerpts_are_of_their_pages():
 
 
 def test_a_wrong_figure_is_found():
-    for found in re.finditer(r"98\.3 %|149 loops|8\.7 \.\. 11\.8 in", README):
+    for found in re.finditer(r"97\.4 %|149 loops|8\.7 \.\. 11\.8 in", README):
         wrong = README[: found.start()] + "1" + README[found.start() :]
         assert differences(QUOTES, text=wrong)
     assert uncovered(README + "\nIt is 17 times faster.\n", QUOTES, GIVEN) == [

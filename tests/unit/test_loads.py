@@ -39,8 +39,8 @@ def record(load, seed=0, deviation=0.05, segments=WHOLE):
     return ScaledData(u, y, segments)
 
 
-def linear(data):
-    return fit_linear(data, Asked())
+def linear(data, zero=True):
+    return fit_linear(data, Asked(zero=zero))
 
 
 def events(fitted):
@@ -54,13 +54,15 @@ def test_noise_has_no_loads(seed):
     assert with_own_loads(plain) is plain
 
 
-def test_a_swing_is_found():
+@pytest.mark.parametrize(("zero", "gain"), [(False, 100), (True, 50)], ids=["autoregression", "with a zero"])
+def test_a_swing_is_found(zero, gain):
+    """Noise with a zero explains some of it as well."""
     data = record(SWINGING)
-    plain = linear(data)
+    plain = linear(data, zero)
     found = with_own_loads(plain)
     assert all(isinstance(event, Swing) for event in events(found))
     assert {round(event.period / PERIOD, 1) for event in events(found)} == {1.0}
-    assert criterion(found) < criterion(plain) - 50  # the noise explains some of it as well
+    assert criterion(found) < criterion(plain) - gain
     effect = data.y - without_their_effect(found, data).y
     np.testing.assert_allclose(effect[50:], PROCESS.simulate(SWINGING)[50:], atol=0.06)
 
