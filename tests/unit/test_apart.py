@@ -278,6 +278,31 @@ def test_another_begins_where_one_was_killed():
     assert KEPT._process.pid != first
 
 
+@linux
+@anew
+@pytest.mark.parametrize("ends", ["os.kill(os.getpid(), signal.SIGKILL)", "os._exit(3)", "os._exit(0)"])
+def test_one_that_ends_when_it_is_asked_says_nothing_of_the_file(monkeypatch, tmp_path, ends):
+    """It was killed, but its threads had not yet ended: the request went out, and nothing came back."""
+    text = f"""
+import os, runpy, signal, sys
+made = runpy.run_path({child.__file__!r}, run_name="child")
+made["READERS"]["hdf5"] = lambda raw: [("a", str(os.getppid()))]
+class Requests:
+    answered = 0
+    def read(self, size):
+        head = sys.stdin.buffer.read(size)
+        if head and self.answered == 2:
+            {ends}
+        self.answered += 1
+        return head
+made["serve"]("many", Requests(), sys.stdout.buffer)
+"""
+    script(monkeypatch, tmp_path, text)
+    found = [leaves_apart(HDF5, b"")[0][1] for _ in range(6)]
+    assert found[::2] == found[1::2]
+    assert len(set(found)) == 3
+
+
 @anew
 def test_a_process_for_each_file_where_there_are_no_forks(monkeypatch):
     monkeypatch.setattr(reader_process, "_HOW", ONE)

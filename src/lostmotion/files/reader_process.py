@@ -32,6 +32,10 @@ class ReaderDiedError(Exception):
     """The process gave no answer; the text says why."""
 
 
+class _EndedError(ReaderDiedError):
+    """The process itself has ended, not a reader that it had forked: that need not be the fault of the file."""
+
+
 class ReaderProcess:
     """At most one process of :mod:`lostmotion.files.child`, which all threads share."""
 
@@ -60,24 +64,34 @@ class ReaderProcess:
             Killed by a signal, too slow, not started.
         """
         with self._lock:
-            process = self._ready()
-            patience = _Patience(process, seconds)
+            kept = self._process is not None and _HOW == MANY
             try:
-                code, found = _exchanged(process, REQUEST.pack(kind.encode(), memory, int(seconds) + 1, len(raw)), raw)
-            except (OSError, EOFError):  # it has ended
-                code, found = _code_of(process), b""
-                self.end()
-            except BaseException:
-                self.end()  # half an answer is still to come
-                raise
-            finally:
-                patience.stop()
-            if patience.over or self._files >= _MOST_FILES or _HOW == ONE:
-                self.end()
+                return self._asked(kind, raw, memory, seconds)
+            except _EndedError:
+                if not kept:
+                    raise
+                return self._asked(kind, raw, memory, seconds)  # perhaps it had ended before it was asked
+
+    def _asked(self, kind: str, raw: bytes, memory: int, seconds: float) -> bytes:
+        process = self._ready()
+        patience = _Patience(process, seconds)
+        ended = False
+        try:
+            code, found = _exchanged(process, REQUEST.pack(kind.encode(), memory, int(seconds) + 1, len(raw)), raw)
+        except (OSError, EOFError):
+            code, found, ended = _code_of(process), b"", True
+            self.end()
+        except BaseException:
+            self.end()  # half an answer is still to come
+            raise
+        finally:
+            patience.stop()
+        if patience.over or self._files >= _MOST_FILES or _HOW == ONE:
+            self.end()
         if patience.over and not found:
             raise ReaderDiedError(f"not read within {seconds:g} s; {MOST_SECONDS} allows more")
-        if code:
-            raise ReaderDiedError(_reason(code))
+        if ended or code:
+            raise (_EndedError if ended else ReaderDiedError)(_reason(code))
         return found
 
     def _ready(self) -> subprocess.Popen[bytes]:
@@ -190,8 +204,8 @@ def _close(process: subprocess.Popen[bytes]) -> None:
 
 
 def _reason(code: int) -> str:
-    if code > 0:
-        return f"its reader ended with {code}"
+    if code >= 0:
+        return f"its reader ended with {code}" if code else "no answer of its reader"
     try:
         return f"it stops its reader by {signal.Signals(-code).name}"
     except ValueError:
