@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -179,7 +179,11 @@ def ranked(
     ]  # fmt: skip
 
 
-def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tuple[GroupRow, ...]:  # noqa: ARG001
+def groups(
+    spectra: Sequence[SpectrumRow],
+    rows: Sequence[AssessmentRow],  # noqa: ARG001
+    loops: Mapping[str, PlantLoop],  # noqa: ARG001
+) -> tuple[GroupRow, ...]:
     """Threes, in the order of the spectra."""
     threes = [spectra[first : first + 3] for first in range(0, len(spectra) - 2, 3)]
     return tuple(

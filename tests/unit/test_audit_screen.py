@@ -1,4 +1,5 @@
 from dataclasses import asdict, replace
+from datetime import UTC, datetime
 from functools import cache
 from importlib import import_module
 
@@ -38,6 +39,12 @@ def said(row, words):
     return any(words in one for one in row.health)
 
 
+def test_a_record_without_dates_is_told():
+    row = row_of(base())
+    assert row.health == ("no dates: whether loops of other files swing at the same time cannot be told",)
+    assert row.fit_for_use
+
+
 @pytest.mark.parametrize("band", [0.0, 0.3, 2.0])
 def test_turns_and_travel_are_those_of_the_slow_way(band):
     values = np.round(np.cumsum(np.random.default_rng(1).normal(size=2000)), 1)
@@ -50,13 +57,13 @@ def test_turns_and_travel_are_those_of_the_slow_way(band):
 
 
 def test_healthy_data_say_nothing_and_are_fit():
-    row = row_of(base())
+    row = row_of(replace(base(), start=datetime(2026, 3, 2, tzinfo=UTC)))
     assert row.stage is Stage.SCREENED
     assert row.fit_for_use
     assert row.health == ()
     assert row.error == ""
     assert row.value > 0.3
-    assert row.fingerprint == base().fingerprint
+    assert row.fingerprint == replace(base(), start=datetime(2026, 3, 2, tzinfo=UTC)).fingerprint
     assert (row.manual, row.limited, row.missing) == (0.0, 0.0, 0.0)
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from lostmotion.audit.groups.groups import groups
-from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
+from lostmotion.plant import PlantLoop
+from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow, Stage
 
 START = datetime(2026, 3, 2, tzinfo=UTC)
 DAY = timedelta(days=1)
@@ -43,6 +44,32 @@ def test_nothing_swings():
     assert groups([spectrum("A", 300.0)], [row("A", 300.0)]) == ()
     irregular = [replace(row(tag, 300.0), regularity=0.8) for tag in "AB"]
     assert groups([spectrum("A", 300.0), spectrum("B", 300.0)], irregular) == ()
+
+
+def test_records_without_dates_swing_together_within_a_file_only():
+    """Nobody knows whether hours of two files that begin at zero were the same."""
+    start = {"start": UNDATED}
+    spectra = [spectrum(tag, 300.0, **start) for tag in "ABCD"]
+    rows = [row(tag, 300.0, **start) for tag in "ABCD"]
+    places = {"A": "one.csv", "B": "other.csv", "C": "one.csv", "D": "third.csv"}
+    loops = {tag: PlantLoop(tag, op="OP", pv="PV", where=where) for tag, where in places.items()}
+    (group,) = groups(spectra, rows, loops)
+    assert sorted(tags(group)) == ["A", "C"]
+    dated = [replace(one, window_start=START, window_end=START + DAY) for one in rows]
+    (group,) = groups([spectrum(tag, 300.0) for tag in "ABCD"], dated, loops)
+    assert len(tags(group)) == 4
+    carried = [rows[0], *(replace(one, regularity=0.5) for one in rows[1:])]
+    assert sorted(tags(groups(spectra, carried, loops)[0])) == ["A", "C"]
+
+
+def test_records_in_memory_without_dates_swing_together_where_they_are_as_long():
+    start = {"start": UNDATED}
+    rows = [row(tag, 300.0, dt=1.0, **start) for tag in "ABCD"]
+    rows[1] = replace(rows[1], window_end=UNDATED + 2 * DAY)
+    rows[3] = replace(rows[3], dt=2.0)
+    loops = {tag: PlantLoop(tag, where=tag) for tag in "ABCD"}
+    (group,) = groups([spectrum(tag, 300.0, **start) for tag in "ABCD"], rows, loops)
+    assert sorted(tags(group)) == ["A", "C"]
 
 
 def test_the_sticking_valve_is_named_whatever_the_order():

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 
 from lostmotion.audit.groups.likely_source import Suspect, name, suspect
 from lostmotion.audit.groups.swinging import Swinging, carried, swinging, together, unsteady
+from lostmotion.plant.loop import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow
 
 
-def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tuple[GroupRow, ...]:
+def groups(
+    spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop] | None = None
+) -> tuple[GroupRow, ...]:
     """Find loops that swing together, and where it comes from.
 
     Parameters
@@ -19,6 +22,8 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     spectra : sequence of SpectrumRow
     rows : sequence of AssessmentRow
         Of the same run; several windows of a loop are one member each.
+    loops : mapping of str to PlantLoop, optional
+        By their tags: where their data lie.
 
     Returns
     -------
@@ -28,17 +33,19 @@ def groups(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> tup
     Notes
     -----
     A group: periods within 5 %, spectra alike about the oscillation (they are powers, so a lag between loops does not
-    matter), at least half of the time in common. Loops that do something else most of the time, but whose spectrum has
-    a clear peak at the period, are carried along. The source (after Thornhill, Cox and Paulonis 2003 and Thornhill
-    2005): each loop has log odds from its diagnosis, from harmonics, which every process on the way takes away, from
+    matter), at least half of the time in common. Records without dates have no time in common with others, but for
+    those of the same file; in memory for those that are as long. Loops that do something else most of the time, but
+    whose spectrum has a clear peak at the period, are carried along.
+
+    The source (after Thornhill, Cox and Paulonis 2003 and Thornhill 2005): each loop has log odds from its diagnosis, from harmonics, which every process on the way takes away, from
     the coupling of its phases, and from how much of its variance the oscillation is; one alternative is that it comes
     from outside. Where the amplitude comes and goes without coupled phases a linear loop rings, and the purest of them
     is the source; where it stays, tuning is not blamed. Lags between loops decide nothing: the sign of what one does to
     the other is not known, so they are known up to half a period only. Two loops that are close are not decided
     between. What it finds: benchmarks/audit/groups.py.
     """
-    known = swinging(spectra, rows)
-    others = unsteady(spectra, rows, known)
+    known = swinging(spectra, rows, loops or {})
+    others = unsteady(spectra, rows, known, loops or {})
     made = []
     for period, members in together(known):
         along = carried(members[0][0], period, others)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.store.rows import AssessmentRow, SpectrumRow
+from lostmotion.plant.loop import PlantLoop
+from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow
 
 LEAST_REGULAR = 1.0  # as published: below, zero crossings of the autocorrelation come as they like
 LEAST_POWER = 0.1  # of the variance: a smaller swing is nobody's reason to look
@@ -36,11 +37,14 @@ class Swinging:
         One a window.
     spectra : tuple of SpectrumRow
         Of the same windows.
+    clock : str
+        Times of two loops can be compared where it is the same.
     """
 
     tag: str
     rows: tuple[AssessmentRow, ...]
     spectra: tuple[SpectrumRow, ...]
+    clock: str = ""
 
     @property
     def period(self) -> float:
@@ -94,26 +98,31 @@ class Swinging:
 
 
 def unsteady(
-    spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], known: Sequence[Swinging]
+    spectra: Sequence[SpectrumRow],
+    rows: Sequence[AssessmentRow],
+    known: Sequence[Swinging],
+    loops: Mapping[str, PlantLoop],
 ) -> list[Swinging]:
     """Loops that swing with no period of their own, but may be carried along by another's."""
     mine = {one.tag for one in known}
     spectrum = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
     return [
-        Swinging(row.tag, (row,), (spectrum[row.tag, row.window_start],))
+        Swinging(row.tag, (row,), (spectrum[row.tag, row.window_start],), _clock(row, loops))
         for row in sorted(rows, key=lambda row: (row.tag, row.window_start))
         if row.tag not in mine and row.fit_for_use and (row.tag, row.window_start) in spectrum
     ]
 
 
-def swinging(spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow]) -> list[Swinging]:
+def swinging(
+    spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]
+) -> list[Swinging]:
     """Loops that swing; windows of one loop with the same period are one."""
     known = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
     found: dict[str, list[Swinging]] = {}
     for row in sorted(rows, key=lambda row: (row.tag, row.window_start)):
         spectrum = known.get((row.tag, row.window_start))
         if spectrum is not None and _swings(row):
-            _add(found.setdefault(row.tag, []), Swinging(row.tag, (row,), (spectrum,)))
+            _add(found.setdefault(row.tag, []), Swinging(row.tag, (row,), (spectrum,), _clock(row, loops)))
     return [one for mine in found.values() for one in mine]
 
 
@@ -138,6 +147,14 @@ def together(loops: Sequence[Swinging]) -> Iterator[tuple[float, list[tuple[Swin
         yield period, members
 
 
+def _clock(row: AssessmentRow, loops: Mapping[str, PlantLoop]) -> str:
+    """Dates are one clock; rows without them share that of their file, in memory with records as long as they are."""
+    if row.window_start.year > UNDATED.year:
+        return ""
+    loop = loops.get(row.tag)
+    return loop.where if loop and loop.op else f"{(row.window_end - row.window_start).total_seconds()} {row.dt}"
+
+
 def _swings(row: AssessmentRow) -> bool:
     regular = row.regularity is not None and row.regularity > LEAST_REGULAR
     strong = row.power is not None and row.power >= LEAST_POWER
@@ -160,7 +177,9 @@ def _like(form: FloatArray, period: float, leader: Swinging, loops: Sequence[Swi
 
 
 def overlap(first: Swinging, second: Swinging) -> float:
-    """Time in common, as a share of the shorter of both."""
+    """Time in common, as a share of the shorter of both; 0 where it cannot be known."""
+    if first.clock != second.clock:
+        return 0.0
     seconds = sum(
         max((min(a[1], b[1]) - max(a[0], b[0])).total_seconds(), 0.0) for a in first.times for b in second.times
     )

@@ -230,7 +230,7 @@ def _rank(run: _Run) -> None:
     run.report(Progress("rank", 0, 1))
     rows, found = store.rows(run.number), ()
     if steps.groups:
-        found = resolved(steps.groups)(store.spectra(run.number), rows)
+        found = resolved(steps.groups)(store.spectra(run.number), rows, run.loops)
         store.put_groups(run.number, found)
     if steps.ranked:
         store.put_ranks(run.number, resolved(steps.ranked)(rows, run.loops, found))

@@ -50,7 +50,8 @@ def health_of(rows: ScreenRows) -> Health:
     missing, stale = missing_share(record), rows.share(rows.standing & rows.known)
     live = int(rows.known.sum() - (rows.standing & rows.known).sum())
     stopping = list(_stopping(rows, live, missing, stale))
-    rest = [] if _nothing(record) else [*_about_sp(rows), *_about_archive(record), *_about_op(rows)]
+    parts = (_about_sp(rows), _about_archive(record), _about_op(rows), _about_dates(record))
+    rest = [] if _nothing(record) else [found for part in parts for found in part]
     told = [*_about_missing(missing, stale), *(one for one, _ in rest)]
     grave = [*stopping, *(one for one, stops in rest if stops)]
     return Health((*stopping, *told), not grave, missing, stale, grave[0] if grave else "")
@@ -129,6 +130,11 @@ def _about_op(rows: ScreenRows) -> Iterator[tuple[str, bool]]:
         yield f"span of OP unknown: % are of the range seen, {rows.span.low:.4g} .. {rows.span.high:.4g}", False
     if not rows.modes_known and rows.share(rows.manual) > TOLD:
         yield f"no mode recorded: OP held for {_percent(rows.share(rows.manual))} of the time counts as manual", False
+
+
+def _about_dates(record: LoopRecord) -> Iterator[tuple[str, bool]]:
+    if record.start is None:
+        yield "no dates: whether loops of other files swing at the same time cannot be told", False
 
 
 def excerpts(record: LoopRecord) -> list[LoopRecord]:
