@@ -37,12 +37,13 @@ def groups(
     those of the same file; in memory for those that are as long. Loops that do something else most of the time, but
     whose spectrum has a clear peak at the period, are carried along.
 
-    The source (after Thornhill, Cox and Paulonis 2003 and Thornhill 2005): each loop has log odds from its diagnosis, from harmonics, which every process on the way takes away, from
-    the coupling of its phases, and from how much of its variance the oscillation is; one alternative is that it comes
-    from outside. Where the amplitude comes and goes without coupled phases a linear loop rings, and the purest of them
-    is the source; where it stays, tuning is not blamed. Lags between loops decide nothing: the sign of what one does to
-    the other is not known, so they are known up to half a period only. Two loops that are close are not decided
-    between. What it finds: benchmarks/audit/groups.py.
+    The source (after Thornhill, Cox and Paulonis 2003 and Thornhill 2005): each loop has log odds from its diagnosis,
+    from harmonics, which every process on the way takes away, from the coupling of its phases, and from how much of
+    its variance the oscillation is; one alternative is that it comes from outside. Where the amplitude comes and goes
+    without coupled phases a linear loop rings, and the purest of them is the source; where it stays, tuning is not
+    blamed. Lags between loops decide nothing: the sign of what one does to the other is not known, so they are known
+    up to half a period only. Two loops that are close are not decided between. What it finds:
+    benchmarks/audit/groups.py.
     """
     known = swinging(spectra, rows, loops or {})
     others = unsteady(spectra, rows, known, loops or {})
