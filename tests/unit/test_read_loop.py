@@ -238,6 +238,13 @@ def test_pandas_index_of_dates():
     assert files.read_loop(frame.assign(time=[0.0, 2.0, 4.0])).dt == 2.0
 
 
+def test_pandas_column_of_no_dates():
+    """Its cells are not None, nor NaN."""
+    rows = {"time": [0.0, 0.5, 1.0], "OP": [1.0, 2.0, 3.0], "PV": [1.0, 2.0, 4.0]}
+    for mode in (pd.array([pd.NaT] * 3, dtype="datetime64[ns]"), [pd.NaT] * 3, [pd.NA] * 3):
+        assert files.read_loop(pd.DataFrame(rows | {"Mode": mode})).mode.tolist() == [""] * 3
+
+
 def test_single_row():
     with pytest.raises(DataError, match="at least 2 rows"):
         files.read_loop(FRAME.head(1))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from lostmotion.web.monitors.loop_log import EVENTS, POINTS
 from lostmotion.web.monitors.monitor import MOST_LOOPS, Watched
 from lostmotion.web.monitors.pages import Board
 from lostmotion.web.monitors.said import Said
+from lostmotion.web.monitors.svg import width_chart
 from lostmotion.web.page import Page
 
 START = {"kind": "start", "source": "FIC-1.csv", "op": "OP", "pv": "PV", "dt": 1.0, "sample": 0, "message": ""}
@@ -299,3 +301,17 @@ async def test_the_page_lists_all_loops_and_shows_those_that_need_somebody(path:
         told = (await asked.get("/api/v1/monitors")).json()["monitors"]
         assert [one["monitor"] for one in told] == list(range(80))
         assert told[77]["tag"] == "FIC-077"
+
+
+def test_a_report_between_two_gaps_is_seen():
+    """A line through one point has no length."""
+    hours = [*range(10), 30, *range(50, 60)]
+    drawn = str(width_chart([(float(3600 * hour), 1.0, 0.8, 1.2) for hour in hours]))
+    lines = re.findall(r'class="pv" d="M([^"]*)"', drawn)
+    assert len(lines) == 3
+    for one in lines:
+        places = [float(place) for place in one.split()[::2]]
+        assert max(places) > min(places)
+    assert "in 21 reports" in drawn
+    assert " 2 gaps." in drawn
+    assert " 1 gap." in str(width_chart([(float(hour), 1.0, None, None) for hour in (0, 1, 2, 9, 10)]))

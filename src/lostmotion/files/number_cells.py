@@ -150,7 +150,9 @@ def is_text(series: nw.Series[Any]) -> bool:
 def native(series: nw.Series[Any]) -> pl.Series:
     """The same values in Polars; those of a Polars frame are not copied."""
     held: Any = nw.to_native(series)
-    return held if isinstance(held, pl.Series) else pl.Series(series.name, series.to_list())
+    if isinstance(held, pl.Series):
+        return held
+    return pl.Series(series.name, [None if _of_pandas(value) else value for value in series.to_list()])
 
 
 def text_cells(series: nw.Series[Any]) -> pl.Series:
@@ -172,7 +174,12 @@ def without_words(cells: pl.Series) -> pl.Series:
 
 
 def _is_none(value: object) -> bool:
-    return value is None or (isinstance(value, float) and math.isnan(value)) or type(value).__name__ == "NAType"
+    return value is None or (isinstance(value, float) and math.isnan(value)) or _of_pandas(value)
+
+
+def _of_pandas(value: object) -> bool:
+    """Whether it is one of the two by which pandas says that there is none."""
+    return type(value).__name__ in ("NAType", "NaTType")
 
 
 def _from_text(table: Table, name: str, decimal: str) -> tuple[FloatArray, tuple[str, ...]]:

@@ -17,6 +17,7 @@ from lostmotion.report.plant.words import UNITS, moment_words
 from lostmotion.web.monitors.said import Point
 
 GAP = 3.0  # usual times between two reports
+LONE = 0.006  # of the axis: what is drawn of a report between two gaps
 
 
 def width_chart(points: Sequence[Point]) -> Markup:
@@ -31,13 +32,21 @@ def width_chart(points: Sequence[Point]) -> Markup:
     )
     y = Axis(0.0, 1.1 * float(np.max([values, high])) or 1.0, "width, units of OP", most=4)
     across = np.array(times)
-    marks = []
-    for part in _stretches(across):
-        edge = [*zip(across[part], low[part], strict=True), *zip(across[part][::-1], high[part][::-1], strict=True)]
-        marks += [region("interval", x, y, edge), line("pv", x, y, across[part], values[part])]
-    gaps = f" {len(marks) // 2 - 1} gaps." if len(marks) > 2 else ""
+    parts, marks = _stretches(across), []
+    for part in parts:
+        places, middle, lower, upper = (_seen(signal[part]) for signal in (across, values, low, high))
+        if part.stop - part.start == 1:
+            places = places + LONE * (x.high - x.low) * np.array([-0.5, 0.5])
+        edge = [*zip(places, lower, strict=True), *zip(places[::-1], upper[::-1], strict=True)]
+        marks += [region("interval", x, y, edge), line("pv", x, y, places, middle)]
+    gaps = f" {len(parts) - 1} gap{'s' if len(parts) > 2 else ''}." if len(parts) > 1 else ""
     said = f"Width of the dead zone in {len(points)} reports with its 95 % interval.{gaps}"
     return chart("Width over time", said, x, y, stretched(*marks), height=170)
+
+
+def _seen(part: FloatArray) -> FloatArray:
+    """A report between two gaps twice: a line has two ends."""
+    return np.repeat(part, 2) if part.size == 1 else part
 
 
 def _stretches(times: FloatArray) -> list[slice]:
