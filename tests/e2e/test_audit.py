@@ -148,3 +148,17 @@ def test_no_source_is_wrong_usage(capsys):
     code, _, err = run(["audit"], capsys)
     assert code == 2
     assert "SOURCE" in err
+
+
+def test_a_file_that_needs_a_word_says_it_in_those_of_a_loop_list(tmp_path):
+    """Then the list settles it."""
+    rows = "".join(f"{30 * k},{20 + k % 7},{50 + k % 5},1.0\n" for k in range(400))
+    (tmp_path / "FIC-1.csv").write_text(f"Time,PV,OP,ts\n{rows}")
+    found = lm.audit(tmp_path, engine="inline", screen_only=True)
+    assert found.rows[0].error.endswith(
+        "give the true one: dt=30, or dt=1 and time=none to ignore the times (columns of the loop list)"
+    )
+    (tmp_path / "loops.csv").write_text("tag,op,pv,dt,time\nFIC-1,OP,PV,1,none\n")
+    settled = lm.audit(tmp_path, engine="inline", screen_only=True, loops=tmp_path / "loops.csv")
+    assert settled.rows[0].error == ""
+    assert settled.rows[0].dt == 1.0

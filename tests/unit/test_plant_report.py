@@ -10,10 +10,12 @@ from itertools import pairwise
 
 import pytest
 
-from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.plant_view import PlantView, RunFacts
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant import loop_page, loop_report, loop_section, pages, plant_report, script, stylesheet
 from lostmotion.report.plant.pages import MOST_PAGES, MOST_RANKED
+from lostmotion.report.plant.words import next_command, next_step
+from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 from tests.plant_rows import HOSTILE, finding, plant, sound
 
 VOID = {"meta", "br", "img", "input", "link", "hr"}
@@ -190,3 +192,13 @@ def test_a_good_fit_beside_cannot_tell_is_explained(other, words):
     said = "The fit is OK, and does not contradict this" in loop_report(view)
     assert said == bool(words)
     assert words in loop_report(view)
+
+
+def test_a_loop_that_failed_is_looked_at_by_its_file():
+    """The same audit would fail again; `check` prints the commands that read it."""
+    row = AssessmentRow("FIC-1", UNDATED, UNDATED, stage=Stage.FAILED, error="expected one sampling time")
+    run = RunFacts(1, plant="data", sources=("data",), store="a.db")
+    loop = PlantLoop("FIC-1", where="unit 1/FIC-1.csv")
+    assert next_command(loop, row, run) == "lostmotion check 'data/unit 1/FIC-1.csv'"
+    assert next_command(PlantLoop("FIC-1"), row, run) == "lostmotion audit data --store a.db"
+    assert "loop list" in next_step(row)

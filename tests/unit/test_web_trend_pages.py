@@ -108,6 +108,14 @@ async def test_the_page_zooms_by_links_and_holds_no_script_of_others(page: Any) 
         assert part.count("data-piece=") == 2
 
 
+async def test_whether_data_are_read_is_asked_without_an_error(page: Any) -> None:
+    """A browser tells of every status of 400 and more, and that the data cannot be read is an answer."""
+    async with client(page[0]) as ask:
+        found = await ask.get("/api/v1/trend/state", params={"source": page[1]})
+        assert (found.status_code, found.json()["state"]) == (200, "ready")
+        assert (await ask.get("/api/v1/trend/state", params={"source": "loop:NOT-THERE"})).status_code == 404
+
+
 async def test_columns_are_made_once_and_again_when_the_record_is_another(page: Any) -> None:
     found = sources(page[0])
     first = found.of(page[1])

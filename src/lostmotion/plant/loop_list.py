@@ -6,6 +6,7 @@ import csv
 import difflib
 import io
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ _OWN = {"type", "op_low", "op_high", "pv_low", "pv_high", "area", "weight"}  # w
 SHOWN = 10  # errors of one list
 LONGEST_SHOWN = 60  # characters of a name in a message
 MOST_COLUMNS = 1000
+_SETTING = re.compile(r"(?<!\w)(dt|time|op|pv|sp|mode)=(?=[\w'<])")
 _TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time")
 
 
@@ -46,6 +48,21 @@ def is_loop_list(names: Sequence[str]) -> bool:
     """
     known = {name.strip().lower() for name in names} & set(COLUMNS)
     return "tag" in known and len(known & _OWN) >= len(_OWN) // 2
+
+
+def in_loop_list(text: str) -> str:
+    """Words of the library about settings of a reader, in those of a loop list.
+
+    Examples
+    --------
+    >>> in_loop_list("give dt=60, or dt=1 and time=False to ignore the times")
+    'give dt=60, or dt=1 and time=none to ignore the times (columns of the loop list)'
+    >>> in_loop_list("expected numbers in column 'PV', got 'abc'")
+    "expected numbers in column 'PV', got 'abc'"
+    """
+    if not _SETTING.search(text) or "loop list" in text:
+        return text
+    return f"{text.replace('time=False', 'time=none')} (columns of the loop list)"
 
 
 def read_loop_list(path: Path | str) -> LoopList:

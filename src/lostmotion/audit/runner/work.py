@@ -14,6 +14,7 @@ from lostmotion.audit.runner.plan import definition
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.errors import LostMotionError, SetupError, SlowError
 from lostmotion.plant import PlantLoop, PlantSource
+from lostmotion.plant.loop_list import in_loop_list
 from lostmotion.records import LoopRecord
 from lostmotion.store.encoded import encoded
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow, Stage, TraceRow
@@ -184,8 +185,8 @@ def _records(job: Job, loops: Sequence[PlantLoop]) -> Iterator[tuple[PlantLoop, 
 
 
 def said(error: BaseException) -> str:
-    """Error in one line; of one that was raised on purpose its words are enough."""
-    return " ".join(str(error).split())[:500] if isinstance(error, LostMotionError) else one_line(error)
+    """Error in one line; of one that was raised on purpose its words are enough, with those of a loop list."""
+    return in_loop_list(" ".join(str(error).split()))[:500] if isinstance(error, LostMotionError) else one_line(error)
 
 
 def _need_same_code(job: Job) -> None:

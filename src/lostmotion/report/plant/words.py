@@ -176,7 +176,7 @@ def next_step(row: AssessmentRow) -> str:
     """First thing to do, short; empty where none is known."""
     if row.advice:
         return row.advice[0]
-    return "Mend the source, then run the audit again." if row.stage is Stage.FAILED else ""
+    return "Mend the source, or say what is missing in a loop list." if row.stage is Stage.FAILED else ""
 
 
 def typed_place(loop: PlantLoop, run: RunFacts) -> str:
@@ -200,6 +200,8 @@ def files_of(loop: PlantLoop, run: RunFacts) -> tuple[list[str], str]:
 def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
     """What to type next about this loop; quoted for a shell."""
     file = typed_place(loop, run)
+    if row.stage is Stage.FAILED and loop.where:
+        return f"lostmotion check {file}"
     if row.stage is not Stage.ASSESSED and run.store:
         return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
     if row.verdict == "cannot tell":

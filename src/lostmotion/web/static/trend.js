@@ -339,8 +339,8 @@
 
   const wait = async (root) => {  // until the data of a loop are read
     try {
-      const answer = await fetch(`/api/v1/trend?${new URLSearchParams({ source: root.dataset.source, width: 10 })}`);
-      if (answer.status === 202) setTimeout(() => wait(root), 1000);
+      const answer = await fetch(`/api/v1/trend/state?${new URLSearchParams({ source: root.dataset.source })}`);
+      if (answer.ok && (await answer.json()).state === "reading") setTimeout(() => wait(root), 1000);
       else location.reload();
     } catch { root.querySelector("[role=status]").textContent = "The page does not answer; start it again."; }
   };

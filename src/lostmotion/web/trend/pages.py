@@ -73,6 +73,12 @@ def routes(page: Page) -> list[Route]:
         head = {"source": source.key, "tag": columns.facts["tag"], "names": signal_names(columns)}
         return _json({**head, "axis": time_axis(columns, start, stop), **found})
 
+    def state(request: Request) -> Response:
+        source = find(request)
+        if source is None:
+            return missing(request)
+        return JSONResponse({"state": "ready" if source.columns is not None else source.state, "message": source.why})
+
     def whole(request: Request) -> Response:
         source = find(request)
         if source is None:
@@ -83,7 +89,7 @@ def routes(page: Page) -> list[Route]:
         template = "trend_pieces.html.j2" if part else "trend_page.html.j2"
         return answer(page, request, template, trend=made, name=source.name, stored=stored, back=_back(source.key))
 
-    return [Route("/api/v1/trend", as_json), Route("/trend", whole)]
+    return [Route("/api/v1/trend", as_json), Route("/api/v1/trend/state", state), Route("/trend", whole)]
 
 
 def _back(key: str) -> str:
