@@ -251,6 +251,29 @@ def test_reviews(store):
         store.review("x", ReviewState.ACCEPTED, "Ada")
 
 
+SPOILT = {
+    "text that is none": "update loop set search = cast(x'66ff' as text)",
+    "a moment that is none": "update assessment set window_start = '2026-03-01 00:00:00\x0f000000'",
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_rows_that_we_have_not_written_are_told_in_one_line(tmp_path, what):
+    """By what reads, and by what reads before it writes."""
+    path = tmp_path / "a.db"
+    with Store(path) as store:
+        store.finish(filled(store))
+    with sqlite3.connect(path) as connection:
+        connection.execute(SPOILT[what])
+    connection.close()
+    said = "got one that is damaged; take a copy of it from before, or begin a new one"
+    with Store(path) as store, pytest.raises(FileAccessError, match=said):
+        store.leading(1, ()), store.rows(1), store.lines(1)
+    if what == "a moment that is none":
+        with Store(path) as store, pytest.raises(FileAccessError, match=said):
+            store.finish(filled(store))
+
+
 def test_news_and_history(store):
     first = filled(store)
     store.finish(first)

@@ -9,7 +9,6 @@ from typing import Any
 
 from sqlalchemy.engine import Connection, Engine
 
-from lostmotion.errors import LostMotionError
 from lostmotion.store import queries, watches
 from lostmotion.store.changed import New
 from lostmotion.store.news import news
@@ -17,7 +16,7 @@ from lostmotion.store.overview import Columns, Judged, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow, WatchRow
-from lostmotion.store.said import damaged, told
+from lostmotion.store.said import content, told
 
 
 class Asked:
@@ -28,13 +27,13 @@ class Asked:
 
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
-        with told(self.name), self.engine.connect() as connection, connection.begin():
-            try:
-                yield connection
-            except LostMotionError:
-                raise
-            except (LookupError, ArithmeticError, TypeError, ValueError) as error:  # rows that we have not written
-                raise damaged(self.name) from error
+        with (
+            told(self.name),
+            self.engine.connect() as connection,
+            connection.begin(),
+            content(self.name, self.engine, LookupError, ArithmeticError, TypeError),
+        ):
+            yield connection
 
     def stamp(self) -> tuple[Any, ...]:
         """What changes with every review and every write of an audit; as long as it is the same so is every answer."""

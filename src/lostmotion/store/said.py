@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+from sqlalchemy.engine import Engine
+from sqlalchemy.exc import DBAPIError
 
 from lostmotion.addresses import without_password
-from lostmotion.errors import FileAccessError
+from lostmotion.errors import FileAccessError, LostMotionError
 
 REASONS = (  # part of what a driver says, what it means, what to do
     ("database is locked", "one that is locked by another program", "close what has it open, or wait until it is done"),
@@ -20,6 +21,7 @@ REASONS = (  # part of what a driver says, what it means, what to do
     ("No space left", "a full disk", "make room and start again: what was done is kept"),
     ("not a database", "a file that is none", "give another name to --store"),
     ("malformed", "one that is damaged", "take a copy of it from before, or begin a new one"),
+    ("could not decode", "one that is damaged", "take a copy of it from before, or begin a new one"),
     ("unable to open", "none that can be opened", "check that its folder is there and may be written to"),
     ("authentication failed", "user or password refused", "check the address"),
     ("no password supplied", "no password", "check the address"),
@@ -49,12 +51,37 @@ def told(name: str) -> Iterator[None]:
         raise damaged(name) from None
 
 
+@contextmanager
+def content(name: str, engine: Engine, *more: type[Exception]) -> Iterator[None]:
+    """What is wrong with rows that we have not written becomes one line; `more`: errors that they lead to here.
+
+    Raises
+    ------
+    FileAccessError
+    """
+    wrong: tuple[type[Exception], ...] = (ValueError, *more)
+    try:
+        yield
+    except LostMotionError:
+        raise
+    except driver_error(engine) as error:  # of rows that are fetched from it directly
+        raise explained(name, error) from None
+    except wrong as error:
+        raise damaged(name) from error
+
+
+def driver_error(engine: Engine) -> type[Exception]:
+    """What the driver of the database raises."""
+    found: type[Exception] = engine.dialect.loaded_dbapi.Error
+    return found
+
+
 def damaged(name: str) -> FileAccessError:
     """Error of a store whose content is none of ours."""
     return store_error(name, "one that is damaged", "take a copy of it from before, or begin a new one")
 
 
-def explained(name: str, error: SQLAlchemyError) -> FileAccessError:
+def explained(name: str, error: Exception) -> FileAccessError:
     """What a driver said, in words."""
     original = error.orig if isinstance(error, DBAPIError) else None
     said = str(original or error).strip().split("\n", maxsplit=1)[0]

@@ -22,7 +22,7 @@ from lostmotion.store.connect import PATIENCE, connected, lock, shown, store_url
 from lostmotion.store.encoded import clean, encoded
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
-from lostmotion.store.said import told
+from lostmotion.store.said import content, told
 from lostmotion.store.schema import assessment, review
 
 ROWS = 500  # of a transaction, about: more is no faster, and holds the writer's lock for longer
@@ -84,6 +84,7 @@ class Store(Asked):
             told(self.name),
             self.engine.connect().execution_options(writing=True) as connection,
             connection.begin(),
+            content(self.name, self.engine),
         ):
             if run is not None:
                 runs.beat(connection, run, self.me, self.name)
