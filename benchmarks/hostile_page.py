@@ -18,7 +18,6 @@ from benchmarks.pages.publish import replace_text
 
 import hostile_log
 import hostile_readers
-import hostile_tally
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "security.md"
 BEGIN, END = "<!-- tallies, by benchmarks/hostile_page.py -->\n", "<!-- end of the tallies -->\n"
@@ -64,7 +63,7 @@ def of_others(log: hostile_log.Log) -> Iterator[str]:
     """Table of the other attacks: every outcome with its number."""
     yield "| attack | outcomes on this source | earlier |"
     yield "|---|---|---|"
-    for name, one in tried(log, hostile_tally.ATTACK).items():
+    for name, one in tried(log, hostile_log.OTHERS).items():
         yield f"| {name} | {_outcomes(one.now)} | {_outcomes(one.earlier)} |"
 
 

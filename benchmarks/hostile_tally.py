@@ -8,9 +8,8 @@ import time
 from collections import Counter
 from collections.abc import Iterable
 
-from hostile_log import Log
+from hostile_log import OTHERS, Log
 
-ATTACK = "others"  # than readers, in the log
 NOWHERE = Log()
 HEAD = "| attack | outcome | times |\n|---|---|---|"
 EVERY = 20.0  # s between looks at what has been tried so far
@@ -26,14 +25,14 @@ def told(name: str, tries: Iterable[Counter[str]], log: Log = NOWHERE) -> bool:
         for one in tries:
             tally.update(one)
             if time.monotonic() - shown > EVERY:
-                log.add(ATTACK, name, tally - kept_before, time.monotonic() - shown)
+                log.add(OTHERS, name, tally - kept_before, time.monotonic() - shown)
                 shown, kept_before = time.monotonic(), Counter(tally)
                 print(f"{name} so far: {dict(tally)}", file=sys.stderr, flush=True)
     except KeyboardInterrupt:
         tally["stopped before its end"] = 1
     finally:
         signal.signal(signal.SIGTERM, kept)
-    log.add(ATTACK, name, tally - kept_before, time.monotonic() - shown)
+    log.add(OTHERS, name, tally - kept_before, time.monotonic() - shown)
     for said, times in sorted((+tally).items()):
         print(f"| {name} | {said} | {times} |", flush=True)
     print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr)
