@@ -16,6 +16,7 @@ from lostmotion.report.plant.words import (
     interval_words,
     next_step,
     of_what,
+    other_reasons,
     size_words,
     sure_words,
 )
@@ -96,7 +97,7 @@ def _line(
         interval=interval_words(row),
         excluded=excluded_words(row),
         sure=sure_words(row),
-        reason=row.priority_reason,
+        reason=other_reasons(row),
         step=next_step(row),
         review=view.reviews.get(row.tag, ""),
         bar=size_bar(row, most),

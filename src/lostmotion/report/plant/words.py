@@ -172,6 +172,19 @@ def window_words(row: AssessmentRow) -> str:
     return f"{moment_words(row.window_start)} to {moment_words(row.window_end)}"
 
 
+def other_reasons(row: AssessmentRow) -> str:
+    """Reason of the priority without fault, size and certainty, which have columns of their own.
+
+    Examples
+    --------
+    >>> reason = "backlash of 14 % of span (14 .. 15), 96 % sure; swings every 902 s"
+    >>> other_reasons(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="backlash", priority_reason=reason))
+    'swings every 902 s'
+    """
+    first, _, rest = row.priority_reason.partition("; ")
+    return rest if row.verdict in FAULTS and first.startswith(row.verdict) else row.priority_reason
+
+
 def next_step(row: AssessmentRow) -> str:
     """First thing to do, short; empty where none is known."""
     if row.advice:
