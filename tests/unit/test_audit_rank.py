@@ -44,6 +44,14 @@ def test_reason_says_what_counts() -> None:
     assert ranked([CLEAR], {})[0].priority_reason == "no lost motion over 0.6 % of span"
 
 
+@pytest.mark.parametrize(
+    ("period", "said"), [(999.0, "999 s"), (999.6, "16.7 min"), (6890.0, "115 min"), (86_400.0, "24 h")]
+)
+def test_a_period_has_no_power_of_ten(period: float, said: str) -> None:
+    first = ranked([replace(STICKS, regularity=4.0, power=0.8, period=period)], {})[0]
+    assert f"swings every {said}, 80 % of the variance" in first.priority_reason
+
+
 def test_what_was_not_judged_has_no_priority_but_a_reason() -> None:
     failed = row("A", stage=Stage.FAILED, error="no PV")
     stale = row("B", fit_for_use=False, health=("stale for 90 % of the time",))

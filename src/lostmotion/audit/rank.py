@@ -223,10 +223,18 @@ def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
     swing = (row.power or 0.0) if swings(row) else 0.0
     if not swing or not row.period:
         return swing, []
-    words = f"swings every {row.period:.3g} s, {probability(swing)} of the variance"
+    words = f"swings every {_period(row.period)}, {probability(swing)} of the variance"
     if source in ("", row.tag) or row.kind == "actuator":
         return swing, [words]
     return CARRIED * swing, [words, f"with {source}, the likely source: look there first"]
+
+
+def _period(seconds: float) -> str:
+    """Three digits, in a unit that has them before the point."""
+    for scale, unit in ((1.0, "s"), (60.0, "min")):
+        if seconds < 999.5 * scale:
+            return f"{seconds / scale:.3g} {unit}"
+    return f"{seconds / 3600.0:.3g} h"
 
 
 def _makes_it_swing(row: AssessmentRow, around: Around) -> bool:
