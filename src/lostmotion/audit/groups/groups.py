@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 
 from lostmotion.audit.groups.likely_source import Suspect, name, suspect
-from lostmotion.audit.groups.swinging import Swinging, carried, swinging, together, unsteady
+from lostmotion.audit.groups.swinging import carried, swinging, together, unsteady
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow
 
@@ -37,32 +37,34 @@ def groups(
     those of the same file; in memory for those that are as long. Loops that do something else most of the time, but
     whose spectrum has a clear peak at the period, are carried along.
 
-    The source (after Thornhill, Cox and Paulonis 2003 and Thornhill 2005): each loop has log odds from its diagnosis,
-    from harmonics, which every process on the way takes away, from the coupling of its phases, and from how much of
-    its variance the oscillation is; one alternative is that it comes from outside. Where the amplitude comes and goes
-    without coupled phases a linear loop rings, and the purest of them is the source; where it stays, tuning is not
-    blamed. Lags between loops decide nothing: the sign of what one does to the other is not known, so they are known
-    up to half a period only. Two loops that are close are not decided between. What it finds:
-    benchmarks/audit/groups.py.
+    The source: each loop has log odds from its diagnosis and from how much of its variance the oscillation is; one
+    alternative is that it comes from outside, which coupled phases (Choudhury, Shah and Thornhill 2004) and an
+    amplitude that stays speak for where no diagnosis is sure of a valve. Where the amplitude comes and goes without
+    coupled phases a linear loop rings, and the purest of them is the source; where it stays, tuning is not blamed.
+    Harmonics (Thornhill, Cox and Paulonis 2003) add nothing beside the diagnoses in simulated plants. Lags between
+    loops decide nothing: the sign of what one does to the other is not known, so they are known up to half a period
+    only. Two loops that are close are not decided between. What it finds: benchmarks/audit/groups.py.
     """
-    known = swinging(spectra, rows, loops or {})
-    others = unsteady(spectra, rows, known, loops or {})
     made = []
-    for period, members in together(known):
-        along = carried(members[0][0], period, others)
-        if len({one.tag for one, _ in [*members, *along]}) > 1:
-            made.append((sum(one.power for one, _ in members), _group(period, members, along)))
+    for period, members in suspects_of(spectra, rows, loops or {}):
+        power = sum(one.loop.power for one in members if one.own)
+        named = name(members)
+        made.append((power, GroupRow(0, period, named.tag, named.confidence, named.why, tuple(_members(members)))))
     made.sort(key=lambda one: (-one[0], one[1].period))
     return tuple(replace(one, number=number + 1) for number, (_, one) in enumerate(made))
 
 
-def _group(
-    period: float, members: Sequence[tuple[Swinging, float]], along: Sequence[tuple[Swinging, float]]
-) -> GroupRow:
-    suspects = [suspect(one, like, period, own=True) for one, like in members]
-    suspects += [suspect(one, like, period, own=False) for one, like in along]
-    named = name(suspects)
-    return GroupRow(0, period, named.tag, named.confidence, named.why, tuple(_members(suspects)))
+def suspects_of(
+    spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]
+) -> Iterator[tuple[float, tuple[Suspect, ...]]]:
+    """Period of each group, and its loops with what speaks for them as its source."""
+    known = swinging(spectra, rows, loops)
+    others = unsteady(spectra, rows, known, loops)
+    for period, members in together(known):
+        along = carried(members[0][0], period, others)
+        if len({one.tag for one, _ in [*members, *along]}) > 1:
+            found = [suspect(one, like, own=True) for one, like in members]
+            yield period, (*found, *(suspect(one, like, own=False) for one, like in along))
 
 
 def _members(suspects: Sequence[Suspect]) -> list[tuple[str, datetime, float, float]]:
