@@ -154,11 +154,12 @@ def test_a_file_that_needs_a_word_says_it_in_those_of_a_loop_list(tmp_path):
     """Then the list settles it."""
     rows = "".join(f"{30 * k},{20 + k % 7},{50 + k % 5},1.0\n" for k in range(400))
     (tmp_path / "FIC-1.csv").write_text(f"Time,PV,OP,ts\n{rows}")
-    found = lm.audit(tmp_path, engine="inline", screen_only=True)
+    found = lm.audit(tmp_path, tmp_path / "a.db", engine="inline", screen_only=True)
     assert found.rows[0].error.endswith(
         "give the true one: dt=30, or dt=1 and time=none to ignore the times (columns of the loop list)"
     )
     (tmp_path / "loops.csv").write_text("tag,op,pv,dt,time\nFIC-1,OP,PV,1,none\n")
-    settled = lm.audit(tmp_path, engine="inline", screen_only=True, loops=tmp_path / "loops.csv")
+    told = tmp_path / "loops.csv"
+    settled = lm.audit(tmp_path, tmp_path / "b.db", engine="inline", screen_only=True, loops=told)
     assert settled.rows[0].error == ""
     assert settled.rows[0].dt == 1.0
