@@ -171,7 +171,8 @@ def attack(data: bytes, kills: int, random: np.random.Generator, folder: Path, s
         tally[f"SAID ON STANDARD ERROR {said[:200]!r}"] = 1
     (watch.folder / "errors").write_bytes(b"")
     last = ended(watch.start("--no-follow"))
-    tally[f"ENDS OTHERWISE {last} {code}"] = last != code
+    quiet = not any(key(line)[0] == "event" for line in watch.said.read_bytes().split(b"\n")[:-1])
+    tally[f"ENDS OTHERWISE {last} {code}"] = last != code and not (quiet and (last, code) == (0, 1))  # told before
     tally[f"OTHER WORDS {watch.errors()!r} {refused!r}"] = watch.errors() != refused
     tally["refused in one line, as by one start" if refused else "read to the end, as by one start"] = 1
     return tally + _compared(watch, expected)

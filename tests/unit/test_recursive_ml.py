@@ -38,6 +38,22 @@ def quick(**options):
     return lm.RecursiveML(1, 1, 1, **{"start_samples": 120, "noise": "white", **options})
 
 
+@pytest.mark.parametrize("lost", ["both", "u", "y"])
+def test_a_state_after_more_gap_than_record_is_read_again(lost):
+    """A loop that is switched off for longer than it has run: its next start must know its state."""
+    u, y = experiment(1, 400, QUICK)
+    rml = quick()
+    rml.run(u, y)
+    gap = np.full(1500, NAN)
+    rml.run(np.full(1500, u[-1]) if lost == "y" else gap, np.full(1500, y[-1]) if lost == "u" else gap)
+    again = lm.RecursiveML.from_bytes(rml.to_bytes())
+    more = experiment(2, 200, QUICK)
+    rml.run(*more)
+    again.run(*more)
+    assert again.to_bytes() == rml.to_bytes()
+    assert again.samples == 2100
+
+
 def holes(n, seed):
     """Command, measurement and mask of the quick plant with missing samples, a masked stretch and outliers."""
     u, y = experiment(seed, n, QUICK, deviation=0.1)

@@ -15,7 +15,7 @@ from lostmotion.kernels.recursive_ml import state as ml
 MOST_ORDER, MOST_START = 1000, 10_000_000  # orders and samples of a first window: more are no loop's
 LONGEST_SETTLING = 1_000_000_000
 COUNTED = (
-    ml.BLOCKS, ml.LOST, ml.SINCE, ml.LEFT_AT, ml.RIGHT_AT, ml.CLIPPED, ml.MISSING, ml.MASKED, ml.PERIOD_FROM, ml.FAR,
+    ml.BLOCKS, ml.LOST, ml.SINCE, ml.LEFT_AT, ml.RIGHT_AT, ml.CLIPPED, ml.MASKED, ml.PERIOD_FROM, ml.FAR,
     ml.JUDGED,
 )  # fmt: skip
 TUNED = (ml.TAIL, ml.KEEP, ml.CLIP, ml.THRESHOLD, ml.RATIO_LIMIT)
@@ -83,6 +83,7 @@ def _check_counters(layout: IntArray) -> None:
         **dict.fromkeys(COUNTED, count), ml.FILLED: layout[ml.BLOCK] - 1, ml.WINDOW: layout[ml.RING],
         ml.WAIT: layout[ml.P] + 1, ml.SETTLE: LONGEST_SETTLING, ml.REFIT_AT: ml.NEVER, ml.DRIFT: ml.DRIFTS - 1,
         ml.GROUPED: drift.GROUP - 1, ml.EXPLAIN_AT: count + layout[ml.RING], ml.FROM_BLOCK: count,
+        ml.MISSING: 2 * count,  # values of OP and of PV
     }  # fmt: skip
     if not 0 <= count <= LARGEST_WHOLE:
         raise ValueError("counters")
