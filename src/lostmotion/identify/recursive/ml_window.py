@@ -8,6 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, Status
+from lostmotion.identify.data import FEWEST_SAMPLES
 from lostmotion.identify.estimate import identify_alone
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.recursive.ml_settings import Settings
@@ -55,7 +56,7 @@ def _without_gross(values: FloatArray) -> FloatArray:
 def fit_window(window: Window, settings: Settings) -> tuple[HammersteinFit, Window] | None:
     """Batch fit of a start window, and the window with outliers drawn in; None where nothing can be fitted."""
     noise = settings.noise if isinstance(settings.noise, int) else 0
-    segments = window.segments(3 * (sum(settings.orders) + noise) + 40)
+    segments = window.segments(max(3 * (sum(settings.orders) + noise) + 40, FEWEST_SAMPLES))  # what identify takes
     if not len(segments):
         return None
     try:
