@@ -6,6 +6,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.nested import nested
 from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
 
@@ -27,14 +28,20 @@ def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[l
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
         rows += part.size - most
     largest = float(gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max())  # 0 behind a single step
-    ridge = max(1e-12 * largest, float(np.finfo(float).tiny)) * np.eye(most)
-    models: list[FloatArray] = [np.zeros(0)]
-    variances = [gram[0, 0] / rows]
-    for order in range(1, most + 1):
-        d = -np.linalg.solve(gram[1 : order + 1, 1 : order + 1] + ridge[:order, :order], gram[1 : order + 1, 0])
-        models.append(np.asarray(d, dtype=np.float64))
-        variances.append(max(float(gram[0, 0] + d @ gram[1 : order + 1, 0]) / rows, 1e-300))
-    return models, np.array(variances), rows
+    ridge = max(1e-12 * largest, float(np.finfo(float).tiny))
+    gains, explained = _of_all_orders(gram[1:, 1:] + ridge * np.eye(most), gram[1:, 0])
+    models = [np.zeros(0), *(-row[:order] for order, row in enumerate(gains, 1))]
+    return models, np.append(gram[0, 0] / rows, np.maximum((gram[0, 0] - explained) / rows, 1e-300)), rows
+
+
+def _of_all_orders(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of every order in the rows of (n, n), and what they explain (n,)."""
+    gains, explained = np.zeros(gram.shape), np.zeros(right.size)
+    if nested(gram, right, gains, explained):
+        return gains, explained
+    for order in range(1, right.size + 1):  # by rounding no factor
+        gains[order - 1, :order] = np.linalg.solve(gram[:order, :order], right[:order])
+    return gains, gains @ right
 
 
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:

@@ -1,0 +1,45 @@
+"""Least squares on the first 1, 2, .. columns: one factor for all against a solution of each."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lostmotion.identify.likelihood.noise_order import autoregressions
+from lostmotion.kernels.nested import _nested, _nested_plain
+
+
+def both(gram, right):
+    found = []
+    for way in (_nested, _nested_plain):
+        gains, explained = np.zeros(gram.shape), np.zeros(right.size)
+        assert way(gram, right, gains, explained)
+        found.append((gains, explained))
+    return found
+
+
+@given(st.integers(1, 20), st.integers(0, 2**32 - 1))
+def test_one_factor_serves_all_orders(n, seed):
+    table = np.random.default_rng(seed).normal(size=(3 * n + 5, n + 1))
+    gram, right = table[:, :n].T @ table[:, :n], table[:, :n].T @ table[:, n]
+    (gains, explained), (plain, by_each) = both(gram, right)
+    np.testing.assert_allclose(gains, plain, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(explained, by_each, rtol=1e-9, atol=1e-11)
+    assert not np.triu(gains, 1).any()
+    for order in (1, n):
+        best = np.linalg.lstsq(table[:, :order], table[:, n], rcond=None)[0]
+        np.testing.assert_allclose(gains[order - 1, :order], best, rtol=1e-8, atol=1e-10)
+
+
+def test_what_has_no_factor_is_said():
+    gram = np.array([[1.0, 2.0], [2.0, 1.0]])
+    assert not _nested(gram, np.ones(2), np.zeros((2, 2)), np.zeros(2))
+
+
+@pytest.mark.parametrize("signal", [np.zeros(300), np.ones(300), np.arange(300.0), np.sin(np.arange(300) / 9.0)])
+def test_autoregressions_of_signals_without_noise_are_numbers(signal):
+    models, variances, _ = autoregressions([signal])
+    assert [one.size for one in models] == list(range(21))
+    assert all(np.isfinite(one).all() for one in models)
+    assert (variances >= 0.0).all()
+    assert (variances[1:] >= 1e-300).all()
