@@ -73,9 +73,9 @@ def cases(store: Store) -> Iterator[Case]:
 
 def shares(weights: FloatArray, case: Case) -> FloatArray:
     """Probability of each member, and of none of them."""
-    scores = np.append(case.members @ weights[: len(NAMES)], case.outside @ weights[len(NAMES) :])
-    raised = np.exp(scores - scores.max())
-    return np.asarray(raised / raised.sum())
+    inside, outside = weights[: len(NAMES)], weights[len(NAMES) :]
+    odds = likely_source.odds_of(case.members @ inside, float(case.outside @ outside))
+    return np.append(odds, max(1.0 - float(odds.sum()), 0.0))
 
 
 def fitted(known: Sequence[Case]) -> FloatArray:
@@ -94,8 +94,7 @@ def end(weights: FloatArray, case: Case) -> str:
     odds = shares(weights, case)[:-1]
     order = np.argsort(-odds)
     first = int(order[0])
-    close = odds.size > 1 and odds[first] < likely_source.LEAST_LEAD * odds[order[1]]
-    if case.named[first] and odds[first] >= likely_source.LEAST_SURE and not close:
+    if likely_source.stands_out(odds[order], case.named[first]):
         return "found" if first == case.source else "wrong"
     return "found" if case.kind == OUTSIDE else "cannot tell"
 

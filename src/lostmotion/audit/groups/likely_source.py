@@ -133,21 +133,29 @@ def name(suspects: Sequence[Suspect]) -> Named:
     """The likely source, where one stands out; a valve is blamed only where a diagnosis of it says so."""
     order = sorted(suspects, key=lambda one: (-one.score, one.loop.tag))
     outside = sum(OUTSIDE[name] * value for name, value in facts_of_outside(order).items())
-    odds = _odds(np.array([one.score for one in order]), outside)
+    odds = odds_of(np.array([one.score for one in order]), outside)
     first = order[0]
     second = order[1] if len(order) > 1 else None
-    close = second is not None and odds[0] < LEAST_LEAD * odds[1]
-    if first.why and odds[0] >= LEAST_SURE and not close:
+    if stands_out(odds, bool(first.why)):
         return Named(first.loop.tag, float(odds[0]), f"{first.loop.tag}: {first.why}")
     if 1.0 - float(odds.sum()) >= LEAST_SURE:
         return Named("", None, "cannot tell: no loop of them looks like the source; it may come from outside")
-    if second is not None and close:
+    if second is not None and _close(odds):
         return Named("", None, f"cannot tell: {first.loop.tag} and {second.loop.tag} are too close")
     return Named("", None, f"cannot tell: {first.loop.tag} is the most suspect, but no diagnosis speaks for it enough")
 
 
-def _odds(scores: FloatArray, outside: float) -> FloatArray:
-    """Shares of the odds, the outside among them."""
+def stands_out(odds: FloatArray, spoken: bool) -> bool:
+    """Whether the first of these shares, the largest first, is named; `spoken`: something in words speaks for it."""
+    return bool(spoken and odds[0] >= LEAST_SURE and not _close(odds))
+
+
+def _close(odds: FloatArray) -> bool:
+    return bool(odds.size > 1 and odds[0] < LEAST_LEAD * odds[1])
+
+
+def odds_of(scores: FloatArray, outside: float) -> FloatArray:
+    """Share of each in the odds; what is left is the outside's."""
     most = max(float(scores.max()), outside)
     raised = np.exp(scores - most)
     return np.asarray(raised / (raised.sum() + np.exp(outside - most)))
