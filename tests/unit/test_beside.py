@@ -47,7 +47,7 @@ def test_settles_as_one_model_alone(structure: Structure, load: bool, loads: Loa
     other = replace(problem, family=problem.family.with_rests((0.4, -0.2)))
     theta[problem.eta_at] = size
     expected = settled(other, theta, held)
-    found, cost = beside.settled(other, own)
+    found, cost = beside.settled(other.family, own)
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
     assert cost == pytest.approx(other.evaluate(expected)[0], rel=1e-10)
 

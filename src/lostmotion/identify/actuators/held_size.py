@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from weakref import finalize
 
 import numpy as np
@@ -26,14 +27,24 @@ class HeldSize:
     """A model with the size of its actuator held, begun at a fit with the best gain and level."""
 
     def __init__(self, base: Fitted, kind: Kind, family: Family, own: FloatArray) -> None:
-        self.kind, self.basis = kind, _basis_without_actuator(base)
-        self.problem = _with_actuator(base, HeldFamily(family, family.valid(own)))
-        self.theta, self.cost = _beside(base).settled(self.problem, np.zeros(0))
+        self.kind, self._base = kind, base
+        self._held = HeldFamily(family, family.valid(own))
+        self.theta, self.cost = _beside(base).settled(self._held, np.zeros(0))
 
     @classmethod
     def on(cls, base: Fitted, kind: Kind, family: Family, own: FloatArray) -> HeldSize:
         """With this actuator in the place of its own."""
         return cls(base, kind, family, own)
+
+    @cached_property
+    def problem(self) -> Problem:
+        """With this actuator; few of many are refined."""
+        return _with_actuator(self._base, self._held)
+
+    @cached_property
+    def basis(self) -> FloatArray | None:
+        """Free directions."""
+        return _basis_without_actuator(self._base)
 
     def reaches(self, limit: float) -> bool:
         """Whether it can be refined to a sum of squares that is not above a limit."""
@@ -48,10 +59,10 @@ class HeldSize:
 
     def _refined(self, bound: float) -> float:
         """The same, where the actuator lies as well, as long as OP meets it; above a bound it is not exact."""
-        problem, theta, basis, held = self.problem, self.theta, self.basis, self.problem.family
-        assert isinstance(held, HeldFamily)  # noqa: S101  as it was made
+        problem, theta, basis, held = self.problem, self.theta, self.basis, self._held
+        beside = problem.family
         for slide in self.kind.slides:
-            sliding = SlidingFamily(held.actuator, held.at, np.array(slide), load=held.load, loads=held.loads)
+            sliding = SlidingFamily(held.actuator, held.at, np.array(slide), load=beside.load, loads=beside.loads)
             fit = refine(
                 replace(problem, family=sliding), np.insert(theta, problem.eta_at, 0.0), self._with_slide(), STEPS,
                 tied=True, bound=bound,
@@ -61,7 +72,7 @@ class HeldSize:
             if fit.cost > bound or np.array_equal(met, place):
                 return fit.cost
             theta = np.delete(fit.theta, problem.eta_at)
-            problem = replace(problem, family=replace(held, at=met))
+            problem = replace(problem, family=replace(held, at=met, load=beside.load, loads=beside.loads))
         return refine(problem, theta, basis, STEPS, tied=True, bound=bound).cost
 
     def _with_slide(self) -> FloatArray | None:

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import linear_columns, linear_step
 from lostmotion.kernels.held import input_products, respond
@@ -108,20 +109,20 @@ class Beside:
             gram[at : at + nc, :m] = gram[:m, at : at + nc].T
         return gram
 
-    def settled(self, problem: Problem, own: FloatArray) -> tuple[FloatArray, float]:
+    def settled(self, family: Family, own: FloatArray) -> tuple[FloatArray, float]:
         """Parameter vector with the best gain and level beside an actuator, and its sum of squared errors.
 
         Parameters
         ----------
-        problem : Problem
-            With the family of this actuator.
+        family : Family
+            Of this actuator, with as many parameters as that of the problem; its loads do not count.
         own : ndarray
             Its parameters.
         """
-        theta, moving = self.theta.copy(), self._moving
-        theta[problem.eta_at : moving.start] = problem.family.valid(own)
+        problem, theta, moving = self.problem, self.theta.copy(), self._moving
+        theta[problem.eta_at : moving.start] = family.valid(own)
         alone = np.empty(problem.u.size)
-        problem.family.path(theta[problem.eta_at : moving.start], problem.u, alone)
+        family.path(theta[problem.eta_at : moving.start], problem.u, alone)
         alone = problem.smoothed(alone)
         x = self._with_courses(alone, theta)
         hessian, gradient = self._normal(x)
@@ -143,4 +144,6 @@ class Beside:
             parts.a, parts.b, parts.d, s.delay, s.first, self.problem.segments, x, self._without, self._shared,
             self._initial, self._early, gram, cross, target,
         )  # fmt: skip
-        return np.block([[gram, cross], [cross.T, known]]), -target
+        whole = np.empty((target.size, target.size))
+        whole[:lags, :lags], whole[:lags, lags:], whole[lags:, :lags], whole[lags:, lags:] = gram, cross, cross.T, known
+        return whole, -target

@@ -211,7 +211,7 @@ class Problem:
         """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
         x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
         self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
-        return self.smoothed(x), self.smoothed(dx)
+        return (x, dx) if self.structure.zero == 0.0 else (self.smoothed(x), self.smoothed(dx))
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""

@@ -58,13 +58,13 @@ def refine(
     cost, gradient, hessian = problem.evaluate(theta)
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
-    damping, converged, steps, uphill = FIRST_DAMPING, False, 0, False
+    damping, converged, steps, uphill, errors = FIRST_DAMPING, False, 0, False, max(problem.errors - free, 1)
     history = [cost]
     model = _projected(hessian, gradient, basis)
     while steps < most_steps and not converged:
         steps += 1
         step, promised = _damped_step(model, basis, damping)
-        variance = cost / max(problem.errors - free, 1)
+        variance = cost / errors
         if cost <= floor or promised <= STEP_GAIN * variance:
             converged = True
             break

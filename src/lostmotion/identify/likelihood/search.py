@@ -133,8 +133,10 @@ class _Search:
         limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
         fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for _ in range(PATIENCE):
-            limit = min((self.score(fitted) for fitted in fits), default=0.0) + UNDECIDED
+            limit, before = min((self.score(fitted) for fitted in fits), default=0.0) + UNDECIDED, fits
             fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
+            if all(fitted is one for fitted, one in zip(fits, before, strict=True)):
+                break
         for fitted in fits:
             self.seen.append((fitted.actuator, self.score(fitted) * self.data.u.size / self.rows))
         self.fits.extend(fits)
