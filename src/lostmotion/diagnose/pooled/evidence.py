@@ -149,7 +149,7 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     rest = [kind.name for kind in faults() if kind.size is None]
     curves = {name: np.array([one.curves[name].firm_on(sizes, STEP) for one in profiles]) for name in sized}
     whole = {name: np.array([one.curves[name].on(sizes, STEP) for one in profiles]) for name in sized}
-    free = {name: np.array([max(one.gains.get(name, 0.0), 0.0) for one in profiles]) for name in rest}
+    free = {name: np.array([one.gains.get(name, 0.0) for one in profiles]) for name in rest}
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)
     scattered = {name: _scattered(values, sizes) for name, values in curves.items()}

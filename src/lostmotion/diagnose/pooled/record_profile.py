@@ -71,6 +71,22 @@ class _Models:
         scale = self.scaled.scaling.u_scale
         return share * np.array([_gain(self.linear, self.bases, kind, size / scale) for size in sizes])
 
+    def gain_at(self, kind: Kind, own: FloatArray) -> float:
+        """Over the linear process with the places of a kind held (units of OP), beyond its cost; 0 where OP meets none.
+
+        As for sizes, gains and losses below the cost tell nothing.
+        """
+        scaling = self.scaled.scaling
+        (family,) = kind.forms(self.scaled)
+        held = family.valid((own - scaling.u_centre) / scaling.u_scale)
+        if not kind.meets(held, self.linear.problem.u):
+            return 0.0
+        found, cost = self.fits.get(kind.name), _cost(kind, self.linear.problem.errors)
+        forms = [(base, HeldSize.on(base, kind, family, held)) for base in self.bases]
+        gross = max(_gain_of(base, self.linear, form.refined(ALWAYS)) for base, form in forms)
+        share = 1.0 if found is None else _firm_share(found, self.linear)
+        return float(share * np.sign(gross) * max(abs(gross) - cost, 0.0))
+
     def curve(self, kind: Kind, sizes: FloatArray) -> SizeCurve:
         """Over held sizes, and about the maximum where the kind was found."""
         gains, found = self.gains(kind, sizes), self.fits.get(kind.name)
@@ -106,6 +122,18 @@ class RecordProfile:
     op_range: float
     rows: int
     _models: _Models = field(repr=False)
+
+    def place(self, name: str) -> FloatArray | None:
+        """Own parameters of a kind in units of OP where it gains in this record; None where it does not."""
+        found = self._models.fits.get(name) if self.gains.get(name, 0.0) > 0.0 else None
+        if found is None or not kind_of(name).met(found):
+            return None
+        scaling, own = self._models.scaled.scaling, kind_of(name).places_met(found.actuator, found.problem.u)
+        return np.asarray(scaling.u_centre + scaling.u_scale * own)
+
+    def placed(self, name: str, own: FloatArray) -> RecordProfile:
+        """With the gain of a kind at these parameters (units of OP) in the place of that at its own."""
+        return replace(self, gains={**self.gains, name: self._models.gain_at(kind_of(name), own)})
 
     def structure(self, name: str) -> Structure | None:
         """Of the process beside a kind; None where it was not found."""

@@ -15,6 +15,7 @@ from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import OpSpan, op_span
+from lostmotion.diagnose.pooled.common_place import at_common_places
 from lostmotion.diagnose.pooled.evidence import STEP, Evidence, evidence_of
 from lostmotion.diagnose.pooled.overlap import without_repeats
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis, RecordShare
@@ -133,7 +134,8 @@ def _hear(
         heard.append(_Heard(number, prepared.record, profile, alone))
     if not heard:
         raise _none_of(shares)
-    return shares, heard, reach
+    placed = at_common_places([one.profile for one in heard])
+    return shares, [replace(one, profile=profile) for one, profile in zip(heard, placed, strict=True)], reach
 
 
 def _usable(

@@ -171,9 +171,17 @@ class Kind(ABC):
         found = profile_intervals(fitted) if self.family.kinks else {}
         return {name: (scaling.u_scale * low, scaling.u_scale * high) for name, (low, high) in found.items()}
 
-    def met(self, fitted: Fitted) -> bool:  # noqa: ARG002
+    def met(self, fitted: Fitted) -> bool:
         """Whether the record meets the actuator often enough for a fit of it to mean anything."""
+        return self.meets(fitted.actuator, fitted.problem.u)
+
+    def meets(self, own: FloatArray, u: FloatArray) -> bool:  # noqa: ARG002
+        """The same of a command u (n,) and own parameters, both scaled."""
         return True
+
+    def places_met(self, own: FloatArray, u: FloatArray) -> FloatArray:  # noqa: ARG002
+        """Own parameters, infinite where they are places that the record does not meet."""
+        return own
 
     def settled(self, fitted: Fitted, scaling: Scaling, offset: str) -> Fitted:  # noqa: ARG002
         """The fit after what else is to be decided of it, e.g. whether its offset is 0."""

@@ -10,7 +10,6 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
 from lostmotion.identify.likelihood.family import Family, Grid
-from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import saturation as kernel
 from lostmotion.models import Saturation
@@ -70,11 +69,15 @@ class SaturationKind(Kind):
         """One, within the range of OP."""
         return [SaturationFamily((float(data.u.min()), float(data.u.max())))]
 
-    def met(self, fitted: Fitted) -> bool:
+    def meets(self, own: FloatArray, u: FloatArray) -> bool:
         """OP goes beyond one of the limits more than once."""
-        (low, high), u = fitted.actuator, fitted.problem.u
-        visits = (int(np.count_nonzero(np.diff(beyond, prepend=False) & beyond)) for beyond in (u < low, u > high))
-        return max(visits) >= FEWEST_VISITS
+        return bool(np.isfinite(self.places_met(own, u)).any())
+
+    def places_met(self, own: FloatArray, u: FloatArray) -> FloatArray:
+        """Limits beyond which OP goes more than once."""
+        low, high = own
+        visits = [int(np.count_nonzero(np.diff(beyond, prepend=False) & beyond)) for beyond in (u < low, u > high)]
+        return np.where(np.array(visits) >= FEWEST_VISITS, own, [-np.inf, np.inf])
 
 
 SATURATION = register(SaturationKind())
