@@ -89,6 +89,19 @@ def test_a_loop_that_cannot_be_told_but_is_suspected_comes_behind_one_that_is_to
     assert found[2].priority == 0.0
 
 
+def test_a_suspect_is_worth_a_test_by_its_probability_and_by_the_size_that_is_left_open() -> None:
+    """0.25 is the prior of any valve: a record that says no more is no reason; nor is a size that hardly matters."""
+    made = {"verdict": "cannot tell", "kind": "unknown", "excluded_percent": 6.0}
+    likely, unlikely, prior = (row(f"FIC-{p}", probability=p, **made) for p in (0.39, 0.3, 0.25))
+    small, unknown = row("small", **{**made, "probability": 0.39, "excluded_percent": 0.5}), replace(likely, tag="none")
+    unknown = replace(unknown, excluded_percent=None)
+    found = {one.tag: one.priority for one in ranked([prior, unlikely, likely, small, unknown], {})}
+    assert found["FIC-0.39"] == pytest.approx(100.0 * 0.5 * 0.7 * 0.5 * 0.39)
+    assert found["FIC-0.39"] == found["none"] > found["FIC-0.3"] > found["small"] > found["FIC-0.25"] == 0.0
+    seen = replace(likely, excluded_percent=0.5, indices={"op_span_known": 0.0})
+    assert ranked([seen], {})[0].priority == found["none"], "of the range seen: a size in % of span is not known"
+
+
 def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve() -> None:
     frozen = row("frozen", verdict="cannot tell", kind="unknown", indices={"stuck": 0.24}, fit_for_use=False)
     limited = row("limited", verdict="saturation", kind="actuator", limited=0.8)
@@ -97,6 +110,8 @@ def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve()
     assert "stood still for 24 % of the time" in found["frozen"].priority_reason
     assert (found["limited"].split, found["limited"].label) == ("process", "out of specification")
     assert found["limited"].priority == pytest.approx(24.0)
+    recording = replace(frozen, indices={"stuck": 0.05, "stale": 0.59}, health=("stale for 59 % of the time",))
+    assert ranked([recording], {})[0].priority is None, "most of the time it stands still while OP does, too"
     told = replace(STICKS, indices={"stuck": 0.24})
     assert split_of(told) == "actuator", "the valve is the finding"
 
@@ -187,6 +202,23 @@ def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: s
     both = replace(group, source="", members=(("FIC-3", UNDATED, 1.0, 0.0), *group.members))
     assert all(one.split != "tuning" for one in ranked([rings, pure], {}, [both])), "it is forced from outside"
     assert "look there first" in carried.priority_reason
+
+
+def test_a_swing_that_keeps_its_amplitude_is_not_blamed_on_tuning() -> None:
+    """Noise builds the swing of a tight loop up and takes it away; whoever is forced swings as whoever forces it."""
+    made = {"verdict": "other oscillation", "kind": "tuning", "confidence": 0.9, "regularity": 9.0, "power": 0.9}
+    tight = row(period=100.0, indices={"amplitude_spread": 0.5}, **made)
+    forced = replace(tight, tag="FIC-2", indices={"amplitude_spread": 0.03})
+    first, second = ranked([forced, tight], {})
+    assert (first.tag, first.split, second.split) == ("FIC-1", "tuning", "process")
+    assert second.priority == pytest.approx(0.5 * first.priority)
+    assert second.priority_reason.startswith("not the actuator: look upstream")
+    assert second.priority_reason.endswith("its amplitude stays: not its tuning")
+    assert "amplitude stays" not in first.priority_reason
+    unknown = replace(forced, indices={})
+    assert split_of(unknown) == "tuning", "too few cycles to tell"
+    named = GroupRow(1, 100.0, "FIC-2", 0.9, "", (("FIC-2", UNDATED, 1.0, 2.0),))
+    assert ranked([forced], {}, [named])[0].split == "tuning", "the source of its group by all that is known"
 
 
 def test_a_measurement_that_scatters_more_than_others_of_its_type() -> None:

@@ -11,6 +11,7 @@ from lostmotion.store.rows import AssessmentRow
 
 FROZEN = 0.35  # severity of a measurement that stood still
 STUCK_LEAST = 0.02  # share of the time
+STUCK_ALONE = 0.5  # of the time without live data: else the recording stands still, whatever OP does
 LOUD = 5.0  # % of span over which a measurement scatters from row to row (six deviations): less is usual
 LOUDER, LEAST_LOUD = 8.0, 2.0  # times what is usual in loops of its type, from which on it counts too; % of span
 NEIGHBOURS = 5  # loops of a type that tell what is usual
@@ -31,7 +32,7 @@ def usual_scatter(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop])
 def stuck(row: AssessmentRow) -> str:
     """What is said of a measurement that stood still while OP moved; empty: it did not, or the valve is the finding."""
     share = row.indices.get("stuck", 0.0)
-    if share < STUCK_LEAST or _valve_is_known(row):
+    if share < max(STUCK_LEAST, STUCK_ALONE * row.indices.get("stale", 0.0)) or _valve_is_known(row):
         return ""
     return (
         f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
