@@ -112,6 +112,8 @@ def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve()
     assert found["limited"].priority == pytest.approx(24.0)
     recording = replace(frozen, indices={"stuck": 0.05, "stale": 0.59}, health=("stale for 59 % of the time",))
     assert ranked([recording], {})[0].priority is None, "most of the time it stands still while OP does, too"
+    ended = replace(recording, limited=0.54, verdict="saturation", kind="actuator", fit_for_use=True)
+    assert split_of(ended) == "sensor", "OP has run to its limit, and stands there"
     told = replace(STICKS, indices={"stuck": 0.24})
     assert split_of(told) == "actuator", "the valve is the finding"
 

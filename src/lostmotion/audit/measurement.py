@@ -32,7 +32,8 @@ def usual_scatter(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop])
 def stuck(row: AssessmentRow) -> str:
     """What is said of a measurement that stood still while OP moved; empty: it did not, or the valve is the finding."""
     share = row.indices.get("stuck", 0.0)
-    if share < max(STUCK_LEAST, STUCK_ALONE * row.indices.get("stale", 0.0)) or _valve_is_known(row):
+    ended = share + (row.limited or 0.0)  # at a limit OP ends whose PV stands still
+    if share < STUCK_LEAST or ended < STUCK_ALONE * row.indices.get("stale", 0.0) or _valve_is_known(row):
         return ""
     return (
         f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
