@@ -102,6 +102,23 @@ def test_a_suspect_is_worth_a_test_by_its_probability_and_by_the_size_that_is_le
     assert ranked([seen], {})[0].priority == found["none"], "of the range seen: a size in % of span is not known"
 
 
+def test_an_error_that_could_be_less_is_a_reason_where_nothing_else_is_told() -> None:
+    """Noise that no controller takes away is none, nor is what a swing of another loop does."""
+    loops = {tag: PlantLoop(tag, pv_span=(0.0, 50.0)) for tag in ("loud", "noisy", "small", "swings")}
+    made = {"verdict": "cannot tell", "kind": "unknown", "probability": 0.2}
+    rows = [row("loud", variability=1.0, harris=0.19, **made), row("noisy", variability=1.0, harris=0.97, **made),
+            row("small", variability=0.2, harris=0.19, **made), row("loud without span", variability=1.0, **made),
+            row("swings", variability=1.0, harris=0.19, regularity=9.0, power=0.9, period=60.0, **made)]  # fmt: skip
+    group = GroupRow(1, 60.0, "elsewhere", 0.9, "", (("swings", UNDATED, 1.0, 0.0),))
+    found = {one.tag: one for one in ranked(rows, loops, [group])}
+    assert found["loud"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.45)
+    assert found["loud"].priority_reason.endswith("; error of control 0.9 % of span that could be less")
+    assert found["noisy"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.5 * 0.03**0.5)
+    assert "error of control" not in found["noisy"].priority_reason + found["small"].priority_reason
+    assert found["loud without span"].priority == 0.0
+    assert found["swings"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.25 * 0.9), "it comes with the swing"
+
+
 def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve() -> None:
     frozen = row("frozen", verdict="cannot tell", kind="unknown", indices={"stuck": 0.24}, fit_for_use=False)
     limited = row("limited", verdict="saturation", kind="actuator", limited=0.8)

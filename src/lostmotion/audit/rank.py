@@ -34,6 +34,8 @@ RINGS, RINGS_SURE = 5.0, 0.8  # regularity from which on a swing that comes and 
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
 PRIOR = 0.25  # probability of a fault of any actuator: what is above it is what a record has said
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
+TOLD = 0.25  # of that: less is not told
+LOUD = 2.0  # % of span of PV: an error of control of this deviation matters in any loop
 BUSY = 20.0  # full strokes of OP an hour: from one in three minutes on a valve wears
 WORN = 0.3  # severity of a valve that never rests
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
@@ -58,12 +60,15 @@ class Around:
         % of span over which loops of its type scatter.
     steady : bool
         Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
+    spanned : bool
+        Whether the span of PV is known: else its error is in % of the range seen.
     """
 
     weight: float = 1.0
     source: str = ""
     usual: float | None = None
     steady: bool = False
+    spanned: bool = False
 
 
 ALONE = Around()
@@ -99,7 +104,8 @@ def ranked(
         loop = loops.get(row.tag)
         weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
         key = row.tag, row.window_start
-        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady)
+        spanned = loop is not None and loop.pv_span is not None
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, spanned)
         found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
 
@@ -200,7 +206,8 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
         fault = row.probability or 0.0
         words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
         lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
-        return UNTOLD * (lost + (1.0 - LOST) * swing), [words, *about_swing]
+        error, about_error = _avoidable(row, around)
+        return UNTOLD * (lost + (1.0 - LOST) * max(swing, error)), [words, *about_swing, *about_error]
     if row.verdict == "saturation":
         at = max(row.limited or 0.0, swing)
         return (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
@@ -226,6 +233,16 @@ def _left_open(row: AssessmentRow) -> float:
     left = row.excluded_percent if _of_span(row) else None
     half = USUAL if left is None else min(0.5 * left, USUAL)
     return half / (half + USUAL)
+
+
+def _avoidable(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
+    """What counts of the error that a controller with the same delay would not leave, its swing aside; its words."""
+    if not around.spanned or row.variability is None or row.harris is None:
+        return 0.0, []
+    swing = (row.power or 0.0) if swings(row) else 0.0
+    left = row.variability * math.sqrt(max(1.0 - row.harris, 0.0) * (1.0 - swing))
+    words = f"error of control {left:.2g} % of span that could be less"
+    return min(left / LOUD, 1.0), [words] if left >= TOLD * LOUD else []
 
 
 def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
