@@ -117,6 +117,8 @@ def test_an_error_that_could_be_less_is_a_reason_where_nothing_else_is_told() ->
     assert "error of control" not in found["noisy"].priority_reason + found["small"].priority_reason
     assert found["loud without span"].priority == 0.0
     assert found["swings"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.25 * 0.9), "it comes with the swing"
+    level = replace(loops["loud"], loop_type="level")
+    assert ranked(rows[:1], {"loud": level})[0].priority == 0.0, "a level may wander: it is a buffer"
 
 
 def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve() -> None:

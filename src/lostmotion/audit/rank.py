@@ -60,15 +60,15 @@ class Around:
         % of span over which loops of its type scatter.
     steady : bool
         Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
-    spanned : bool
-        Whether the span of PV is known: else its error is in % of the range seen.
+    tells : bool
+        Whether its error of control does: the span of PV is known, and it is no level, which may wander as a buffer.
     """
 
     weight: float = 1.0
     source: str = ""
     usual: float | None = None
     steady: bool = False
-    spanned: bool = False
+    tells: bool = False
 
 
 ALONE = Around()
@@ -104,8 +104,8 @@ def ranked(
         loop = loops.get(row.tag)
         weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
         key = row.tag, row.window_start
-        spanned = loop is not None and loop.pv_span is not None
-        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, spanned)
+        tells = loop is not None and loop.pv_span is not None and kind != "level"
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, tells)
         found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
 
@@ -237,7 +237,7 @@ def _left_open(row: AssessmentRow) -> float:
 
 def _avoidable(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     """What counts of the error that a controller with the same delay would not leave, its swing aside; its words."""
-    if not around.spanned or row.variability is None or row.harris is None:
+    if not around.tells or row.variability is None or row.harris is None:
         return 0.0, []
     swing = (row.power or 0.0) if swings(row) else 0.0
     left = row.variability * math.sqrt(max(1.0 - row.harris, 0.0) * (1.0 - swing))
