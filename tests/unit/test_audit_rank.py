@@ -175,6 +175,8 @@ def test_a_measurement_that_scatters_is_a_fact_whatever_the_diagnosis_says() -> 
     assert 26.0 < first.priority < 55.0
     usual = replace(noisy, indices={"scatter_percent": 0.5})
     assert ranked([usual], {})[0].priority is None
+    coarse = replace(noisy, indices={"scatter_percent": 2.5, "stale": 0.94}, fit_for_use=False)
+    assert ranked([coarse], {})[0].priority is None, "steps of a resolution in which PV rests"
     fast = replace(noisy, regularity=5.0, power=0.9, period=6.0, dt=1.0)
     assert split_of(fast) == "cannot tell"
     assert split_of(replace(STICKS, indices={"scatter_percent": 2.5})) == "actuator"
