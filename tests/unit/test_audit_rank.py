@@ -89,6 +89,38 @@ def test_a_loop_that_cannot_be_told_but_is_suspected_comes_behind_one_that_is_to
     assert found[2].priority == 0.0
 
 
+def test_a_suspect_is_worth_a_test_by_its_probability_and_by_the_size_that_is_left_open() -> None:
+    """0.25 is the prior of any valve: a record that says no more is no reason; nor is a size that hardly matters."""
+    made = {"verdict": "cannot tell", "kind": "unknown", "excluded_percent": 6.0}
+    likely, unlikely, prior = (row(f"FIC-{p}", probability=p, **made) for p in (0.39, 0.3, 0.25))
+    small, unknown = row("small", **{**made, "probability": 0.39, "excluded_percent": 0.5}), replace(likely, tag="none")
+    unknown = replace(unknown, excluded_percent=None)
+    found = {one.tag: one.priority for one in ranked([prior, unlikely, likely, small, unknown], {})}
+    assert found["FIC-0.39"] == pytest.approx(100.0 * 0.5 * 0.7 * 0.5 * 0.39)
+    assert found["FIC-0.39"] == found["none"] > found["FIC-0.3"] > found["small"] > found["FIC-0.25"] == 0.0
+    seen = replace(likely, excluded_percent=0.5, indices={"op_span_known": 0.0})
+    assert ranked([seen], {})[0].priority == found["none"], "of the range seen: a size in % of span is not known"
+
+
+def test_an_error_that_could_be_less_is_a_reason_where_nothing_else_is_told() -> None:
+    """Noise that no controller takes away is none, nor is what a swing of another loop does."""
+    loops = {tag: PlantLoop(tag, pv_span=(0.0, 50.0)) for tag in ("loud", "noisy", "small", "swings")}
+    made = {"verdict": "cannot tell", "kind": "unknown", "probability": 0.2}
+    rows = [row("loud", variability=1.0, harris=0.19, **made), row("noisy", variability=1.0, harris=0.97, **made),
+            row("small", variability=0.2, harris=0.19, **made), row("loud without span", variability=1.0, **made),
+            row("swings", variability=1.0, harris=0.19, regularity=9.0, power=0.9, period=60.0, **made)]  # fmt: skip
+    group = GroupRow(1, 60.0, "elsewhere", 0.9, "", (("swings", UNDATED, 1.0, 0.0),))
+    found = {one.tag: one for one in ranked(rows, loops, [group])}
+    assert found["loud"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.45)
+    assert found["loud"].priority_reason.endswith("; error of control 0.9 % of span that could be less")
+    assert found["noisy"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.5 * 0.03**0.5)
+    assert "error of control" not in found["noisy"].priority_reason + found["small"].priority_reason
+    assert found["loud without span"].priority == 0.0
+    assert found["swings"].priority == pytest.approx(100.0 * 0.5 * 0.3 * 0.25 * 0.9), "it comes with the swing"
+    level = replace(loops["loud"], loop_type="level")
+    assert ranked(rows[:1], {"loud": level})[0].priority == 0.0, "a level may wander: it is a buffer"
+
+
 def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve() -> None:
     frozen = row("frozen", verdict="cannot tell", kind="unknown", indices={"stuck": 0.24}, fit_for_use=False)
     limited = row("limited", verdict="saturation", kind="actuator", limited=0.8)
@@ -97,6 +129,10 @@ def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve()
     assert "stood still for 24 % of the time" in found["frozen"].priority_reason
     assert (found["limited"].split, found["limited"].label) == ("process", "out of specification")
     assert found["limited"].priority == pytest.approx(24.0)
+    recording = replace(frozen, indices={"stuck": 0.05, "stale": 0.59}, health=("stale for 59 % of the time",))
+    assert ranked([recording], {})[0].priority is None, "most of the time it stands still while OP does, too"
+    ended = replace(recording, limited=0.54, verdict="saturation", kind="actuator", fit_for_use=True)
+    assert split_of(ended) == "sensor", "OP has run to its limit, and stands there"
     told = replace(STICKS, indices={"stuck": 0.24})
     assert split_of(told) == "actuator", "the valve is the finding"
 
@@ -139,6 +175,8 @@ def test_a_measurement_that_scatters_is_a_fact_whatever_the_diagnosis_says() -> 
     assert 26.0 < first.priority < 55.0
     usual = replace(noisy, indices={"scatter_percent": 0.5})
     assert ranked([usual], {})[0].priority is None
+    coarse = replace(noisy, indices={"scatter_percent": 2.5, "stale": 0.94}, fit_for_use=False)
+    assert ranked([coarse], {})[0].priority is None, "steps of a resolution in which PV rests"
     fast = replace(noisy, regularity=5.0, power=0.9, period=6.0, dt=1.0)
     assert split_of(fast) == "cannot tell"
     assert split_of(replace(STICKS, indices={"scatter_percent": 2.5})) == "actuator"
@@ -187,6 +225,23 @@ def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: s
     both = replace(group, source="", members=(("FIC-3", UNDATED, 1.0, 0.0), *group.members))
     assert all(one.split != "tuning" for one in ranked([rings, pure], {}, [both])), "it is forced from outside"
     assert "look there first" in carried.priority_reason
+
+
+def test_a_swing_that_keeps_its_amplitude_is_not_blamed_on_tuning() -> None:
+    """Noise builds the swing of a tight loop up and takes it away; whoever is forced swings as whoever forces it."""
+    made = {"verdict": "other oscillation", "kind": "tuning", "confidence": 0.9, "regularity": 9.0, "power": 0.9}
+    tight = row(period=100.0, indices={"amplitude_spread": 0.5}, **made)
+    forced = replace(tight, tag="FIC-2", indices={"amplitude_spread": 0.03})
+    first, second = ranked([forced, tight], {})
+    assert (first.tag, first.split, second.split) == ("FIC-1", "tuning", "process")
+    assert second.priority == pytest.approx(0.5 * first.priority)
+    assert second.priority_reason.startswith("not the actuator: look upstream")
+    assert second.priority_reason.endswith("its amplitude stays: not its tuning")
+    assert "amplitude stays" not in first.priority_reason
+    unknown = replace(forced, indices={})
+    assert split_of(unknown) == "tuning", "too few cycles to tell"
+    named = GroupRow(1, 100.0, "FIC-2", 0.9, "", (("FIC-2", UNDATED, 1.0, 2.0),))
+    assert ranked([forced], {}, [named])[0].split == "tuning", "the source of its group by all that is known"
 
 
 def test_a_measurement_that_scatters_more_than_others_of_its_type() -> None:

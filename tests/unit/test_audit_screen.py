@@ -165,6 +165,19 @@ def test_hand_and_limits_leave_nothing_to_be_told():
     assert "limit of OP" in full.reason
 
 
+@pytest.mark.parametrize(("every", "share"), [(100, 0.5), (4000, 0.0)])
+def test_integral_action_that_creeps_on_tells_a_sensor_that_stands_from_a_recording(every, share):
+    """PV stands near SP: OP goes by a step in a hundred rows, which row by row is a recording that stopped."""
+    rng = np.random.default_rng(3)
+    pv = np.round(50.0 + 0.05 * rng.normal(size=8000), 2)
+    op = np.round(40.0 + np.cumsum(0.05 * rng.normal(size=8000)), 2)
+    pv[2000:6000] = pv[2000]
+    op[2000:6000] = op[2000] + 0.2 * (np.arange(4000) // every)
+    row = row_of(LoopRecord(op, pv, np.full(8000, 50.0), dt=1.0))
+    assert row.indices["stuck"] == pytest.approx(share, abs=0.01)
+    assert row.indices["stale"] == pytest.approx(0.5, abs=0.01)
+
+
 def test_output_limits_inside_the_span_are_seen():
     op = base().op
     cut = np.minimum(op, np.quantile(op, 0.8))

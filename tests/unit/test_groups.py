@@ -164,6 +164,17 @@ def test_of_loops_that_ring_the_purest_is_the_source_whatever_the_diagnosis():
     assert groups(coupled, rows)[0].source == "", "a linear loop does not tie phases"
 
 
+def test_a_wide_swing_that_rings_is_told_by_its_period_though_its_valve_bends_it():
+    """Noise is added on every way: of another one 20 times more of the variance is something else."""
+    spread, bent = {"amplitude_spread": 0.6}, {"nonlinearity": 3.2}
+    wide = replace(row("A", 300.0, power=0.999), regularity=600.0, indices=spread)
+    other = replace(row("B", 300.0, power=0.98), regularity=500.0, indices=spread)
+    spectra = [spectrum("A", 300.0, **bent), spectrum("B", 300.0)]
+    assert groups(spectra, [wide, other])[0].source == "A"
+    irregular = replace(wide, regularity=6.0)
+    assert groups(spectra, [irregular, other])[0].source != "A", "a limit cycle whose period comes and goes"
+
+
 def test_a_valve_is_blamed_by_a_sure_verdict_only():
     """Surer where the phases are coupled: what swings from outside has them as well."""
 

@@ -11,8 +11,10 @@ from lostmotion.store.rows import AssessmentRow
 
 FROZEN = 0.35  # severity of a measurement that stood still
 STUCK_LEAST = 0.02  # share of the time
+STUCK_ALONE = 0.5  # of the time without live data: else the recording stands still, whatever OP does
 LOUD = 5.0  # % of span over which a measurement scatters from row to row (six deviations): less is usual
 LOUDER, LEAST_LOUD = 8.0, 2.0  # times what is usual in loops of its type, from which on it counts too; % of span
+RESTS = 0.5  # share of time without live data, from which on what moves from row to row is a step of the resolution
 NEIGHBOURS = 5  # loops of a type that tell what is usual
 FAST = 8.0  # rows in a period: a faster swing looks like scatter
 NOISY = 0.35  # severity of a measurement that is nothing but scatter
@@ -31,7 +33,8 @@ def usual_scatter(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop])
 def stuck(row: AssessmentRow) -> str:
     """What is said of a measurement that stood still while OP moved; empty: it did not, or the valve is the finding."""
     share = row.indices.get("stuck", 0.0)
-    if share < STUCK_LEAST or _valve_is_known(row):
+    ended = share + (row.limited or 0.0)  # at a limit OP ends whose PV stands still
+    if share < STUCK_LEAST or ended < STUCK_ALONE * row.indices.get("stale", 0.0) or _valve_is_known(row):
         return ""
     return (
         f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
@@ -43,7 +46,8 @@ def loud(row: AssessmentRow, usual: float | None = None) -> float | None:
     over = 6.0 * row.indices.get("scatter_percent", 0.0)
     apart = usual is not None and over >= max(LOUDER * usual, LEAST_LOUD)
     fast = (row.regularity or 0.0) > 1.0 and (row.period or 0.0) < FAST * (row.dt or 0.0)
-    return None if (over < LOUD and not apart) or fast or _valve_is_known(row) else over
+    rests = row.indices.get("stale", 0.0) > RESTS
+    return None if (over < LOUD and not apart) or fast or rests or _valve_is_known(row) else over
 
 
 def of_measurement(row: AssessmentRow, usual: float | None) -> tuple[float, str] | None:

@@ -4,8 +4,9 @@ Technical severity is 0 to 1: `LOST` of it for the size of the lost motion (half
 control valve, severity_of), the rest for what the loop does with it: the share of the variance that is a regular swing,
 or of the time with OP at a limit. The weight is that of the loop list over the largest one of the plant. Confidence is
 the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
-the prior, and all counts by `UNTOLD`: a test comes first. A measurement that stood still while OP moved, or
-scatters over a good part of its span from row to row, is a fact, and so is an OP that never rests: it wears the valve.
+the prior, for a size that is not excluded, and all counts by `UNTOLD`: a test comes first. A measurement that stood
+still while OP moved, or scatters over a good part of its span from row to row, is a fact, and so is an OP that never
+rests: it wears the valve.
 A loop that swings because another one of its group does so is looked at after that one.
 """
 
@@ -31,8 +32,10 @@ ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valv
 CARRIED = 0.25  # share of a swing that comes from another loop: it ends when that one is mended
 RINGS, RINGS_SURE = 5.0, 0.8  # regularity from which on a swing that comes and goes is the loop's own, and how sure
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
-SUSPECTED = 0.4  # probability of a fault from which a loop that cannot be told is worth a test: 0.25 is the prior
+PRIOR = 0.25  # probability of a fault of any actuator: what is above it is what a record has said
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
+TOLD = 0.25  # of that: less is not told
+LOUD = 2.0  # % of span of PV: an error of control of this deviation matters in any loop
 BUSY = 20.0  # full strokes of OP an hour: from one in three minutes on a valve wears
 WORN = 0.3  # severity of a valve that never rests
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
@@ -57,12 +60,15 @@ class Around:
         % of span over which loops of its type scatter.
     steady : bool
         Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
+    tells : bool
+        Whether its error of control does: the span of PV is known, and it is no level, which may wander as a buffer.
     """
 
     weight: float = 1.0
     source: str = ""
     usual: float | None = None
     steady: bool = False
+    tells: bool = False
 
 
 ALONE = Around()
@@ -98,7 +104,8 @@ def ranked(
         loop = loops.get(row.tag)
         weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
         key = row.tag, row.window_start
-        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady)
+        tells = loop is not None and loop.pv_span is not None and kind != "level"
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, tells)
         found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
 
@@ -131,7 +138,8 @@ def split_of(row: AssessmentRow, around: Around = ALONE) -> str:
         return "process"  # the load or the size of the valve: its motion is not at fault
     if _makes_it_swing(row, around):
         return "tuning"
-    return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(row.kind, "cannot tell")
+    kind = "disturbance" if _disturbed(row, around) else row.kind
+    return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(kind, "cannot tell")
 
 
 def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
@@ -197,8 +205,9 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     if row.verdict == "cannot tell":
         fault = row.probability or 0.0
         words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
-        lost = LOST * UNSIZED * fault if fault >= SUSPECTED else 0.0
-        return UNTOLD * (lost + (1.0 - LOST) * swing), [words, *about_swing]
+        lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
+        error, about_error = _avoidable(row, around)
+        return UNTOLD * (lost + (1.0 - LOST) * max(swing, error)), [words, *about_swing, *about_error]
     if row.verdict == "saturation":
         at = max(row.limited or 0.0, swing)
         return (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
@@ -208,14 +217,32 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
         return sure * (LOST * lost + (1.0 - LOST) * swing), [_fault(row), *about_swing]
     if row.verdict == "other oscillation":
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
-        way = ways.get(split_of(row), "upstream or tuning")
-        share = CARRIED if row.kind == "disturbance" and not source else ELSEWHERE
-        return share * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing]
+        way = ways.get(split_of(row, around), "upstream or tuning")
+        share = CARRIED if _disturbed(row, around) and not source else ELSEWHERE
+        stays = [] if row.kind != "tuning" or way == "retune" else ["its amplitude stays: not its tuning"]
+        return share * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing, *stays]
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
     known = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
     return sure * weak, [*known, *(about_swing if source else [])]
+
+
+def _left_open(row: AssessmentRow) -> float:
+    """Severity of a lost motion that is not known: of half of what is not excluded, the usual one at most."""
+    left = row.excluded_percent if _of_span(row) else None
+    half = USUAL if left is None else min(0.5 * left, USUAL)
+    return half / (half + USUAL)
+
+
+def _avoidable(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
+    """What counts of the error that a controller with the same delay would not leave, its swing aside; its words."""
+    if not around.tells or row.variability is None or row.harris is None:
+        return 0.0, []
+    swing = (row.power or 0.0) if swings(row) else 0.0
+    left = row.variability * math.sqrt(max(1.0 - row.harris, 0.0) * (1.0 - swing))
+    words = f"error of control {left:.2g} % of span that could be less"
+    return min(left / LOUD, 1.0), [words] if left >= TOLD * LOUD else []
 
 
 def _swing(row: AssessmentRow, source: str) -> tuple[float, list[str]]:
@@ -241,6 +268,13 @@ def _makes_it_swing(row: AssessmentRow, around: Around) -> bool:
     """Whether a loop without a fault of its valve that is known swings by itself."""
     untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
     return untold and around.source in ("", row.tag) and not around.steady and rings(row)
+
+
+def _disturbed(row: AssessmentRow, around: Around) -> bool:
+    """Whether its swing comes from elsewhere: noise lets no linear loop keep its amplitude, whatever its tuning."""
+    steady = around.steady or row.indices.get("amplitude_spread", WANDERS) < STEADY
+    blamed = row.kind == "tuning" and row.tag != around.source
+    return row.kind == "disturbance" or (blamed and swings(row) and steady)
 
 
 def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:

@@ -40,7 +40,9 @@ def groups(
     The source: each loop has log odds from its diagnosis and from how much of its variance the oscillation is; one
     alternative is that it comes from outside, which coupled phases (Choudhury, Shah and Thornhill 2004) and an
     amplitude that stays speak for where no diagnosis is sure of a valve. Where the amplitude comes and goes without
-    coupled phases a linear loop rings, and the purest of them is the source; where it stays, tuning is not blamed.
+    coupled phases, or with a period as regular as that of a loop that rings (what swings wide is bent by the
+    characteristic of its valve), a linear loop rings, and the purest is the source; where it stays, tuning is not
+    blamed.
     Harmonics (Thornhill, Cox and Paulonis 2003) add nothing beside the diagnoses in simulated plants. Lags between
     loops decide nothing: the sign of what one does to the other is not known, so they are known up to half a period
     only. Two loops that are close are not decided between. What it finds: benchmarks/audit/groups.py.

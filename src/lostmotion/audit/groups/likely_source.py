@@ -16,7 +16,7 @@ LEAST_SURE = 0.65
 LEAST_LEAD = 2.0  # odds over the next
 CERTAIN = 0.97  # what a verdict can at most be worth
 STEADY, WANDERS = 0.1, 0.4  # spread of an amplitude: noise builds up none below; of a loop that rings it is about 0.5
-MOST_PURITY = 8.0
+MOST_PURITY, PUREST = 16.0, 0.999  # log odds; share of the variance, of which no more is known
 USUAL_REGULAR = 20.0  # of loops that ring: their median in simulated plants
 COUPLED = 1.0, 3.0  # limit of the statistic of coupled phases, and what counts beyond it
 
@@ -115,18 +115,23 @@ def facts_of_outside(suspects: Sequence[Suspect]) -> dict[str, float]:
 def _rings(loop: Swinging) -> bool:
     """Whether a loop swings as a linear one that hardly settles: noise builds its amplitude up and takes it away.
 
-    A limit cycle and what is forced from outside keep their amplitude.
+    A limit cycle and what is forced from outside keep their amplitude, or their period varies with it. Where the period
+    does not, coupled phases are those of a swing so wide that the characteristic of the valve bends it.
     """
     valve = any(row.kind == "actuator" for row in loop.rows)
-    return not valve and _wanders(loop) == 1.0 and not _coupled(loop)
+    return not valve and _wanders(loop) == 1.0 and (not _coupled(loop) or _regular(loop) >= USUAL_REGULAR)
 
 
 def _purity(loop: Swinging) -> float:
     """Log odds of a loop that rings: on every way noise is added, so the source swings purest and most regularly."""
-    power = float(np.clip(loop.power, 0.01, 0.99))
-    regular = float(np.median([row.regularity or 1.0 for row in loop.rows]))
-    found = 2.0 * np.log(power / (1.0 - power)) + np.log(regular / USUAL_REGULAR)
+    power = float(np.clip(loop.power, 1.0 - PUREST, PUREST))
+    found = 2.0 * np.log(power / (1.0 - power)) + np.log(_regular(loop) / USUAL_REGULAR)
     return float(np.clip(found, -MOST_PURITY, MOST_PURITY))
+
+
+def _regular(loop: Swinging) -> float:
+    """Regularity of its period, median of the windows."""
+    return float(np.median([row.regularity or 1.0 for row in loop.rows]))
 
 
 def name(suspects: Sequence[Suspect]) -> Named:

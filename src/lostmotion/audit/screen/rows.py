@@ -18,6 +18,8 @@ from lostmotion.records.sampling import Bools, neighbours, runs
 from lostmotion.records.standstill import held_op, improbable_run, is_live, stopped, stuck
 
 FAR = 2.0  # times the range of OP elsewhere
+CREPT = 0.25  # of the usual range of OP: what integral action goes while PV stands near SP
+MOST = 0.5  # of the time
 USUAL = (0.02, 0.98)  # quantiles of OP: where it comes back from having run away is neither
 
 
@@ -61,8 +63,8 @@ class ScreenRows:
 
     @cached_property
     def stopped(self) -> Bools:
-        """The recording stopped: neither OP nor PV moves."""
-        return np.asarray(stopped(self.record))
+        """The recording stopped: neither OP nor PV moves, nor has OP crept on while PV stood still."""
+        return np.asarray(stopped(self.record) & ~_crept_on(self.record, self.stuck))
 
     @cached_property
     def stuck(self) -> Bools:
@@ -150,6 +152,24 @@ class ScreenRows:
             return False
         reach = float(np.ptp(pv)) + float(np.nanmax(sp) - np.nanmin(sp))
         return bool(np.nanmin(apart) > reach + limits.SMALL_AMPLITUDE * float(np.abs(pv).max()))
+
+
+def _crept_on(record: LoopRecord, standing: Bools) -> Bools:
+    """Rows in which PV stands still for so long that OP has gone far, be it by a step in hundreds of rows; shape (n,).
+
+    A PV that stands most of the time does so for its resolution.
+    """
+    rows = np.zeros(len(record), dtype=np.bool_)
+    known = record.op[np.isfinite(record.op)]
+    if not 0.0 < float(np.mean(standing)) <= MOST or not known.size:
+        return rows
+    reach = CREPT * float(np.subtract(*np.quantile(known, USUAL[::-1])))
+    for start, length in zip(*(found.tolist() for found in runs(standing)), strict=True):
+        part = record.op[start : start + length]
+        part = part[np.isfinite(part)]
+        if part.size and 0.0 < reach <= float(np.ptp(part)):
+            rows[start : start + length] = True
+    return rows
 
 
 def _left_behind(record: LoopRecord) -> Bools:
