@@ -338,6 +338,19 @@ def test_news_that_were_kept_are_those_of_the_rule(store):
         assert news.worked_out(connection, 3, 1) == store.news(3, 1) != store.news(3)
 
 
+def test_postgresql_knows_its_rows_before_it_is_asked_what_is_new(postgresql):
+    """It counts rows a minute after they came; without numbers the join of two runs of 26,000 loops took an hour."""
+    with Store(postgresql.database()) as one:
+        for _ in range(2):
+            run, _ = one.begin(RunRow("plant"))
+            one.put_loops(run, [LoopRow(f"FIC-{number}") for number in range(40)])
+            one.put_screened(run, [Screened((replace(full(), tag=f"FIC-{number}"),)) for number in range(40)])
+            one.finish(run)
+        with one.engine.connect() as connection:
+            known = connection.scalar(sa.text("SELECT reltuples FROM pg_class WHERE relname = 'assessment'"))
+    assert known == 80
+
+
 def test_what_is_new_is_kept_with_the_end_of_a_run_or_not_at_all(store, monkeypatch):
     store.finish(filled(store))
     run = random_run(store, np.random.default_rng(1), ["b", "A", "c"])

@@ -39,6 +39,7 @@ def keep(connection: Connection, number: int, earlier: int) -> None:
     """Write down what is new in a run whose rows no longer change, in the place of what was said before."""
     for table in (change, comparison):
         connection.execute(table.delete().where(table.c.run_id == number))
+    _count(connection)
     known = ids(connection)
     values = [
         {"run_id": number, "place": place, "loop_id": known[one.tag]} | encoded(one, "tag")
@@ -47,6 +48,12 @@ def keep(connection: Connection, number: int, earlier: int) -> None:
     if values:
         connection.execute(change.insert(), values)
     connection.execute(comparison.insert().values(run_id=number, earlier_id=earlier))
+
+
+def _count(connection: Connection) -> None:
+    """Bring the statistics of PostgreSQL up to date: it does so a minute after rows came, and plans an hour without."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(sa.text(f"ANALYZE {assessment.name}"))
 
 
 def _kept(connection: Connection, number: int, limit: int | None) -> list[New]:
