@@ -107,13 +107,45 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         (TRIANGLES, ZONE, {"dead zone": 50.0}, False, "dead zone"),
         # but behind a level; a saturation never
         (TRIANGLES, ZONE, {"dead zone": 50.0}, True, "dead zone"),
-        (Features(saturation=STRONG, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
+        (Features(saturation=STRONG, memory=0.5, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
     found = verdict(features, fit_of(actuator, {"none": 0.0, **gains}), integrating=integrating)
     assert (found.verdict, found.kind) == (said, "actuator")
     assert found.confidence == found.probabilities["actuator"]
+
+
+@pytest.mark.parametrize("integrating", [False, True])
+def test_a_wave_that_the_kind_does_not_make_is_not_called_stiction_without_a_valve_that_sticks(integrating):
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    found = verdict(Features(saturation=STRONG, shape=0.4), clamp, integrating=integrating)
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert "makes no such wave" in found.why
+
+
+def test_a_swing_of_which_only_pv_moves_op_does_not_say_whose_it_is():
+    found = decide(LINEAR, measured(SWING), OWN, False, 0.0, fed_back=True)
+    assert (found.verdict, found.kind) == ("other oscillation", "unknown")
+
+
+def test_a_swing_of_the_set_point_is_no_disturbance():
+    found = decide(LINEAR, replace(measured(Features(), driven=True), commanded=True), None, False, 0.0)
+    assert (found.verdict, found.kind) == ("other oscillation", "set point")
+
+
+@pytest.mark.parametrize(("runner_up", "share"), [("dead zone", 0.9), ("none", 1.0)])
+def test_a_limit_is_no_surer_than_its_kind(runner_up, share):
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    found = verdict(Features(saturation=STRONG), replace(clamp, kinds=replace(clamp.kinds, runner_up=runner_up)))
+    assert found.verdict == "saturation"
+    assert found.confidence == pytest.approx(share * found.probabilities["actuator"])
+
+
+def test_a_dead_zone_of_unknown_size_is_not_named():
+    found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, lm.Status.WIDE))
+    assert found.verdict == "cannot tell"
+    assert "does not tell its size" in found.why
 
 
 @pytest.mark.parametrize(("period", "said"), [(50.0, "stiction"), (5.0, "dead zone")])
