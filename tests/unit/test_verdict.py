@@ -107,7 +107,7 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         (TRIANGLES, ZONE, {"dead zone": 50.0}, False, "dead zone"),
         # but behind a level; a saturation never
         (TRIANGLES, ZONE, {"dead zone": 50.0}, True, "dead zone"),
-        (Features(saturation=STRONG, memory=0.5, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
+        (Features(saturation=STRONG, waveform=4.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
@@ -142,10 +142,13 @@ def test_a_limit_is_no_surer_than_its_kind(runner_up, share):
     assert found.confidence == pytest.approx(share * found.probabilities["actuator"])
 
 
-def test_a_dead_zone_of_unknown_size_is_not_named():
-    found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, lm.Status.WIDE))
-    assert found.verdict == "cannot tell"
-    assert "does not tell its size" in found.why
+@pytest.mark.parametrize(("low", "said"), [(0.0, "cannot tell"), (0.4, "dead zone")])
+def test_a_dead_zone_that_may_have_no_width_is_not_named(monkeypatch, low, said):
+    wide = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, lm.Status.WIDE)
+    monkeypatch.setattr(type(wide), "interval", lambda fit, name, level=0.95: (low, 3.0))
+    found = verdict(Features(dead_zone=STRONG), wide)
+    assert found.verdict == said
+    assert ("of what size, if of any" in found.why) == (low == 0.0)
 
 
 @pytest.mark.parametrize(("period", "said"), [(50.0, "stiction"), (5.0, "dead zone")])

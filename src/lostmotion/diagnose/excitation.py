@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
 from lostmotion.records import LoopRecord
 
 # Share of the moves of OP that PV does not explain. Below it, with the set point at rest or not known, process and
 # noise can be exchanged for others that foretell PV as well, the inverse of the controller among them (Ljung, 2nd ed.,
 # section 13.4); eight of the nine valves with 0.5 to 4 % of lost motion that another simulation saw "cleared" were so.
 FED_BACK = 0.01
-FED_BACK_WITH_MOVES = 1e-3  # the same where the set point moves: it then hardly does
 ONLY_PV = "nothing but PV moves OP, so that the record does not tell the process from its controller"
 
 
@@ -28,7 +28,7 @@ def only_fed_back(closed: bool, free: float, sp: FloatArray | None) -> bool:
         Set point; None: not known.
     """
     moves = sp is not None and bool(np.ptp(sp) > 0.0)
-    return closed and free < (FED_BACK_WITH_MOVES if moves else FED_BACK)
+    return closed and free < (NEARLY_EXACT if moves else FED_BACK)
 
 
 def set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:

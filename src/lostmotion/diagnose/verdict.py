@@ -112,10 +112,10 @@ def decide(
     doubt = not_shown(fit)
     if doubt and verdict in (fit.kind.name, NO_FAULT):
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters["width"]
-    elif _sticks(verdict) and features.memory == 0.0 and (sticking < other or not _answers_as_a_level(fit, measured)):
+    elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
-        if sticking < other:
+        if sticking < 0.0:
             why = f"a {fit.kind.name} fits best, which makes no such wave, and no valve that sticks foretells PV better"
         limit = CARRIES * float(np.ptp(fit.data.u))
     elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
