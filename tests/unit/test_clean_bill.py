@@ -7,6 +7,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.diagnose.clean_bill import CARRIES, CleanBill, clean_bill, how_to_tell
+from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.op_span import OpSpan, op_span
 from lostmotion.diagnose.verdict import Verdict
@@ -126,3 +127,51 @@ def test_a_size_too_small_to_be_seen_is_below_the_bound(kind):
             counted, held = counted + 1, held + (sizes[kind] >= size)
     assert counted >= 6
     assert held >= counted - 1
+
+
+SET_POINT = np.repeat([0.0, 1.0], 50)
+
+
+@pytest.mark.parametrize(
+    ("closed", "free", "sp", "said"),
+    [
+        (True, 0.0, None, True),
+        (True, 0.005, np.zeros(100), True),
+        (True, 0.02, np.zeros(100), False),  # something else moves OP as well
+        (True, 0.005, SET_POINT, False),
+        (True, 1e-4, SET_POINT, True),  # it moves, but that is not what moves OP
+        (False, 0.0, None, False),
+    ],
+)
+def test_whether_nothing_but_pv_moves_op(closed, free, sp, said):
+    assert only_fed_back(closed, free, sp) is said
+
+
+def held(valve, seed, n=2000):
+    """Loop at a constant set point: loads move it, and OP is the controller's answer to PV and nothing else."""
+    rng = np.random.default_rng(seed)
+    load = lm.LinearModel([-0.98], [0.2], 1).simulate(rng.normal(size=n))
+    plant = lm.Hammerstein(valve, lm.LinearModel([-1.6, 0.64], [0.04], 3))
+    moved = FLOW.simulate(load)
+    made = lm.simulate_loop(plant, lm.PI(0.5, 0.02), np.zeros(n), disturbance=moved, noise=0.05, seed=seed)
+    return lm.LoopRecord(50 + made.control, 50 + made.measured, dt=1.0, op_span=(0.0, 100.0))
+
+
+def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
+    record = held(lm.Identity(), 5)
+    fit = lm.identify(record, nonlinearity="auto")
+    assert fit.evidence.closed_loop
+    assert fit.evidence.free_moves < 1e-6
+    found = clean_bill(fit, 0.01, PERCENT)
+    assert set(found.excluded.values()) == {np.inf}
+    cannot = found.weigh(said("none"), measured(), 2.0)
+    assert cannot.verdict == "cannot tell"
+    assert "nothing but PV moves OP" in cannot.why
+    assert lm.diagnose(record).verdict != "none"
+
+
+def test_a_model_that_does_not_describe_the_record_excludes_nothing():
+    fit = replace(lm.identify(loop(lm.Identity(), 3), nonlinearity="auto"), status=lm.Status.MISFIT)
+    found = clean_bill(fit, 0.01, PERCENT, SET_POINT)
+    assert set(found.excluded.values()) == {np.inf}
+    assert "does not describe" in found.why

@@ -234,12 +234,23 @@ def test_texts_of_every_status(kind):
 @pytest.mark.parametrize("kind", ["backlash", "stiction"])
 def test_what_is_not_seen_is_bounded(kind):
     u = moved(800, 7)
-    y = PROCESSES["regulating"].simulate(u) + np.random.default_rng(7).normal(scale=0.1, size=800)
+    y = PROCESSES["regulating"].simulate(u) + np.random.default_rng(70).normal(scale=0.1, size=800)
     fit = lm.identify(u, y, 1.0, nonlinearity=kind, orders=(1, 0, 1))
     assert fit.status is Status.NOT_SEEN
     assert 0.0 < fit.widest < 1.5
     assert fit.interval(SIZE[kind]) == (0.0, fit.widest)
     assert "would have been seen" in fit.summary()
+
+
+def test_a_command_that_pv_foretells_bounds_nothing():
+    """Noise of PV that is what moves OP: as behind a controller at a constant set point."""
+    u = moved(800, 7)
+    y = PROCESSES["regulating"].simulate(u) + np.random.default_rng(7).normal(scale=0.1, size=800)
+    fit = lm.identify(u, y, 1.0, nonlinearity="backlash", orders=(1, 0, 1))
+    assert fit.status is Status.NOT_SEEN
+    assert fit.evidence.only_fed_back
+    assert fit.widest is None
+    assert "does not bound" in fit.summary()
 
 
 def test_bad_input():

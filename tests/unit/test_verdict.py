@@ -107,13 +107,48 @@ BAND, ZONE, CLAMP = lm.Backlash(1.0), lm.DeadZone(-1, 1), lm.Saturation(-1, 1)
         (TRIANGLES, ZONE, {"dead zone": 50.0}, False, "dead zone"),
         # but behind a level; a saturation never
         (TRIANGLES, ZONE, {"dead zone": 50.0}, True, "dead zone"),
-        (Features(saturation=STRONG, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
+        (Features(saturation=STRONG, waveform=4.0, shape=0.4), CLAMP, {"saturation": 50.0}, True, "stiction"),
     ],
 )  # fmt: skip
 def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
     found = verdict(features, fit_of(actuator, {"none": 0.0, **gains}), integrating=integrating)
     assert (found.verdict, found.kind) == (said, "actuator")
     assert found.confidence == found.probabilities["actuator"]
+
+
+@pytest.mark.parametrize("integrating", [False, True])
+def test_a_wave_that_the_kind_does_not_make_is_not_called_stiction_without_a_valve_that_sticks(integrating):
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    found = verdict(Features(saturation=STRONG, shape=0.4), clamp, integrating=integrating)
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert "makes no such wave" in found.why
+
+
+def test_a_swing_of_which_only_pv_moves_op_does_not_say_whose_it_is():
+    found = decide(LINEAR, measured(SWING), OWN, False, 0.0, fed_back=True)
+    assert (found.verdict, found.kind) == ("other oscillation", "unknown")
+
+
+def test_a_swing_of_the_set_point_is_no_disturbance():
+    found = decide(LINEAR, replace(measured(Features(), driven=True), commanded=True), None, False, 0.0)
+    assert (found.verdict, found.kind) == ("other oscillation", "set point")
+
+
+@pytest.mark.parametrize(("runner_up", "share"), [("dead zone", 0.9), ("none", 1.0)])
+def test_a_limit_is_no_surer_than_its_kind(runner_up, share):
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    found = verdict(Features(saturation=STRONG), replace(clamp, kinds=replace(clamp.kinds, runner_up=runner_up)))
+    assert found.verdict == "saturation"
+    assert found.confidence == pytest.approx(share * found.probabilities["actuator"])
+
+
+@pytest.mark.parametrize(("low", "said"), [(0.0, "cannot tell"), (0.4, "dead zone")])
+def test_a_dead_zone_that_may_have_no_width_is_not_named(monkeypatch, low, said):
+    wide = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, lm.Status.WIDE)
+    monkeypatch.setattr(type(wide), "interval", lambda fit, name, level=0.95: (low, 3.0))
+    found = verdict(Features(dead_zone=STRONG), wide)
+    assert found.verdict == said
+    assert ("of what size, if of any" in found.why) == (low == 0.0)
 
 
 @pytest.mark.parametrize(("period", "said"), [(50.0, "stiction"), (5.0, "dead zone")])

@@ -42,7 +42,8 @@ HAND = 0.9  # share of time in manual from which the loop counts as being worked
 BAD = 4.0  # % of span, as severity_of has it
 STUCK = 50.0  # % of span: a valve that hardly answers at all
 SPLIT = {
-    "actuator": "actuator", "tuning": "tuning", "disturbance": "process", "sensor": "sensor", "none": "none",
+    "actuator": "actuator", "tuning": "tuning", "disturbance": "process", "set point": "process", "sensor": "sensor",
+    "none": "none",
 }  # fmt: skip
 
 

@@ -53,6 +53,7 @@ _OTHER = {
     "tuning": "Retune: the loop itself is near its limit of stability. Lower the gain, or the integral action.",
     "disturbance": "Look upstream: the loop follows an oscillation that comes from elsewhere. Compare the periods of "
     "its neighbours.",
+    "set point": "Nothing to do in this loop. Look at what moves SP: an operator, or the outer loop of a cascade.",
     "sensor": "Look at the measurement: it moves in steps that are large beside the oscillation.",
     "unknown": "Put the controller in manual for a few periods: if PV goes on swinging, look upstream; if it calms "
     "down, retune.",

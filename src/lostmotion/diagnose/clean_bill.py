@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
+from lostmotion.diagnose.excitation import ONLY_PV, only_fed_back
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, Verdict
-from lostmotion.errors import ParameterError
+from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.kind import NO_FAULT
+from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
 # the likelihood leaves open: of such claims on real loops left out seven in eight were right (docs/diagnosis.md)
@@ -31,11 +33,14 @@ class CleanBill:
     tolerance : float
         Largest size that does not matter, in units of OP.
     span : OpSpan
+    why : str
+        Why nothing is excluded; empty where something is.
     """
 
     excluded: dict[str, float]
     tolerance: float
     span: OpSpan
+    why: str = ""
 
     @property
     def largest(self) -> tuple[str, float]:
@@ -67,7 +72,7 @@ class CleanBill:
         if size < limit:
             return verdict
         said = f"up to {size / unit:.2g} % {self.span.words}" if np.isfinite(size) else "of any size"
-        why = f"{kind} {said} is not excluded; {what}"
+        why = self.why or f"{kind} {said} is not excluded; {what}"
         return replace(verdict, verdict="cannot tell", kind="unknown", why=why, limit=limit)
 
 
@@ -76,8 +81,10 @@ def _commanded(verdict: Verdict, measured: Measured) -> bool:
     return verdict.verdict != NO_FAULT and measured.driven
 
 
-def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan) -> CleanBill:
-    """What the record of a fit of all kinds leaves open.
+def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, sp: FloatArray | None = None) -> CleanBill:
+    """What the record of a fit of all kinds leaves open; `sp` is the set point on its rows, None: not known.
+
+    Sizes are excluded beside the process that was found: where that is not the plant, none is.
 
     Raises
     ------
@@ -86,7 +93,14 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan) -> CleanBill
     """
     if not 0.0 < tolerance < 1.0:
         raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
-    return CleanBill(_excluded(fit), 100.0 * tolerance * span.percent, span)
+    excluded, why = _excluded(fit), ""
+    if fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL:
+        why = "the model does not describe this record, so that it excludes no lost motion"
+    elif only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp):
+        why = ONLY_PV
+    if why:
+        excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
+    return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
 
 
 def _excluded(fit: HammersteinFit) -> dict[str, float]:

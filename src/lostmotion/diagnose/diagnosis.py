@@ -53,7 +53,7 @@ class Diagnosis:
     verdict : str
         Of `verdicts()`.
     kind : str
-        Where it comes from: "actuator", "tuning", "disturbance", "sensor", "unknown", or "none".
+        Where it comes from: "actuator", "tuning", "disturbance", "set point", "sensor", "unknown", or "none".
     severity : str
         "none", "low" (up to 1 % of span), "moderate" (2 %), "high" (4 %), "severe", or "unknown".
     size : float

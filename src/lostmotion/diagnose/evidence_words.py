@@ -11,6 +11,7 @@ KIND = {
     "actuator": "It comes from the actuator.",
     "tuning": "It comes from the tuning: controller and process together are hardly damped at this period.",
     "disturbance": "It comes from outside: the loop itself is damped at this period.",
+    "set point": "It is commanded: SP moves so, and PV follows.",
     "sensor": "It comes from the measurement: PV moves in coarse steps.",
     "unknown": "Where it comes from is not known.",
     "none": "",

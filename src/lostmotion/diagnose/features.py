@@ -83,6 +83,8 @@ class Measured:
     driven : bool
         Whether the swing comes from outside: SP swings so, or the fault that was found needs one of its period beside
         it.
+    commanded : bool
+        Whether SP swings so.
     """
 
     features: Features
@@ -92,6 +94,7 @@ class Measured:
     integrating: bool
     indices: dict[str, float]
     driven: bool = False
+    commanded: bool = False
 
     @property
     def swings(self) -> bool:
@@ -120,12 +123,13 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    driven = _driven(fit, float(period)) or (sp is not None and _commanded(sp[rows], pv, float(period)))
+    commanded = sp is not None and _commanded(sp[rows], pv, float(period))
+    driven = _driven(fit, float(period)) or commanded
     shape = max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5
     indices |= _waveform(op, pv, levels)
     odds = float(np.clip(indices.get("waveform", 0.0), -MOST_ODDS, MOST_ODDS))
     features = Features(**_gains(fit), shape=shape, waveform=odds, sine=float(np.clip(shape, -SINE, 0.0)))
-    return Measured(features, of_op, of_pv, float(period), levels, indices, driven)
+    return Measured(features, of_op, of_pv, float(period), levels, indices, driven, commanded)
 
 
 def _driven(fit: HammersteinFit, period: float) -> bool:

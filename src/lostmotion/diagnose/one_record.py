@@ -10,6 +10,7 @@ from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.evidence_words import LABEL
+from lostmotion.diagnose.excitation import only_fed_back, set_point
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import TOLERANCE, op_span
@@ -83,24 +84,17 @@ def diagnose(
     prepared = prepare(record)
     stretches = prepared.require()
     fit = identify(prepared, nonlinearity="auto", integrating=known)
-    sp = _set_point(stretches, fit.data.u.size)
+    sp = set_point(stretches, fit.data.u.size)
     measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
     span = op_span(record)
-    bill = clean_bill(fit, tolerance, span)
+    bill = clean_bill(fit, tolerance, span, sp)
     report = check(record)
-    verdict = decide(fit, measured, stability, quantised, _limited(report))
+    fed_back = only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp)
+    verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)
     verdict = bill.weigh(verdict, measured, float(np.std(fit.data.u)))
     return _package(record, fit, sp, measured, stability, verdict, bill, _notes(prepared, report), loop_type)
-
-
-def _set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:
-    parts = [stretch.sp for stretch in stretches if stretch.sp is not None]
-    if len(parts) < len(stretches):
-        return None
-    sp = np.concatenate(parts)
-    return sp if sp.size == rows and bool(np.isfinite(sp).all()) else None
 
 
 def _package(

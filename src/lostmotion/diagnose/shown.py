@@ -16,6 +16,8 @@ def not_shown(fit: HammersteinFit) -> str:
     name = fit.kind.name
     if fit.status in NOT_SHOWN:
         return f"a {name} fits, but the record does not show it whole"
+    if fit.kind.size is not None and fit.status is Status.WIDE and fit.interval(fit.kind.size)[0] <= 0.0:
+        return f"a {name} fits, but of what size, if of any, the record does not tell"
     times = fit.evidence.crossings
     if times is not None and not fit.evidence.crossed_enough:
         often = ("never crosses it", "crosses it once only", "crosses it twice only")

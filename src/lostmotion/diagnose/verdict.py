@@ -35,7 +35,8 @@ class Verdict:
     verdict, kind : str
         As in Diagnosis.
     confidence : float
-        Probability of a fault of the actuator, or of none, whichever the verdict says.
+        Probability of a fault of the actuator, or of none, whichever the verdict says; of a dead zone or a saturation
+        times that of the kind.
     probabilities : dict of float
         Of "none" and "actuator".
     contributions : dict of (float, float)
@@ -76,9 +77,27 @@ def _contributions(features: Features) -> dict[str, tuple[float, float]]:
 
 
 def decide(
-    fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool, limited: float
+    fit: HammersteinFit,
+    measured: Measured,
+    stability: LoopStability | None,
+    quantised: bool,
+    limited: float,
+    fed_back: bool = False,
 ) -> Verdict:
-    """Verdict of one loop; `limited` is the share of the rows with OP at a limit."""
+    """Verdict of one loop.
+
+    Parameters
+    ----------
+    fit : HammersteinFit
+    measured : Measured
+    stability : LoopStability or None
+    quantised : bool
+        Whether PV moves in coarse steps.
+    limited : float
+        Share of the rows with OP at a limit.
+    fed_back : bool
+        Whether nothing but PV moves OP: the roots of the loop are then those of the swing, whoever makes it.
+    """
     features = measured.features
     chance = fault_probability(features)
     parts = _contributions(features)
@@ -86,16 +105,18 @@ def decide(
     if chance > SURE:
         verdict, kind = _fault(fit, measured, sticking > other), "actuator"
     elif chance < 1.0 - CLEARED:
-        verdict, kind = _no_fault(fit, measured, stability, quantised)
+        verdict, kind = _no_fault(fit, measured, stability, quantised, fed_back)
     else:
         verdict, kind = "cannot tell", "unknown"
     why, limit = "", float("nan")
     doubt = not_shown(fit)
     if doubt and verdict in (fit.kind.name, NO_FAULT):
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters["width"]
-    elif _sticks(verdict) and features.memory == 0.0 and not _answers_as_a_level(fit, measured):
+    elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
+        if sticking < 0.0:
+            why = f"a {fit.kind.name} fits best, which makes no such wave, and no valve that sticks foretells PV better"
         limit = CARRIES * float(np.ptp(fit.data.u))
     elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
         why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
@@ -104,7 +125,8 @@ def decide(
     if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}
-    return Verdict(verdict, kind, max(chance, 1.0 - chance), probabilities, parts, why, limit)
+    sure = max(chance, 1.0 - chance) * (_among_kinds(fit) if verdict == fit.kind.name else 1.0)
+    return Verdict(verdict, kind, sure, probabilities, parts, why, limit)
 
 
 def limits_decide(verdict: str, limited: float) -> bool:
@@ -113,16 +135,18 @@ def limits_decide(verdict: str, limited: float) -> bool:
 
 
 def _no_fault(
-    fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool
+    fit: HammersteinFit, measured: Measured, stability: LoopStability | None, quantised: bool, fed_back: bool
 ) -> tuple[str, str]:
     own = stability is not None and stability.unexplained < OUTSIDE  # else OP is moved from outside, not by this loop
     if measured.swings and measured.driven:
-        return "other oscillation", "disturbance"
+        return "other oscillation", "set point" if measured.commanded else "disturbance"
     if not measured.swings or stability is None or not own:
         silent = fit.status in (Status.CANNOT_TELL, Status.SAME_SIGNAL)
         return ("cannot tell", "unknown") if silent else ("none", "none")
     if quantised:
         return "other oscillation", "sensor"
+    if fed_back:
+        return "other oscillation", "unknown"
     return "other oscillation", "tuning" if stability.explains(measured.period) else "disturbance"
 
 
@@ -152,6 +176,14 @@ def _fault(fit: HammersteinFit, measured: Measured, sticking_likelier: bool) -> 
     if best.sticks:
         return best.name
     return "backlash" if ahead > 0.0 else "stiction"
+
+
+def _among_kinds(fit: HammersteinFit) -> float:
+    """Probability of a kind that does not stick among the kinds; backlash and stiction are one fault of two names."""
+    compared = fit.kinds
+    if compared is None or fit.kind.sticks or NO_FAULT in (compared.best, compared.runner_up):
+        return 1.0
+    return compared.confidence if compared.best == fit.kind.name else 1.0
 
 
 def _sticks(verdict: str) -> bool:

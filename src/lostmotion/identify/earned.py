@@ -13,7 +13,6 @@ from lostmotion.errors import Status
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.data import IdentificationData
 from lostmotion.identify.evidence import Evidence
-from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
 from lostmotion.identify.likelihood.fitted import Fitted
 
 CLAIMS = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE)  # that a kind, or none, is what the record shows
@@ -80,7 +79,7 @@ def inverse_of_controller(fitted: Fitted, evidence: Evidence) -> bool:
     With noise in PV, or set-point moves, an exact controller does no harm.
     """
     left = fitted.fit.cost / max(float(fitted.problem.y @ fitted.problem.y), 1e-300)
-    return evidence.closed_loop and evidence.free_moves < NEARLY_EXACT and left < ROUNDING
+    return evidence.only_fed_back and left < ROUNDING
 
 
 def earned(
@@ -119,5 +118,5 @@ def earned(
 
 def like_a_slip(evidence: Evidence) -> bool:
     """Whether nothing but the controller moves OP, and hardly through the dead zone: a valve that slips does so."""
-    alone = evidence.closed_loop and evidence.free_moves < NEARLY_EXACT
+    alone = evidence.only_fed_back
     return alone and not evidence.crossed_enough

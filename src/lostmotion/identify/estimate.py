@@ -31,7 +31,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.status import decide, weigh
+from lostmotion.identify.status import decide, excluded_above, weigh
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, Prepared
@@ -266,7 +266,7 @@ class _Identification:
             fit_percent=percent,
             tests=tests,
             evidence=evidence,
-            widest=kind.widest(fitted, profiled, scaling) if status is Status.NOT_SEEN else None,
+            widest=None if status is not Status.NOT_SEEN else excluded_above(fitted, evidence, profiled, scaling),
             profiled=profiled,
             settings={**self.settings, "offset_fixed": fitted.basis is not None},
             chosen=_chosen(fitted),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
 
 # From end to end by OP. A valve that sticks loses motion wherever OP turns round, a dead zone at one place only, and
 # that it is always the same place takes several crossings to see. Of 48 simulated records for which a dead zone was
@@ -48,6 +49,11 @@ class Evidence:
     free_moves: float = 1.0
     other_kind: tuple[str, float] | None = None
     crossings: int | None = None
+
+    @property
+    def only_fed_back(self) -> bool:
+        """Whether OP is a function of PV: the process cannot be told from others that foretell PV as well."""
+        return self.closed_loop and self.free_moves < NEARLY_EXACT
 
     @property
     def crossed_enough(self) -> bool:

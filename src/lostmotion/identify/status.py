@@ -64,6 +64,14 @@ def _widest_interval(
     return max(profiled[name][1] - profiled[name][0] if name in profiled else curved[name] for name in curved)
 
 
+def excluded_above(
+    fitted: Fitted, evidence: Evidence, profiled: dict[str, tuple[float, float]], scaling: Scaling
+) -> float | None:
+    """Largest size that the record does not exclude; None where there is none, or a process of any kind would do."""
+    kind = kind_of(fitted.problem.family.kind)
+    return None if evidence.only_fed_back else kind.widest(fitted, profiled, scaling)
+
+
 def decide(
     fitted: Fitted,
     evidence: Evidence,

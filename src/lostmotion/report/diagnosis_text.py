@@ -74,7 +74,7 @@ def not_excluded(diagnosis: Diagnosis, who: str = "this record does") -> str:
     rows = [
         f"  {kind:12} {plain(size):>8} of OP{unit}, {_percent(diagnosis, size):.2g} % {op_span(diagnosis.record).words}"
         if math.isfinite(size)
-        else f"  {kind:12} of any size: a valve that never moves would look the same"
+        else f"  {kind:12} of any size"
         for kind, size in diagnosis.excluded.items()
     ]
     return "\n".join(["", f"Largest lost motion that {who} not exclude (95 %)", *rows])

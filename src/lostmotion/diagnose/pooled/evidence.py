@@ -42,7 +42,8 @@ class SizeEvidence:
     parts : ndarray, shape (records, tau, g)
         Log-likelihood of each record over that of a linear process for every scatter and size.
     at_once : ndarray, shape (records, g)
-        The same without scatter, with small gains and losses, none beyond log(1 / WILD).
+        The same without scatter, with small gains and losses, none beyond log(1 / WILD); 0 of records in which nothing
+        but PV moves OP.
     """
 
     sizes: FloatArray
@@ -148,7 +149,8 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     sized = [kind.name for kind in faults() if kind.size is not None]
     rest = [kind.name for kind in faults() if kind.size is None]
     curves = {name: np.array([one.curves[name].firm_on(sizes, STEP) for one in profiles]) for name in sized}
-    whole = {name: np.array([one.curves[name].on(sizes, STEP) for one in profiles]) for name in sized}
+    tells = np.array([not one.fed_back for one in profiles])[:, None]
+    whole = {name: tells * np.array([one.curves[name].on(sizes, STEP) for one in profiles]) for name in sized}
     free = {name: np.array([one.gains.get(name, 0.0) for one in profiles]) for name in rest}
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)

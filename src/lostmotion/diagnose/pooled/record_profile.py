@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.diagnose.excitation import only_fed_back, set_point
 from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
 from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
@@ -20,6 +21,7 @@ from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import SMALLEST, cost_of_parameters
+from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.problem import Structure
@@ -115,6 +117,8 @@ class RecordProfile:
         Of the rows used, in units of OP.
     rows : int
         Used.
+    fed_back : bool
+        Whether nothing but PV moves OP: such a record excludes no size.
     """
 
     curves: dict[str, SizeCurve]
@@ -122,6 +126,7 @@ class RecordProfile:
     op_range: float
     rows: int
     _models: _Models = field(repr=False)
+    fed_back: bool = False
 
     def place(self, name: str) -> FloatArray | None:
         """Own parameters of a kind in units of OP where it gains in this record; None where it does not."""
@@ -173,7 +178,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     curves = {kind.name: models.curve(kind, held) for kind in faults() if kind.size is not None}
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
-    return RecordProfile(curves, gains, span, int(data.u.size), models)
+    loop, sp = feedback(scaled), set_point(prepared.require(), data.u.size)
+    return RecordProfile(curves, gains, span, data.u.size, models, only_fed_back(loop.closed, loop.free, sp))
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:
