@@ -94,10 +94,10 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, sp: FloatArr
     if not 0.0 < tolerance < 1.0:
         raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
     excluded, why = _excluded(fit), ""
-    if fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL:
-        why = "the model does not describe this record, so that it excludes no lost motion"
-    elif only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp):
+    if only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp):
         why = ONLY_PV
+    elif fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL:
+        why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
         excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
     return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
