@@ -19,13 +19,13 @@ from lostmotion.identify.earned import like_a_slip
 from lostmotion.records import limits
 from lostmotion.records.compression import MadeUp
 
-# COLOURED: kind and size hold, only the intervals are too narrow. MISFIT: no size is right (docs/compensation.md)
+# COLOURED: kind and size hold, only the intervals are too narrow. MISFIT: no size is right (docs/compensation-study.md)
 SIZED = (Status.OK, Status.COLOURED)
 SHOWN = (*SIZED, Status.MISFIT, Status.WIDE, Status.FEW_CROSSINGS)  # hardly: enough to ask for a test, or to watch
 PROCESS = (*SHOWN, Status.ONE_SIDED, Status.NOT_SEEN)  # of any other nothing of the model can be used
 SURE = 0.9  # of 102 simulated loops 47 of 52 right kinds had more, the one wrong dead zone had 0.85
 # Shares of rows that a historian made up. On lines, which foretell the next stored value, healthy valves seem to stick;
-# held values lose what happened between, and that is less.
+# held values lose what happened between, and that is less (docs/compensation-study.md).
 MOST_ON_LINES = limits.COMPRESSED_TOLD
 MOST_MADE_UP = limits.COMPRESSED_WARN
 OPEN_DIAGNOSIS = "cannot tell"
