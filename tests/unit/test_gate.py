@@ -17,7 +17,7 @@ from lostmotion.identify.actuators.choice import KindChoice
 from tests.fits import made_fit
 from tests.refusals import refusal
 
-OPEN = {Status.OK, Status.COLOURED, Status.MISFIT}
+OPEN = {Status.OK, Status.COLOURED}
 WHY = "the stem was seen to stand still, J. Doe"
 NAMED = {"name": "FY_101", "date": "2026-01-31"}
 
@@ -106,7 +106,7 @@ def test_a_fit_of_another_kind_than_the_block_is_refused():
 
 
 def test_a_test_or_a_watch_asks_for_the_kind_only():
-    for status in (*OPEN, Status.WIDE):
+    for status in (*OPEN, Status.MISFIT, Status.WIDE):
         assert pass_dead_zone(made_fit("dead zone", status).facts, None, None, "guess") == ""
         assert known_before_test(made_fit("dead zone", status), None, 0.3).accepted == ""
     for status in (Status.NOT_SEEN, Status.CANNOT_TELL, Status.NOT_CONVERGED, Status.ONE_SIDED):

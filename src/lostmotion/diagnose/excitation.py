@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
+from lostmotion.identify.evidence import NEARLY_EXACT
 from lostmotion.records import LoopRecord
 
 # Share of the moves of OP that PV does not explain. Below it, with the set point at rest or not known, process and

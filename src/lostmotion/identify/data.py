@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +15,7 @@ from lostmotion.arguments import positive, signal
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
+from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
 from lostmotion.records.record import LARGEST
 from lostmotion.records.white_noise import noise_of
@@ -37,6 +38,8 @@ class IdentificationData:
         Sampling time in seconds.
     notes : tuple of str
         What was assumed, left out or changed.
+    made_up : MadeUp or None
+        Shares of the rows that a historian made up, as far as it is seen or told.
     """
 
     u: FloatArray
@@ -50,6 +53,7 @@ class IdentificationData:
     pv_span: tuple[float, float] | None = None
     op_unit: str = ""
     pv_unit: str = ""
+    made_up: MadeUp | None = None
 
     @cached_property
     def u_step(self) -> float:
@@ -124,24 +128,28 @@ def collect(
     if isinstance(records, list | tuple) and records and all(isinstance(item, kinds) for item in records):
         if y is not None:
             raise ParameterError.expected("records alone", "records and y", "pass identify(record)")
-        data = _from_records(*_stretches(records, raw, shortest), dt)
+        pieces, notes, seen = _stretches(records, raw, shortest)
+        data = replace(_from_records(pieces, notes, dt), made_up=seen)
     else:
         data = _from_arrays(first, y, dt)
+        data = replace(data, made_up=made_up(LoopRecord(data.u, data.y, dt=data.dt)))
     _check_moves(data)
     return data
 
 
 def _stretches(
     records: Sequence[LoopRecord | Prepared], raw: bool, shortest: int
-) -> tuple[list[LoopRecord], tuple[str, ...]]:
-    """Pieces that may be used, and what to tell about them; records that are refused beside others are left out."""
+) -> tuple[list[LoopRecord], tuple[str, ...], MadeUp | None]:
+    """Pieces that may be used, what to tell about them, what of them was made up; refused ones are left out."""
     pieces: list[LoopRecord] = []
+    seen: list[tuple[MadeUp, int]] = []
     notes: list[str] = []
     refused: list[Prepared] = []
     for index, item in enumerate(records, 1):
         if isinstance(item, LoopRecord) and (raw or _short_piece(item, records)):
             pieces.append(item)
             notes += item.notes
+            seen.append((made_up(item), len(item)))
             continue
         prepared = item if isinstance(item, Prepared) else prepare(item, shortest=shortest)
         name = f"{prepared.record.tag or 'record'} ({index}): " if len(records) > 1 else ""
@@ -150,9 +158,11 @@ def _stretches(
         if not prepared.usable:
             refused.append(prepared)
             notes.append(f"{name}left out. {prepared.refusal}.")
+        elif prepared.made_up is not None:
+            seen.append((prepared.made_up, sum(map(len, prepared.stretches))))
     if not pieces:
         refused[0].require()
-    return pieces, tuple(dict.fromkeys(notes))
+    return pieces, tuple(dict.fromkeys(notes)), made_up_of(seen)
 
 
 def _short_piece(record: LoopRecord, records: Sequence[LoopRecord | Prepared]) -> bool:

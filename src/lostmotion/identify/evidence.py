@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.identify.likelihood.feedback import NEARLY_EXACT
 
 # From end to end by OP. A valve that sticks loses motion wherever OP turns round, a dead zone at one place only, and
 # that it is always the same place takes several crossings to see. Of 48 simulated records for which a dead zone was
 # likeliest, 32 of the 35 with four or more had one, and 3 of the 13 with fewer.
 FEWEST_CROSSINGS = 4
+NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.rated_estimate import RatedEstimate
 from lostmotion.identify.saved_fit import REMEDY, facts_from_dict, finite
 from lostmotion.models import Hammerstein, NoiseModel
+from lostmotion.records.compression import MadeUp
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +50,8 @@ class FitFacts(RatedEstimate):
         Of the data.
     kinds : KindChoice or None
         How the kinds compare, where they were compared.
+    made_up : MadeUp or None
+        Shares of the rows of OP and PV that a historian made up; None where a file of an older version does not say.
     """
 
     status: Status
@@ -70,6 +73,7 @@ class FitFacts(RatedEstimate):
     fingerprint: str = ""
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
     kinds: KindChoice | None = None
+    made_up: MadeUp | None = None
 
     def __post_init__(self) -> None:
         parameters = {name: float(value) if np.isfinite(value) else np.inf for name, value in self.parameters.items()}
@@ -118,6 +122,7 @@ class FitFacts(RatedEstimate):
                 "samples": self.samples,
                 "op_range": list(self.op_range),
                 "op_noise": self.op_noise,
+                "made_up": None if self.made_up is None else self.made_up.to_dict(),
                 "dt": self.dt,
                 "fingerprint": self.fingerprint,
             },

@@ -18,6 +18,7 @@ from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
+from lostmotion.records.compression import MadeUp
 
 REMEDY = "use what fit.save() or identify --out wrote"
 SHORTEST, LONGEST = 1e-12, 1e12  # s
@@ -29,7 +30,8 @@ NEEDED = (
 def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of :class:`FitFacts`.
 
-    Files of older versions have neither ``profiled`` (then the saved intervals stand for it) nor the noise of OP.
+    Files of older versions have neither ``profiled`` (then the saved intervals stand for it) nor the noise of OP, nor
+    what a historian made up.
 
     Raises
     ------
@@ -59,6 +61,7 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
         "op_noise": about.number_or_none("op_noise"),
         "dt": _dt(about, model.linear),
         "samples": about.count("samples"),
+        "made_up": about.made("made_up", "shares of rows made up", _made_up) if "made_up" in about else None,
         **{name: about.text(name) for name in ("tag", "source", "fingerprint")},
     }
 
@@ -195,6 +198,16 @@ def _choice(data: Any) -> KindChoice:
         runner_up=str(data["runner_up"]),
         excluded={str(kind): math.inf if size is None else as_number(size) for kind, size in sizes},
     )
+
+
+def _made_up(data: Any) -> MadeUp | None:
+    """Null where nothing is known."""
+    if data is None:
+        return None
+    found = MadeUp.from_dict({name: {part: as_number(share) for part, share in data[name].items()} for name in data})
+    if not all(0.0 <= share <= 1.0 for one in (found.op, found.pv) for share in (one.straight, one.held)):
+        raise ValueError
+    return found
 
 
 def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:

@@ -7,7 +7,9 @@ held. Where the resolution of a signal is fine, neither happens by chance.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -43,6 +45,51 @@ class Compression:
     def share(self) -> float:
         """Both together."""
         return self.straight + self.held
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """What a historian made up of OP and PV, as far as it matters to a fit."""
+
+    op: Compression
+    pv: Compression
+
+    def to_dict(self) -> dict[str, dict[str, float]]:
+        """JSON-ready."""
+        return {name: dict(vars(found)) for name, found in (("op", self.op), ("pv", self.pv))}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Mapping[str, float]]) -> Self:
+        """Inverse of :meth:`to_dict`."""
+        return cls(*(Compression(float(data[name]["straight"]), float(data[name]["held"])) for name in ("op", "pv")))
+
+
+def made_up(record: LoopRecord) -> MadeUp:
+    """Of PV also what the reader made up; of OP only what is seen: holding it between its moves is right."""
+    return MadeUp(_seen(record, "op"), compression(record, "pv"))
+
+
+def made_up_of(found: Sequence[tuple[MadeUp, int]]) -> MadeUp | None:
+    """Of several records, each with its rows; None where there is none.
+
+    Examples
+    --------
+    >>> lines, held = Compression(0.4, 0.0), Compression(0.0, 0.2)
+    >>> made_up_of([(MadeUp(lines, held), 300), (MadeUp(held, held), 100)])
+    MadeUp(op=Compression(straight=0.3, held=0.05), pv=Compression(straight=0.0, held=0.2))
+    """
+    total = sum(rows for _, rows in found)
+    if not total:
+        return None
+
+    def mean(of: Sequence[tuple[Compression, int]]) -> Compression:
+        shares = (
+            sum(part * rows for part, rows in each) / total
+            for each in ([(one.straight, rows) for one, rows in of], [(one.held, rows) for one, rows in of])
+        )
+        return Compression(*(round(share, 12) for share in shares))
+
+    return MadeUp(mean([(one.op, rows) for one, rows in found]), mean([(one.pv, rows) for one, rows in found]))
 
 
 def compression(record: LoopRecord, name: str) -> Compression:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from lostmotion.records import limits
 from lostmotion.records.clipping import clipped
-from lostmotion.records.compression import compression, scan_factor
+from lostmotion.records.compression import compression, made_up, scan_factor
 from lostmotion.records.findings_words import about_compression, about_drift, about_limits, about_operation, refusal
 from lostmotion.records.modes import rows_of
 from lostmotion.records.outliers import wild
@@ -75,12 +75,14 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     kinds[used] = "short"
     left_out = _parts(kinds)
     told = sentences(left_out, record)
-    made_up = {name: compression(_without(mended, kinds), name) for name in ("op", "pv")}
-    why = refusal(mended, rows, made_up, shortest, told)
+    left = _without(mended, kinds)
+    seen = made_up(left)
+    shares = {"op": compression(left, "op"), "pv": seen.pv}
+    why = refusal(mended, rows, shares, shortest, told)
     notes = [*said, *more, *told, *spared]
     if why is None:
         notes += [*about_operation(mended, words), *about_limits(mended)]
-        notes += [*about_drift(mended, rows), *about_compression(made_up)]
+        notes += [*about_drift(mended, rows), *about_compression(shares)]
     else:
         rows = []
     return Prepared(
@@ -92,6 +94,7 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
         why,
         quantum(mended.op),
         quantum(mended.pv),
+        seen,
     )
 
 

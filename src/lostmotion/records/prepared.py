@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lostmotion.errors import DataError
+from lostmotion.records.compression import MadeUp
 from lostmotion.records.record import LoopRecord
 
 _SHOWN = 3  # stretches of one kind that are named
@@ -64,6 +65,8 @@ class Prepared:
         Why nothing may be used; None where `stretches` is not empty.
     op_step, pv_step : float
         Step in which the signal was stored; 0: none is visible.
+    made_up : MadeUp or None
+        Shares of the rows that a historian made up, see `lostmotion.records.compression`.
     """
 
     record: LoopRecord
@@ -74,6 +77,7 @@ class Prepared:
     refusal: str | None = None
     op_step: float = 0.0
     pv_step: float = 0.0
+    made_up: MadeUp | None = None
 
     @property
     def usable(self) -> bool:

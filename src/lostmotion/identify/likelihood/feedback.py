@@ -21,7 +21,6 @@ SURE = 8.0  # standard errors of a gain of the controller, from which on its sig
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
 NORMAL = 1e-7  # share of the variance of OP, of which sums of products still tell seven digits
 ROUNDING = 1e-15
-NEARLY_EXACT = 1e-3  # share of the moves of OP that PV does not explain, below which OP is a function of PV
 
 
 @dataclass(frozen=True)
@@ -43,11 +42,6 @@ class Feedback:
     closed: bool
     free: float
     direction: int = 0
-
-    @property
-    def exact(self) -> bool:
-        """Whether OP is nearly a function of PV alone."""
-        return self.closed and self.free < NEARLY_EXACT
 
 
 def feedback(signals: Signals) -> Feedback:
