@@ -1,7 +1,7 @@
 """No block from a record that a historian drew, nor from a model that misfits."""
 
+import importlib
 import json
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -101,7 +101,7 @@ def test_a_share_is_one(share):
 
 def test_solve_stops_there_too(monkeypatch):
     found = replace(example(), verdict="backlash", fit=drawn(pv=(0.8, 0.0)))
-    monkeypatch.setattr(sys.modules["lostmotion.evaluate.solve"], "diagnose", lambda *_, **__: found)
+    monkeypatch.setattr(importlib.import_module("lostmotion.evaluate.solve"), "diagnose", lambda *_, **__: found)
     row = np.arange(400.0)
     way = lm.solve(lm.LoopRecord(50.0 + np.sin(row / 9), np.cos(row / 9), dt=0.5))
     assert (way.outcome, way.closed.name) == ("closed", "identify")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.features import SILENT, Features, Measured
+from lostmotion.diagnose.features import COMMANDED, FOLLOWED, SILENT, Features, Measured, _command
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.shown import NOT_SHOWN
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
@@ -242,3 +242,16 @@ def test_contributions_are_weight_times_value():
     assert total == pytest.approx(log_odds(Features(memory=2.0))[0] - log_odds(Features())[0])
     sticking, other = np.exp(log_odds(Features(memory=2.0, dead_zone=0.5)))
     assert found.probabilities["none"] == pytest.approx(1.0 / (1.0 + sticking + other))
+
+
+def test_pv_that_follows_sp_swings_by_command_and_one_that_is_disturbed_does_not():
+    rng, k = np.random.default_rng(2), np.arange(2000)
+    sp = np.sin(2.0 * np.pi * k / 50.0 + 0.3 * np.sin(k / 300.0))
+    follows = lm.LinearModel([-0.7], [0.3], 1).simulate(sp) + 0.05 * rng.normal(size=k.size)
+    disturbed = follows + np.sin(2.0 * np.pi * k / 49.0)
+    amplitude, coherence = _command(sp, follows, 50.0)
+    assert amplitude > COMMANDED
+    assert coherence > FOLLOWED
+    assert _command(sp, disturbed, 50.0)[1] < FOLLOWED
+    assert _command(sp, follows, np.nan) == (0.0, 0.0)
+    assert _command(np.zeros(2000), follows, 50.0) == (0.0, 0.0)

@@ -21,6 +21,7 @@ from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 SAME = 0.1  # relative difference of two periods that are one
+FOLLOWED = 0.97  # coherence of SP and PV near the period: of a swing that comes from elsewhere as well it is up to 0.95
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
@@ -84,7 +85,7 @@ class Measured:
         Whether the swing comes from outside: SP swings so, or the fault that was found needs one of its period beside
         it.
     commanded : bool
-        Whether SP swings so.
+        Whether SP swings so, and that is all of the swing: PV follows it.
     """
 
     features: Features
@@ -123,8 +124,9 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
-    commanded = sp is not None and _commanded(sp[rows], pv, float(period))
-    driven = _driven(fit, float(period)) or commanded
+    command, followed = (0.0, 0.0) if sp is None else _command(sp[rows], pv, float(period))
+    driven = _driven(fit, float(period)) or command > COMMANDED
+    commanded = command > COMMANDED and followed > FOLLOWED
     shape = max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5
     indices |= _waveform(op, pv, levels)
     odds = float(np.clip(indices.get("waveform", 0.0), -MOST_ODDS, MOST_ODDS))
@@ -138,15 +140,18 @@ def _driven(fit: HammersteinFit, period: float) -> bool:
     return own and any(abs(swing / period - 1.0) < SAME for swing in fit.chosen.periods)
 
 
-def _commanded(sp: FloatArray, pv: FloatArray, period: float) -> bool:
-    """Whether SP swings with this period as well, and so much that the loop follows it."""
+def _command(sp: FloatArray, pv: FloatArray, period: float) -> tuple[float, float]:
+    """Amplitude of SP over that of PV near a period, and their coherence there; 0 where nothing swings."""
     if not np.isfinite(period):
-        return False
+        return 0.0, 0.0
     cycles = np.arange(sp.size // 2 + 1) * (period / sp.size)
     near = np.abs(cycles - 1.0) <= BAND
     window = np.hanning(sp.size)
-    command, answer = (np.abs(np.fft.rfft((x - x.mean()) * window))[near] for x in (sp, pv))
-    return bool(np.linalg.norm(command) > COMMANDED * np.linalg.norm(answer))
+    command, answer = (np.fft.rfft((x - x.mean()) * window)[near] for x in (sp, pv))
+    large, small = float(np.linalg.norm(answer)), float(np.linalg.norm(command))
+    if small == 0.0 or large == 0.0:
+        return 0.0, 0.0
+    return small / large, float(abs(np.vdot(command, answer))) / (small * large)
 
 
 def _gains(fit: HammersteinFit) -> dict[str, float]:

@@ -110,7 +110,8 @@ def decide(
         verdict, kind = "cannot tell", "unknown"
     why, limit = "", float("nan")
     doubt = not_shown(fit)
-    if doubt and verdict in (fit.kind.name, NO_FAULT):
+    clears = verdict == NO_FAULT and fit.status is not Status.WIDE  # of that one the largest size is known
+    if doubt and (clears or verdict == fit.kind.name):
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters["width"]
     elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
