@@ -10,7 +10,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.excitation import ONLY_PV, only_fed_back
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.op_span import OpSpan
-from lostmotion.diagnose.verdict import CARRIES, Verdict
+from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
@@ -96,11 +96,17 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, sp: FloatArr
     excluded, why = _excluded(fit), ""
     if only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp):
         why = ONLY_PV
-    elif fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL:
+    elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
         excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
     return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
+
+
+def _is_not_described(fit: HammersteinFit) -> bool:
+    """Whether the model is none of this record; errors that depend on OP matter where the loop itself moves OP."""
+    tested = fit.status is Status.MISFIT and fit.evidence.free_moves >= OUTSIDE
+    return fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL and not tested
 
 
 def _excluded(fit: HammersteinFit) -> dict[str, float]:
