@@ -51,7 +51,7 @@ def keep(connection: Connection, number: int, earlier: int) -> None:
 
 
 def _count(connection: Connection) -> None:
-    """Bring the statistics of PostgreSQL up to date: it does so a minute after rows came, and plans an hour without."""
+    """Bring the statistics of PostgreSQL up to date: it does so a minute after rows came, which is too late."""
     if connection.dialect.name == "postgresql":
         connection.execute(sa.text(f"ANALYZE {assessment.name}"))
 
