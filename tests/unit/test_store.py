@@ -339,7 +339,7 @@ def test_news_that_were_kept_are_those_of_the_rule(store):
 
 
 def test_postgresql_knows_its_rows_before_it_is_asked_what_is_new(postgresql):
-    """It counts rows a minute after they came; without numbers the join of two runs of 26,000 loops took over 49 minutes."""
+    """It counts rows a minute after they came; without numbers the join of two runs took over 49 minutes."""
     with Store(postgresql.database()) as one:
         for _ in range(2):
             run, _ = one.begin(RunRow("plant"))
