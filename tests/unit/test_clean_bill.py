@@ -157,6 +157,7 @@ def held(valve, seed, n=2000):
     return lm.LoopRecord(50 + made.control, 50 + made.measured, dt=1.0, op_span=(0.0, 100.0))
 
 
+@pytest.mark.statistics
 def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
     record = held(lm.Identity(), 5)
     fit = lm.identify(record, nonlinearity="auto")
@@ -170,6 +171,7 @@ def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
     assert lm.diagnose(record).verdict != "none"
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize(
     ("status", "free", "excludes"),
     [

@@ -242,6 +242,7 @@ def test_what_is_not_seen_is_bounded(kind):
     assert "would have been seen" in fit.summary()
 
 
+@pytest.mark.statistics
 def test_a_command_that_pv_foretells_bounds_nothing():
     """Noise of PV that is what moves OP: as behind a controller at a constant set point."""
     u = moved(800, 7)
