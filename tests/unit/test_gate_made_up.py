@@ -129,12 +129,14 @@ def healthy():
     return lm.LoopRecord(made.op, door(made.pv, 2.0 * noise), made.sp, dt=made.dt, op_span=(0.0, 100.0))
 
 
+@pytest.mark.statistics
 def test_a_healthy_valve_behind_a_historian_gets_no_block(healthy):
     fit = lm.identify(healthy, nonlinearity="auto")
     assert fit.preferred == "stiction"  # lines foretell the next value: it seems to stick
     assert "straight lines" in refusal(GateError, fit.block)
 
 
+@pytest.mark.statistics
 def test_every_way_into_a_fit_counts_them(healthy):
     seen = made_up(healthy)
     assert seen.pv.straight > 0.7
