@@ -102,7 +102,7 @@ BY_HAND = {
     "live": "what the live link does and promises; tests/live and benchmarks/live.py hold it to that",
     "live-write": "how a block is asked for other widths; tests/live/test_write*.py and tests/e2e hold it to that",
     "live-security": "whom the live link believes; tests/opcua attacks it",
-    "other-simulation": "how decisions fare in loops that share nothing with ours; figures with the command that repeats them",
+    "other-simulation": "how decisions fare in loops of others; figures with the command that repeats them",
     "security": "what is trusted and promised; tests/properties/test_hostile_*.py and benchmarks/hostile.py attack it",
     "reading": "what the readers repair and what they refuse; tests/e2e/test_corpus.py runs it",
 }
