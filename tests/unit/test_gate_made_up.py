@@ -148,8 +148,7 @@ def test_every_way_into_a_fit_counts_them(healthy):
         "twice": lm.identify([healthy, healthy], nonlinearity="none"),
     }
     for name, fit in ways.items():
-        assert fit.data.made_up is not None, name
-        assert fit.data.made_up.pv.straight == pytest.approx(seen.pv.straight, rel=1e-9), name
+        assert fit.facts.made_up.pv.straight == pytest.approx(seen.pv.straight, rel=1e-9), name
 
 
 def test_rows_that_the_reader_made_up_count_for_pv_only():

@@ -39,7 +39,9 @@ class IdentificationData:
     notes : tuple of str
         What was assumed, left out or changed.
     made_up : MadeUp or None
-        Shares of the rows that a historian made up, as far as it is seen or told.
+        Shares of the rows that a historian made up, as far as it is seen or told; None where arrays were given.
+    plain : bool
+        Whether arrays were given, not records.
     """
 
     u: FloatArray
@@ -54,6 +56,12 @@ class IdentificationData:
     op_unit: str = ""
     pv_unit: str = ""
     made_up: MadeUp | None = None
+    plain: bool = False
+
+    @property
+    def drawn(self) -> MadeUp | None:
+        """What a historian made up; of arrays it is looked at when it is asked for: it takes as long as a short fit."""
+        return made_up(LoopRecord(self.u, self.y, dt=self.dt)) if self.plain else self.made_up
 
     @cached_property
     def u_step(self) -> float:
@@ -131,8 +139,7 @@ def collect(
         pieces, notes, seen = _stretches(records, raw, shortest)
         data = replace(_from_records(pieces, notes, dt), made_up=seen)
     else:
-        data = _from_arrays(first, y, dt)
-        data = replace(data, made_up=made_up(LoopRecord(data.u, data.y, dt=data.dt)))
+        data = replace(_from_arrays(first, y, dt), plain=True)
     _check_moves(data)
     return data
 

@@ -91,7 +91,7 @@ class HammersteinFit(RatedEstimate):
             fingerprint=data.fingerprint,
             profiled=self.profiled,
             kinds=self.kinds,
-            made_up=data.made_up,
+            made_up=data.drawn,
         )
 
     @property
