@@ -163,7 +163,8 @@ def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
     fit = lm.identify(record, nonlinearity="auto")
     assert fit.evidence.closed_loop
     assert fit.evidence.free_moves < 1e-6
-    found = clean_bill(fit, 0.01, PERCENT)
+    assert only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, None)
+    found = clean_bill(fit, 0.01, PERCENT, fed_back=True)
     assert set(found.excluded.values()) == {np.inf}
     cannot = found.weigh(said("none"), measured(), 2.0)
     assert cannot.verdict == "cannot tell"
@@ -184,6 +185,6 @@ def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
 def test_a_model_that_does_not_describe_the_record_excludes_nothing(status, free, excludes):
     fit = lm.identify(loop(lm.Identity(), 3), nonlinearity="auto")
     fit = replace(fit, status=status, evidence=replace(fit.evidence, free_moves=free))
-    found = clean_bill(fit, 0.01, PERCENT, SET_POINT)
+    found = clean_bill(fit, 0.01, PERCENT)
     assert (set(found.excluded.values()) != {np.inf}) == excludes
     assert ("does not describe" in found.why) != excludes

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.excitation import ONLY_PV, only_fed_back
+from lostmotion.diagnose.excitation import ONLY_PV
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
@@ -81,8 +80,8 @@ def _commanded(verdict: Verdict, measured: Measured) -> bool:
     return verdict.verdict != NO_FAULT and measured.driven
 
 
-def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, sp: FloatArray | None = None) -> CleanBill:
-    """What the record of a fit of all kinds leaves open; `sp` is the set point on its rows, None: not known.
+def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bool = False) -> CleanBill:
+    """What the record of a fit of all kinds leaves open; `fed_back`: nothing but PV moves OP in it.
 
     Sizes are excluded beside the process that was found: where that is not the plant, none is.
 
@@ -94,7 +93,7 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, sp: FloatArr
     if not 0.0 < tolerance < 1.0:
         raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
     excluded, why = _excluded(fit), ""
-    if only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp):
+    if fed_back:
         why = ONLY_PV
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"

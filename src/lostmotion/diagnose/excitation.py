@@ -10,7 +10,7 @@ from lostmotion.records import LoopRecord
 
 # Share of the moves of OP that PV does not explain. Below it, with the set point at rest or not known, process and
 # noise can be exchanged for others that foretell PV as well, the inverse of the controller among them (Ljung, 2nd ed.,
-# section 13.4); eight of the nine valves with 0.5 to 4 % of lost motion that another simulation saw "cleared" were so.
+# section 13.4); of eleven valves with 0.5 to 5 % of lost motion that were cleared in another simulation, eight were so.
 FED_BACK = 0.01
 ONLY_PV = "nothing but PV moves OP, so that the record does not tell the process from its controller"
 

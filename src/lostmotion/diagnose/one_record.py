@@ -89,9 +89,9 @@ def diagnose(
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
     span = op_span(record)
-    bill = clean_bill(fit, tolerance, span, sp)
-    report = check(record)
     fed_back = only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp)
+    bill = clean_bill(fit, tolerance, span, fed_back)
+    report = check(record)
     verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)
     verdict = bill.weigh(verdict, measured, float(np.std(fit.data.u)))
     return _package(record, fit, sp, measured, stability, verdict, bill, _notes(prepared, report), loop_type)
