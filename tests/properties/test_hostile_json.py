@@ -25,7 +25,8 @@ def _strict():
 @pytest.fixture(scope="module")
 def fit():
     u = lm.signals.prs(600, -5, 5, hold=8, seed=1)
-    y = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel((-0.8,), (0.2,), 1)).simulate(u) + 0.02 * (u % 0.37)
+    noise = 0.02 * np.random.default_rng(3).standard_normal(u.size)
+    y = lm.Hammerstein(lm.DeadZone(-1.0, 1.0), lm.LinearModel((-0.8,), (0.2,), 1)).simulate(u) + noise
     return lm.identify(u, y, dt=1.0, nonlinearity="dead zone", orders=(1, 0, 1), noise="white").to_dict()
 
 
