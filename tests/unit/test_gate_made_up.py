@@ -155,3 +155,20 @@ def test_rows_that_the_reader_made_up_count_for_pv_only():
     op, pv = np.random.default_rng(0).normal(size=(2, 300))
     seen = made_up(lm.LoopRecord(op, pv, dt=1.0, made_up=(0.8, 0.5)))
     assert seen == MadeUp(Compression(0.0, 0.0), Compression(0.5, 0.0))
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize(("pv", "told"), [((0.29, 0.0), True), ((0.31, 0.0), False), ((0.1, 0.51), False)])
+def test_a_diagnosis_gives_no_size_either(monkeypatch, pv, told):
+    """The fit is of a record as it was measured; only what is known of its rows is changed."""
+    module = importlib.import_module("lostmotion.diagnose.one_record")
+    loop = random_faulty_loop(4, cause="stiction", process="flow")
+    record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0, op_span=(0.0, 100.0))
+    fit = lm.identify(record, nonlinearity="auto")
+    seen = MadeUp(Compression(0.0, 0.0), Compression(*pv))
+    monkeypatch.setattr(module, "identify", lambda *_, **__: replace(fit, data=replace(fit.data, made_up=seen)))
+    found = lm.diagnose(record)
+    assert found.verdict == "stiction"
+    assert np.isfinite([found.size, *found.interval]).all() == told
+    assert found.severity == ("unknown" if not told else found.severity)
+    assert any("does not tell" in note for note in found.notes) != told

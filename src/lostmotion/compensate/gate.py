@@ -16,7 +16,6 @@ from lostmotion.errors import DataError, GateError, ParameterError, Status
 from lostmotion.identify import FitFacts
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.earned import like_a_slip
-from lostmotion.records import limits
 from lostmotion.records.compression import MadeUp
 
 # COLOURED: kind and size hold, only the intervals are too narrow. MISFIT: no size is right (docs/compensation-study.md)
@@ -24,10 +23,6 @@ SIZED = (Status.OK, Status.COLOURED)
 SHOWN = (*SIZED, Status.MISFIT, Status.WIDE, Status.FEW_CROSSINGS)  # hardly: enough to ask for a test, or to watch
 PROCESS = (*SHOWN, Status.ONE_SIDED, Status.NOT_SEEN)  # of any other nothing of the model can be used
 SURE = 0.9  # of 102 simulated loops 47 of 52 right kinds had more, the one wrong dead zone had 0.85
-# Shares of rows that a historian made up. On lines, which foretell the next stored value, healthy valves seem to stick;
-# held values lose what happened between, and that is less (docs/compensation-study.md).
-MOST_ON_LINES = limits.COMPRESSED_TOLD
-MOST_MADE_UP = limits.COMPRESSED_WARN
 OPEN_DIAGNOSIS = "cannot tell"
 OVERRIDE = "give accept='<reason>'"
 
@@ -93,19 +88,10 @@ def _doubtful(kind: str, kinds: KindChoice) -> Closed:
 
 
 def _made_up(found: MadeUp, closed_loop: bool) -> Closed | None:
-    """Whether a historian made up more of the record than a size may rest on.
-
-    An OP that answers nothing may be on lines, e.g. a ramp by hand.
-    """
+    """Whether a historian made up more of the record than a size may rest on."""
     remedy = "export raw values from the control system or the historian, with compression off"
-    for name, one in (("PV", found.pv), *((("OP", found.op),) if closed_loop else ())):
-        if one.straight > MOST_ON_LINES:
-            got = f"{100.0 * one.straight:.0f} % of the rows of {name} on straight lines that a historian drew"
-            return Closed(f"measured values, at most {100.0 * MOST_ON_LINES:.0f} % of the rows on lines", got, remedy)
-        if one.share > MOST_MADE_UP:
-            got = f"{100.0 * one.share:.0f} % of the rows of {name} made up by a historian"
-            return Closed(f"measured values, at most {100.0 * MOST_MADE_UP:.0f} % of the rows made up", got, remedy)
-    return None
+    said = found.hides_size(closed_loop)
+    return None if said is None else Closed(*said, remedy)
 
 
 def _contradicted(kind: str, verdict: str) -> Closed | None:

@@ -6,7 +6,6 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.evidence import NEARLY_EXACT
-from lostmotion.records import LoopRecord
 
 # Share of the moves of OP that PV does not explain. Below it, with the set point at rest or not known, process and
 # noise can be exchanged for others that foretell PV as well, the inverse of the controller among them (Ljung, 2nd ed.,
@@ -29,12 +28,3 @@ def only_fed_back(closed: bool, free: float, sp: FloatArray | None) -> bool:
     """
     moves = sp is not None and bool(np.ptp(sp) > 0.0)
     return closed and free < (NEARLY_EXACT if moves else FED_BACK)
-
-
-def set_point(stretches: tuple[LoopRecord, ...], rows: int) -> FloatArray | None:
-    """Set point on the rows of all stretches, one after the other; None where it is not known in all of them."""
-    parts = [stretch.sp for stretch in stretches if stretch.sp is not None]
-    if len(parts) < len(stretches):
-        return None
-    sp = np.concatenate(parts)
-    return sp if sp.size == rows and bool(np.isfinite(sp).all()) else None

@@ -10,7 +10,7 @@ from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.evidence_words import LABEL
-from lostmotion.diagnose.excitation import only_fed_back, set_point
+from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import TOLERANCE, op_span
@@ -25,6 +25,10 @@ from lostmotion.records.modes import rows_of
 
 INTEGRATES = {"flow": False, "pressure": False, "temperature": False, "level": True}  # unless said otherwise
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
+BETWEEN = (
+    "The controller acts more often than it is recorded: OP moves by about {:.2g} between the rows, which makes the "
+    "interval of the size so wide. Record every scan of the controller."
+)
 
 
 @one_thread
@@ -82,9 +86,8 @@ def diagnose(
     if integrating is None and loop_type is not None and loop_type in INTEGRATES:
         integrating = INTEGRATES[loop_type]
     prepared = prepare(record)
-    stretches = prepared.require()
     fit = identify(prepared, nonlinearity="auto", integrating=known)
-    sp = set_point(stretches, fit.data.u.size)
+    sp = fit.data.sp
     measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
@@ -168,7 +171,12 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         return unknown
     name = fit.kind.size
     if name is not None and (fit.kind is said or (fit.kind.sticks and said.sticks)):
-        return fit.parameters[name], fit.interval(name), ()
+        made_up = fit.data.made_up
+        hidden = None if made_up is None else made_up.hides_size(fit.evidence.closed_loop)
+        if hidden is not None:
+            return *unknown[:2], (f"How large it is the record does not tell: {hidden[1]}.",)
+        between = BETWEEN.format(fit.evidence.unseen_moves)
+        return fit.parameters[name], fit.interval(name), (between,) if fit.evidence.unseen_moves > 0.0 else ()
     width = measured.indices.get("ellipse_width", np.nan)
     note = "The size is the apparent one of the PV-OP ellipse: the likelihood does not give it here."
     return width, (np.nan, np.nan), (note,) if np.isfinite(width) else ()

@@ -42,6 +42,8 @@ class IdentificationData:
         Shares of the rows that a historian made up, as far as it is seen or told; None where arrays were given.
     plain : bool
         Whether arrays were given, not records.
+    sp : ndarray, shape (n,), or None
+        Set point, where it is known in every row.
     """
 
     u: FloatArray
@@ -57,6 +59,7 @@ class IdentificationData:
     pv_unit: str = ""
     made_up: MadeUp | None = None
     plain: bool = False
+    sp: FloatArray | None = None
 
     @property
     def drawn(self) -> MadeUp | None:
@@ -228,7 +231,14 @@ def _from_records(records: Sequence[LoopRecord], notes: tuple[str, ...], dt: flo
         records[0].pv_span,
         records[0].op_unit,
         records[0].pv_unit,
+        sp=_set_point(kept),
     )
+
+
+def _set_point(records: Sequence[LoopRecord]) -> FloatArray | None:
+    parts = [record.sp for record in records if record.sp is not None]
+    sp = np.concatenate(parts) if len(parts) == len(records) else None
+    return sp if sp is not None and bool(np.isfinite(sp).all()) else None
 
 
 def _refuse_holes(record: LoopRecord) -> None:

@@ -250,7 +250,7 @@ class _Identification:
         profiled = kind.intervals(fitted, scaling)
         covariance = with_profiled(named, profiled)
         simulated, errors = fitted.problem.predict(fitted.fit.theta)
-        evidence = weigh(scaled, fitted, linear, named.values, data.u, self.asked)
+        evidence = weigh(scaled, fitted, linear, named.values, data, self.asked)
         tests = residual_tests(fitted, errors)
         rows, percent = _on_rows(simulated, scaled, s.first), _fit_percent(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)

@@ -38,6 +38,8 @@ class Evidence:
     crossings : int or None
         Times that OP went through a dead zone from end to end, see :func:`crossings`; None: no dead zone, or a fit
         saved before they were counted.
+    unseen_moves : float
+        Deviation of OP between the rows, of a valve with a memory, see ``unseen_moves``; 0: the rows show all.
     """
 
     gain_over_linear: float
@@ -49,6 +51,7 @@ class Evidence:
     free_moves: float = 1.0
     other_kind: tuple[str, float] | None = None
     crossings: int | None = None
+    unseen_moves: float = 0.0
 
     @property
     def only_fed_back(self) -> bool:

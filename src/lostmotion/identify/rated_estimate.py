@@ -16,6 +16,7 @@ from lostmotion.files.results import write_json
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.unseen_moves import beyond_unseen, within_unseen
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL)  # no number is given for the fault, only a bound
@@ -84,6 +85,7 @@ class RatedEstimate(NamedEstimate, ABC):
             Lower and upper end, on a logarithmic scale for slopes. Where no dead zone is seen its break points
             and slope ratio can be anywhere, so their interval is the whole line; that of the width begins at 0.
             Other dead zones that fit about as well (`evidence.rivals`, less than 6 of BIC behind) lie inside.
+            That of a size is wider by what OP does between the rows (`evidence.unseen_moves`).
 
         Raises
         ------
@@ -96,6 +98,9 @@ class RatedEstimate(NamedEstimate, ABC):
             value, ends = self.parameters[name], self.profiled[name]
             low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
         low, high = self._with_rivals(name, low, high)
+        if name == self.kind.size:
+            moves = self.evidence.unseen_moves
+            low, high = within_unseen(low, moves), beyond_unseen(high, moves)
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:

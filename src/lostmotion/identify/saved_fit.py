@@ -148,12 +148,19 @@ def _evidence(saved: Fields) -> Evidence:
         saved.count("samples_right"),
     )
     given: dict[str, Any] = {
-        name: read(name) for name, read in (("closed_loop", saved.flag), ("free_moves", saved.number)) if name in saved
+        name: read(name)
+        for name, read in (
+            ("closed_loop", saved.flag),
+            ("free_moves", saved.number),
+        )
+        if name in saved
     }
     if "rivals" in saved:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
     if "other_kind" in saved:
         given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
+    if "unseen_moves" in saved:
+        given["unseen_moves"] = saved.made("unseen_moves", "a deviation", _deviation)
     if "crossings" in saved:
         given["crossings"] = saved.made("crossings", "how often the dead zone was crossed", _crossings)
     return replace(found, **given)
@@ -162,6 +169,13 @@ def _evidence(saved: Fields) -> Evidence:
 def _other_kind(pair: object) -> tuple[str, float]:
     name, ahead = as_list(pair)
     return kind_of(str(name)).name, as_number(ahead)
+
+
+def _deviation(saved: object) -> float:
+    value = as_number(saved)
+    if value < 0.0:
+        raise ValueError("below 0")
+    return value
 
 
 def _crossings(saved: object) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
+from lostmotion.identify.data import IdentificationData
 from lostmotion.identify.evidence import Evidence, crossings
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import FLOOR, gain_over_linear, per_row
@@ -14,12 +15,13 @@ from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.unseen_moves import unseen_moves
 
 VAGUE = 0.5  # of the width: an inverse with a break point that is so little known may push more than it takes away
 
 
 def weigh(
-    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], u: FloatArray, asked: Asked
+    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, asked: Asked
 ) -> Evidence:
     """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
     models, variances, rows = autoregressions(
@@ -34,8 +36,8 @@ def weigh(
     beyond, crossed = (0, 0), None
     if kind.dead_between:
         below, above = (values[name] for name in kind.break_points)
-        beyond = int(np.sum(u < below)), int(np.sum(u > above))
-        crossed = crossings(u, np.asarray(scaled.segments), below, above)
+        beyond = int(np.sum(data.u < below)), int(np.sum(data.u > above))
+        crossed = crossings(data.u, np.asarray(scaled.segments), below, above)
     loop = feedback(scaled)
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
@@ -46,6 +48,7 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
+        unseen_moves=unseen_moves(data) if kind.sticks else 0.0,
     )
 
 

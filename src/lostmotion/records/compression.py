@@ -23,6 +23,10 @@ from lostmotion.records.standstill import is_live
 
 SINGLE = 2.4e-7  # relative rounding of single precision, twice
 ROUNDING = 1e-9  # of the range: differences this small are float rounding
+# Shares of rows that a historian made up. On lines, which foretell the next stored value, healthy valves seem to stick;
+# held values lose what happened between, and that is less (docs/compensation-study.md).
+MOST_ON_LINES = limits.COMPRESSED_TOLD
+MOST_MADE_UP = limits.COMPRESSED_WARN
 MOST_FACTOR = 1000  # rows per value of the scan: a slower scan leaves too few values to tell
 
 
@@ -53,6 +57,20 @@ class MadeUp:
 
     op: Compression
     pv: Compression
+
+    def hides_size(self, closed_loop: bool) -> tuple[str, str] | None:
+        """What a size needs and what is there instead; None where it may rest on these rows.
+
+        An OP that answers nothing may be on lines, e.g. a ramp by hand.
+        """
+        for name, one in (("PV", self.pv), *((("OP", self.op),) if closed_loop else ())):
+            if one.straight > MOST_ON_LINES:
+                got = f"{100.0 * one.straight:.0f} % of the rows of {name} on straight lines that a historian drew"
+                return f"measured values, at most {100.0 * MOST_ON_LINES:.0f} % of the rows on lines", got
+            if one.share > MOST_MADE_UP:
+                got = f"{100.0 * one.share:.0f} % of the rows of {name} made up by a historian"
+                return f"measured values, at most {100.0 * MOST_MADE_UP:.0f} % of the rows made up", got
+        return None
 
     def to_dict(self) -> dict[str, dict[str, float]]:
         """JSON-ready."""

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.excitation import only_fed_back, set_point
+from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
 from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
@@ -178,8 +178,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     curves = {kind.name: models.curve(kind, held) for kind in faults() if kind.size is not None}
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
-    loop, sp = feedback(scaled), set_point(prepared.require(), data.u.size)
-    return RecordProfile(curves, gains, span, data.u.size, models, only_fed_back(loop.closed, loop.free, sp))
+    loop = feedback(scaled)
+    return RecordProfile(curves, gains, span, data.u.size, models, only_fed_back(loop.closed, loop.free, data.sp))
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:

@@ -1,0 +1,119 @@
+"""A controller that acts between the rows of its record is told from one that acts in every row."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identify.data import collect
+from lostmotion.identify.unseen_moves import beyond_unseen, unseen_moves, within_unseen
+from tests.fits import made_fit
+
+GAIN, INTEGRAL = 0.8, 0.05  # of the controller, at each of its scans
+
+
+def loop(scans, *, band=0.0, rows=1500, noise=0.1, seed=1, sp_known=True, before=0.0, after=0.0, by_hand=False):
+    """Record of which every row has so many scans of a PI; PV is rounded `before` the controller or `after` it."""
+    random = np.random.default_rng(seed)
+    n = rows * scans
+    sp = np.repeat(random.uniform(-3.0, 3.0, rows // 100 + 1), 100 * scans)[:n]
+    op, pv = np.zeros(n), np.zeros(n)
+    valve = state = 0.0
+    integral = 0.0
+    for k in range(n):
+        state += (0.1 / scans) * (valve - state)
+        pv[k] = state + noise * random.standard_normal()
+        if before:
+            pv[k] = before * np.round(pv[k] / before)
+        integral += INTEGRAL / scans * (sp[k] - pv[k])
+        op[k] = 2.0 * np.sign(np.sin(k / (40.0 * scans))) if by_hand else GAIN * (sp[k] - pv[k]) + integral
+        valve = min(max(valve, op[k] - band / 2), op[k] + band / 2)
+    if after:
+        pv, op = after * np.round(pv / after), after * np.round(op / after)
+    at = slice(None, None, scans)
+    return lm.LoopRecord(50 + op[at], 50 + pv[at], 50 + sp[at] if sp_known else None, dt=1.0, op_span=(0.0, 100.0))
+
+
+def moves(record):
+    return unseen_moves(collect(record, None, None))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("scans", [2, 4, 8])
+def test_noise_of_op_is_found_where_scans_are_unseen(scans, seed):
+    """OP has the noise of PV times the gain; seven past rows do not quite foretell the rest."""
+    assert 1.0 < moves(loop(scans, seed=seed)) / (GAIN * 0.1) < 1.4
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "options", [{}, {"after": 0.01}, {"after": 0.05}, {"before": 0.05}, {"sp_known": False}, {"band": 1.0}]
+)
+def test_a_controller_that_acts_once_a_row_has_no_unseen_moves(options, seed):
+    assert moves(loop(1, seed=seed, **options)) == 0.0
+
+
+@pytest.mark.parametrize("options", [{"before": 0.05}, {"sp_known": False}, {"band": 1.0}])
+def test_what_else_is_in_the_record_does_not_hide_the_scans(options):
+    assert moves(loop(4, **options)) > 0.03
+
+
+def test_nothing_is_said_of_moves_by_hand_nor_of_too_few_rows():
+    assert moves(loop(4, by_hand=True)) == 0.0
+    assert moves(loop(4, rows=80)) == 0.0
+
+
+def test_arrays_and_op_that_something_else_moves_tell_nothing():
+    random = np.random.default_rng(4)
+    u, y = random.standard_normal((2, 500))
+    assert unseen_moves(collect(u, y, 1.0)) == 0.0
+
+
+def test_the_interval_of_a_size_is_wider_by_them(tmp_path):
+    for kind, size in (("backlash", "width"), ("stiction", "band")):
+        plain = made_fit(kind)
+        moved = replace(plain, evidence=replace(plain.evidence, unseen_moves=0.25))
+        low, high = plain.interval(size)
+        expected = within_unseen(low, 0.25), beyond_unseen(high, 0.25)
+        assert moved.interval(size) == expected
+        assert expected[0] < low < high < expected[1]
+        assert lm.read_fit(moved.save(tmp_path / f"{kind}.json")).interval(size) == pytest.approx(expected)
+        if kind == "stiction":
+            assert moved.interval("jump") == plain.interval("jump")
+    assert within_unseen(0.2, 0.5) == 0.0
+    assert within_unseen(-0.2, 0.0) == -0.2  # left as it is
+
+
+def test_a_saved_fit_has_none_below_zero(tmp_path):
+    saved = made_fit("backlash").to_dict()
+    saved["evidence"]["unseen_moves"] = -0.1
+    path = tmp_path / "fit.json"
+    path.write_text(json.dumps(saved))
+    with pytest.raises(lm.DataError, match="unseen_moves"):
+        lm.read_fit(path)
+
+
+@pytest.mark.statistics
+def test_the_width_is_in_the_interval_of_most_loops_with_unseen_scans():
+    held = bounds = 0
+    for seed in range(8):
+        fit = lm.identify(loop(4, band=2.0, seed=seed), nonlinearity="backlash")
+        assert fit.evidence.unseen_moves > 0.0
+        low, high = fit.interval("width")
+        held += low <= 2.0 <= high
+        plain = replace(fit, evidence=replace(fit.evidence, unseen_moves=0.0)).interval("width")
+        bounds += plain[0] <= 2.0 <= plain[1]
+    assert held >= 7
+    assert held > bounds
+
+
+@pytest.mark.statistics
+def test_no_size_is_excluded_that_unseen_scans_hide():
+    found = lm.diagnose(loop(4))
+    more = 2.0 * unseen_moves(found.fit.data)
+    assert more > 0.0
+    plain = found.fit.kinds.excluded
+    for name, size in found.excluded.items():
+        assert size == pytest.approx(plain[name] + more * (name in ("backlash", "stiction")))
