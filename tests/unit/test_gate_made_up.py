@@ -158,8 +158,18 @@ def test_rows_that_the_reader_made_up_count_for_pv_only():
 
 
 @pytest.mark.statistics
-@pytest.mark.parametrize(("pv", "told"), [((0.29, 0.0), True), ((0.31, 0.0), False), ((0.1, 0.51), False)])
-def test_a_diagnosis_gives_no_size_either(monkeypatch, pv, told):
+@pytest.mark.parametrize(
+    ("pv", "verdict", "told"),
+    [
+        ((0.29, 0.0), "stiction", True),
+        ((0.31, 0.0), "stiction", False),
+        ((0.1, 0.51), "stiction", False),
+        ((0.79, 0.0), "stiction", False),
+        ((0.81, 0.0), "cannot tell", False),
+        ((0.0, 0.81), "cannot tell", False),
+    ],
+)
+def test_a_diagnosis_gives_no_size_either(monkeypatch, pv, verdict, told):
     """The fit is of a record as it was measured; only what is known of its rows is changed."""
     module = importlib.import_module("lostmotion.diagnose.one_record")
     loop = random_faulty_loop(4, cause="stiction", process="flow")
@@ -168,7 +178,11 @@ def test_a_diagnosis_gives_no_size_either(monkeypatch, pv, told):
     seen = MadeUp(Compression(0.0, 0.0), Compression(*pv))
     monkeypatch.setattr(module, "identify", lambda *_, **__: replace(fit, data=replace(fit.data, made_up=seen)))
     found = lm.diagnose(record)
-    assert found.verdict == "stiction"
+    assert found.verdict == verdict
     assert np.isfinite([found.size, *found.interval]).all() == told
-    assert found.severity == ("unknown" if not told else found.severity)
-    assert any("does not tell" in note for note in found.notes) != told
+    if verdict == "cannot tell":
+        assert "81 % of the rows of PV are a historian's" in found.why
+        assert "raw values" in " ".join(found.advice)
+    else:
+        assert (found.severity == "unknown") != told
+        assert any("does not tell" in note for note in found.notes) != told

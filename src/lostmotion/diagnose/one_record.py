@@ -9,6 +9,7 @@ from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
+from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.features import Measured, measure
@@ -96,7 +97,7 @@ def diagnose(
     bill = clean_bill(fit, tolerance, span, fed_back)
     report = check(record)
     verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)
-    verdict = bill.weigh(verdict, measured, float(np.std(fit.data.u)))
+    verdict = unless_drawn(bill.weigh(verdict, measured, float(np.std(fit.data.u))), fit)
     return _package(record, fit, sp, measured, stability, verdict, bill, _notes(prepared, report), loop_type)
 
 
@@ -146,6 +147,8 @@ def _package(
 def _advice(
     verdict: Verdict, severity: str, measured: Measured, bill: CleanBill, sp: FloatArray | None
 ) -> tuple[str, ...]:
+    if verdict.advice:
+        return verdict.advice
     if verdict.why:
         return how_to_tell(bill.largest[1], verdict.limit, sp is None or not bool(np.ptp(sp) > 0.0))
     return advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings)
@@ -171,10 +174,9 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         return unknown
     name = fit.kind.size
     if name is not None and (fit.kind is said or (fit.kind.sticks and said.sticks)):
-        made_up = fit.data.made_up
-        hidden = None if made_up is None else made_up.hides_size(fit.evidence.closed_loop)
-        if hidden is not None:
-            return *unknown[:2], (f"How large it is the record does not tell: {hidden[1]}.",)
+        hidden = hidden_size(fit)
+        if hidden:
+            return *unknown[:2], (f"How large it is the record does not tell: {hidden}.",)
         between = BETWEEN.format(fit.evidence.unseen_moves)
         return fit.parameters[name], fit.interval(name), (between,) if fit.evidence.unseen_moves > 0.0 else ()
     width = measured.indices.get("ellipse_width", np.nan)

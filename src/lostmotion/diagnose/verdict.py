@@ -45,6 +45,8 @@ class Verdict:
         Why it cannot be told, where the record leaves open what the verdict would deny.
     limit : float
         Where `why` is said: the size in units of OP that the record would have to exclude.
+    advice : tuple of str
+        What would tell, where that is no test of the valve.
     """
 
     verdict: str
@@ -54,6 +56,7 @@ class Verdict:
     contributions: dict[str, tuple[float, float]]
     why: str = ""
     limit: float = float("nan")
+    advice: tuple[str, ...] = ()
 
 
 def fault_probability(features: Features) -> float:
