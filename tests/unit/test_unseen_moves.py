@@ -79,6 +79,8 @@ def test_the_interval_of_a_size_is_wider_by_them(tmp_path):
         expected = within_unseen(low, 0.25), beyond_unseen(high, 0.25)
         assert moved.interval(size) == expected
         assert expected[0] < low < high < expected[1]
+        assert any("OP moves by about 0.25 between the rows" in remark for remark in moved.remarks)
+        assert not any("between the rows" in remark for remark in plain.remarks)
         assert lm.read_fit(moved.save(tmp_path / f"{kind}.json")).interval(size) == pytest.approx(expected)
         if kind == "stiction":
             assert moved.interval("jump") == plain.interval("jump")

@@ -29,8 +29,8 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     ----------
     fit : HammersteinFit
     """
-    said = [about_pv_step(fit), about_op_step(fit), about_sampling(fit), about_loads(fit), in_percent(fit)]
-    return tuple(sentence for sentence in said if sentence)
+    about = (about_pv_step, about_op_step, about_unseen_moves, about_sampling, about_loads, in_percent)
+    return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
 
 def step_over_noise(step: float, variance: float) -> float:
@@ -50,6 +50,15 @@ def step_over_noise(step: float, variance: float) -> float:
     """
     own = variance - step**2 / 12.0
     return float(step / np.sqrt(own)) if own > 0 else np.inf
+
+
+def about_unseen_moves(fit: HammersteinFit) -> str:
+    """What OP does between the rows, of a valve with a memory."""
+    moves = fit.evidence.unseen_moves
+    if moves <= 0.0:
+        return ""
+    why = f"The controller acts more often than it is recorded: OP moves by about {moves:.2g} between the rows"
+    return f"{why}, which makes the interval of the {fit.kind.size} so wide. Record every scan of the controller."
 
 
 def about_loads(fit: HammersteinFit) -> str:
