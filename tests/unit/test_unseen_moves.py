@@ -1,5 +1,6 @@
 """A controller that acts between the rows of its record is told from one that acts in every row."""
 
+import importlib
 import json
 from dataclasses import replace
 
@@ -112,10 +113,15 @@ def test_the_width_is_in_the_interval_of_most_loops_with_unseen_scans():
 
 
 @pytest.mark.statistics
-def test_no_size_is_excluded_that_unseen_scans_hide():
-    found = lm.diagnose(loop(4))
-    more = 2.0 * unseen_moves(found.fit.data)
+def test_no_size_is_excluded_that_unseen_scans_hide(monkeypatch):
+    record = loop(4)
+    found, more = lm.diagnose(record).excluded, 2.0 * moves(record)
+    alone = lm.identify(record, nonlinearity="backlash")
+    assert alone.status is lm.Status.NOT_SEEN
+    monkeypatch.setattr(importlib.import_module("lostmotion.identify.status"), "unseen_moves", lambda _: 0.0)
+    plain = lm.identify(record, nonlinearity="auto").kinds.excluded
     assert more > 0.0
-    plain = found.fit.kinds.excluded
-    for name, size in found.excluded.items():
+    for name, size in found.items():
         assert size == pytest.approx(plain[name] + more * (name in ("backlash", "stiction")))
+    assert alone.widest == pytest.approx(lm.identify(record, nonlinearity="backlash").widest + more)
+    assert alone.interval("width") == (0.0, alone.widest)

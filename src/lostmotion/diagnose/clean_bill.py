@@ -12,8 +12,7 @@ from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.kind import NO_FAULT, faults, kind_of
-from lostmotion.identify.unseen_moves import beyond_unseen, unseen_moves
+from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
 # the likelihood leaves open: of such claims on real loops left out seven in eight were right (docs/diagnosis.md)
@@ -111,9 +110,7 @@ def _is_not_described(fit: HammersteinFit) -> bool:
 
 def _excluded(fit: HammersteinFit) -> dict[str, float]:
     if fit.kinds is not None and fit.kinds.excluded:
-        moves = unseen_moves(fit.data)
-        sizes = fit.kinds.excluded.items()
-        return {name: beyond_unseen(size, moves) if kind_of(name).sticks else size for name, size in sizes}
+        return dict(fit.kinds.excluded)
     size = fit.kind.size
     return {} if size is None else {fit.kind.name: float(fit.interval(size)[1])}
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from lostmotion.diagnose.verdict import Verdict
 from lostmotion.identify import HammersteinFit
 
-# Share of the rows of PV made up, from which on no valve is accused: of 8 sound ones in another
-# simulation with 81 to 87 % four were; the four faulty ones, with 59 to 76 %, rightly (docs/other-simulation.md).
+# Share of the rows of PV made up, from which on no valve is accused: of 8 sound ones in another simulation with
+# 81 to 87 % four were; the four faulty ones, with 59 to 76 %, rightly (docs/other-simulation.md).
 MOST_FOR_A_KIND = 0.8
 RAW = "Export raw values from the control system or the historian, with compression off, and diagnose them."
 

@@ -31,7 +31,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.status import decide, excluded_above, weigh
+from lostmotion.identify.status import decide, excluded_above, excluded_sizes, weigh
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, Prepared
@@ -239,7 +239,7 @@ class _Identification:
                 bounds[kinds.best] = chosen.widest
         unseen = linear_result.status is Status.CANNOT_TELL  # OP hardly moves PV: nor would a valve that stands still
         sizes = nothing_excluded() if unseen else largest_sizes(linear, fits)
-        sizes = {kind: size * self.scaled.scaling.u_scale for kind, size in sizes.items()}
+        sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:

@@ -15,7 +15,7 @@ from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.unseen_moves import unseen_moves
+from lostmotion.identify.unseen_moves import beyond_unseen, unseen_moves
 
 VAGUE = 0.5  # of the width: an inverse with a break point that is so little known may push more than it takes away
 
@@ -72,7 +72,14 @@ def excluded_above(
 ) -> float | None:
     """Largest size that the record does not exclude; None where there is none, or a process of any kind would do."""
     kind = kind_of(fitted.problem.family.kind)
-    return None if evidence.only_fed_back else kind.widest(fitted, profiled, scaling)
+    widest = None if evidence.only_fed_back else kind.widest(fitted, profiled, scaling)
+    return None if widest is None else beyond_unseen(widest, evidence.unseen_moves)
+
+
+def excluded_sizes(sizes: dict[str, float], data: IdentificationData, scaling: Scaling) -> dict[str, float]:
+    """The same of every kind in units of OP, from scaled ones beside the linear model."""
+    moves, found = unseen_moves(data), {name: scaling.u_scale * size for name, size in sizes.items()}
+    return {name: beyond_unseen(size, moves) if kind_of(name).sticks else size for name, size in found.items()}
 
 
 def decide(
