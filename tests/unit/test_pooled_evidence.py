@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,16 @@ def test_equal_records_give_an_interval_that_shrinks_with_their_number():
         assert low < 2.0 < high
         widths.append(high - low)
     assert widths[0] > widths[1] > widths[2]
+
+
+def test_what_op_does_between_the_rows_is_in_no_average():
+    for kind, more in (("backlash", 0.3), ("stiction", 0.3), ("dead zone", 0.0)):
+        curve = {kind.replace(" ", "_"): hill(2.0, 0.02)}
+        plain = pooled(*[record(**curve)] * 9).sized[kind]
+        moved = pooled(*[replace(record(**curve), unseen=0.3)] * 9).sized[kind]
+        low, high = plain.interval()
+        assert moved.interval() == pytest.approx((low - more, high + 2.0 * more))
+        assert moved.largest() == pytest.approx(plain.largest() + 2.0 * more)
 
 
 def test_size_of_precise_and_vague_records_is_near_the_precise():

@@ -19,7 +19,8 @@ from scipy.special import logsumexp
 
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.pooled.record_profile import RecordProfile
-from lostmotion.identify.actuators.kind import NO_FAULT, faults
+from lostmotion.identify.actuators.kind import NO_FAULT, faults, kind_of
+from lostmotion.identify.unseen_moves import beyond_unseen, within_unseen
 
 WILD = 0.05  # of single diagnoses that name a kind it is wrong in so many
 STEP = 0.005  # of the grid of sizes, on a logarithmic axis: a deviation below it is of no use to anyone
@@ -44,11 +45,14 @@ class SizeEvidence:
     at_once : ndarray, shape (records, g)
         The same without scatter, with small gains and losses, none beyond log(1 / WILD); 0 of records in which nothing
         but PV moves OP.
+    unseen : float
+        What OP does between the rows, where the kind has a memory: in all records alike, so no average takes it away.
     """
 
     sizes: FloatArray
     parts: FloatArray
     at_once: FloatArray
+    unseen: float = 0.0
 
     def table(self, without: int | None = None) -> FloatArray:
         """Log of prior times likelihood, shape (tau, g); without one record, if asked for."""
@@ -79,7 +83,8 @@ class SizeEvidence:
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
         """Where the common size lies with this probability."""
         tail = 0.5 * (1.0 - level)
-        return self._quantile(self.posterior, tail), self._quantile(self.posterior, 1.0 - tail)
+        low, high = self._quantile(self.posterior, tail), self._quantile(self.posterior, 1.0 - tail)
+        return within_unseen(low, self.unseen), beyond_unseen(high, self.unseen)
 
     def _quantile(self, weights: FloatArray, share: float) -> float:
         below = np.cumsum(weights) - 0.5 * weights
@@ -96,8 +101,8 @@ class SizeEvidence:
         sums = WORTH * self.at_once.sum(axis=0)
         left = np.flatnonzero(sums >= -FALL)
         if not left.size:
-            return float(self.sizes[0])
-        return float(np.inf) if left[-1] == len(sums) - 1 else float(self.sizes[left[-1]])
+            return beyond_unseen(float(self.sizes[0]), self.unseen)
+        return float(np.inf) if left[-1] == len(sums) - 1 else beyond_unseen(float(self.sizes[left[-1]]), self.unseen)
 
 
 @dataclass(frozen=True)
@@ -154,6 +159,7 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     free = {name: np.array([one.gains.get(name, 0.0) for one in profiles]) for name in rest}
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)
+    unseen = float(np.median([one.unseen for one in profiles]))
     scattered = {name: _scattered(values, sizes) for name, values in curves.items()}
     return Evidence(
         {
@@ -161,6 +167,7 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
                 sizes,
                 _or_wild(values, anything[:, None, None]) - linear[:, None, None],
                 np.clip(whole[name], np.log(WILD), -np.log(WILD)),
+                unseen if kind_of(name).sticks else 0.0,
             )
             for name, values in scattered.items()
         },

@@ -26,6 +26,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.problem import Structure
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.unseen_moves import unseen_moves
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import Prepared
 
@@ -119,6 +120,8 @@ class RecordProfile:
         Used.
     fed_back : bool
         Whether nothing but PV moves OP: such a record excludes no size.
+    unseen : float
+        What OP does between the rows, units of OP.
     """
 
     curves: dict[str, SizeCurve]
@@ -127,6 +130,7 @@ class RecordProfile:
     rows: int
     _models: _Models = field(repr=False)
     fed_back: bool = False
+    unseen: float = 0.0
 
     def place(self, name: str) -> FloatArray | None:
         """Own parameters of a kind in units of OP where it gains in this record; None where it does not."""
@@ -179,7 +183,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
     loop = feedback(scaled)
-    return RecordProfile(curves, gains, span, data.u.size, models, only_fed_back(loop.closed, loop.free, data.sp))
+    fed_back = only_fed_back(loop.closed, loop.free, data.sp)
+    return RecordProfile(curves, gains, span, data.u.size, models, fed_back, unseen_moves(data))
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:
