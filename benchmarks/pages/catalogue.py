@@ -78,7 +78,7 @@ PAGES = (
         ("benchmarks/plant/worker.py", "benchmarks/tep-constraints.txt"),
         reads=True,
     ),
-    Page("endurance", "benchmarks/endurance.py", 8),
+    Page("endurance", "benchmarks/endurance.py", 8, reads=True),
     Page("export", "benchmarks/export.py", 15, EXPORT, "make plc", reads=True, shares=True),
     Page("family", "benchmarks/family.py", 10),
     Page("online", "benchmarks/online.py", 10, RIVALS, reads=True),
