@@ -132,10 +132,13 @@ def _used(tree: ast.Module, alias: ast.alias) -> list[str] | None:
 
 
 def _lazily(package: str, names: list[str] | None, root: Path) -> Iterator[str]:
-    """Modules behind the names of a package whose ``__init__.pyi`` says what is loaded lazily."""
+    """Modules behind the names of a package whose ``__init__.pyi`` says what is loaded lazily; so may those be."""
     offered = _stub(_stub_path(package, root))
     for name in offered if names is None else names:
-        yield from (f"{package}.{module}" for module in offered.get(name, ()))
+        modules = [f"{package}.{module}" for module in offered.get(name, ())]
+        yield from modules
+        if modules and _stub(_stub_path(modules[0], root)):
+            yield from _lazily(modules[0], [name], root)
 
 
 def _stub_path(package: str, root: Path) -> Path:

@@ -88,6 +88,15 @@ class TestSources:
         names = {path.name for path in sources(root / TOY.script, (), root)}
         assert names == {"toy.py", "__init__.py", "door.py"}
 
+    def test_package_that_loads_lazily_inside_one_that_does(self, root):
+        write(root, "src/lostmotion/__init__.pyi", "from .room import window\n")
+        write(root, "src/lostmotion/room/__init__.py", "")
+        write(root, "src/lostmotion/room/__init__.pyi", "from .door import handle\nfrom .wall import window\n")
+        write(root, "src/lostmotion/room/wall.py", "window = 1\n")
+        write(root, TOY.script, "import lostmotion as lm\nlm.window\n")
+        names = {path.name for path in sources(root / TOY.script, (), root)}
+        assert names == {"toy.py", "__init__.py", "wall.py"}
+
     def test_module_used_as_a_whole_brings_all_its_names(self, root):
         write(root, TOY.script, "import lostmotion as lm\ngetattr(lm, 'near')\n")
         assert {"deep.py", "far.py", "door.py"} <= {path.name for path in sources(root / TOY.script, (), root)}

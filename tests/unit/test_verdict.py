@@ -211,6 +211,22 @@ def test_a_dead_zone_in_a_loop_that_looks_stuck_is_not_named():
     assert "sticks" in found.why
 
 
+@pytest.mark.parametrize(
+    ("closed", "stay", "reach", "said"),
+    [(True, 60, 9.0, "saturation"), (True, 20, 9.0, "cannot tell"), (True, 60, 4.0, "cannot tell"),
+     (False, 20, 9.0, "saturation")],
+)  # fmt: skip
+def test_a_controller_winds_up_at_a_stop(closed, stay, reach, said):
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    op = np.tile(np.r_[np.full(stay, 1.5), np.zeros(100 - stay)], 5)
+    op[0] = 1.5 - reach
+    data = replace(clamp.data, u=op, y=np.zeros(500), segments=np.array([[0, 500]]))
+    clamp = replace(clamp, data=data, evidence=replace(clamp.evidence, closed_loop=closed))
+    found = verdict(Features(saturation=STRONG), clamp)
+    assert found.verdict == said
+    assert ("runs far beyond" in found.why) == (said == "cannot tell")
+
+
 @pytest.mark.parametrize("status", NOT_SHOWN)
 def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
     found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, status))

@@ -20,13 +20,16 @@ def hidden_size(fit: HammersteinFit) -> str:
     return "" if said is None else said[1]
 
 
+def drawn_share(fit: HammersteinFit) -> float:
+    """Share of the rows of PV that a historian made up, where it is too much to accuse a valve; else 0."""
+    share = 0.0 if fit.data.made_up is None else fit.data.made_up.pv.share
+    return share if share > MOST_FOR_A_KIND else 0.0
+
+
 def unless_drawn(verdict: Verdict, fit: HammersteinFit) -> Verdict:
     """The verdict, or "cannot tell" where it accuses a valve from rows that nobody measured; limits are seen in OP."""
-    made_up = fit.data.made_up
-    if verdict.kind != "actuator" or verdict.verdict == "saturation":
+    share = drawn_share(fit)
+    if verdict.kind != "actuator" or verdict.verdict == "saturation" or not share:
         return verdict
-    if made_up is None or made_up.pv.share <= MOST_FOR_A_KIND:
-        return verdict
-    share = f"{100.0 * made_up.pv.share:.0f} % of the rows of PV"
-    why = f"{share} are a historian's, behind which healthy valves seem to stick"
+    why = f"{100.0 * share:.0f} % of the rows of PV are a historian's, behind which healthy valves seem to stick"
     return replace(verdict, verdict="cannot tell", kind="unknown", why=why, advice=(RAW,))

@@ -111,21 +111,21 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised, fed_back)
     else:
         verdict, kind = "cannot tell", "unknown"
-    why, limit = "", float("nan")
+    why, limit, carried = "", float("nan"), CARRIES * float(np.ptp(fit.data.u))
     doubt = not_shown(fit)
     clears = verdict == NO_FAULT and fit.status is not Status.WIDE  # of that one the largest size is known
     if doubt and (clears or verdict == fit.kind.name):
-        verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters["width"]
+        verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters.get("width", carried)
     elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
         if sticking < 0.0:
             why = f"a {fit.kind.name} fits best, which makes no such wave, and no valve that sticks foretells PV better"
-        limit = CARRIES * float(np.ptp(fit.data.u))
+        limit = carried
     elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
         why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
         verdict, kind = "cannot tell", "unknown"
-        limit = CARRIES * float(np.ptp(fit.data.u))
+        limit = carried
     if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
     probabilities = {"none": 1.0 - chance, "actuator": chance}

@@ -6,6 +6,7 @@ import math
 
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import Item
+from lostmotion.diagnose.drawn_rows import drawn_share
 from lostmotion.diagnose.evidence_words import KIND, LABEL, balance, cause, probability
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
 from lostmotion.diagnose.op_span import op_span
@@ -84,8 +85,10 @@ def where_from(diagnosis: Diagnosis) -> str:
     """Where it comes from, and the probability of every cause."""
     ranked = sorted(diagnosis.probabilities.items(), key=lambda pair: -pair[1])
     causes = ", ".join(f"{cause(name)} {probability(value)}" for name, value in ranked)
-    said = KIND[diagnosis.kind]
-    if diagnosis.kind == "unknown" and diagnosis.probabilities.get("actuator", 0.0) > LIKELY:
+    said, fault = KIND[diagnosis.kind], diagnosis.probabilities.get("actuator", 0.0)
+    if diagnosis.kind == "actuator" and fault < SURE:
+        said = "OP stands at its limit, where the process does not answer; beside that:"
+    elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit):
         said = "It looks like the actuator; the record does not say which fault of it."
     return f"{said}{_in_units(diagnosis)} Probabilities: {causes}.".strip()
 

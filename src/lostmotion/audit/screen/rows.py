@@ -19,6 +19,7 @@ from lostmotion.records.standstill import held_op, improbable_run, is_live, stop
 
 FAR = 2.0  # times the range of OP elsewhere
 CREPT = 0.25  # of the usual range of OP: what integral action goes while PV stands near SP
+ALIVE, SPREAD = 5, 0.5  # changes of OP, and the share of the time between them, after which its recording went on
 MOST = 0.5  # of the time
 USUAL = (0.02, 0.98)  # quantiles of OP: where it comes back from having run away is neither
 
@@ -157,7 +158,8 @@ class ScreenRows:
 def _crept_on(record: LoopRecord, standing: Bools) -> Bools:
     """Rows in which PV stands still for so long that OP has gone far, be it by a step in hundreds of rows; shape (n,).
 
-    A PV that stands most of the time does so for its resolution.
+    Or in which OP changed again and again: a recording that stops holds both. A PV that stands most of the time does so
+    for its resolution.
     """
     rows = np.zeros(len(record), dtype=np.bool_)
     known = record.op[np.isfinite(record.op)]
@@ -167,9 +169,16 @@ def _crept_on(record: LoopRecord, standing: Bools) -> Bools:
     for start, length in zip(*(found.tolist() for found in runs(standing)), strict=True):
         part = record.op[start : start + length]
         part = part[np.isfinite(part)]
-        if part.size and 0.0 < reach <= float(np.ptp(part)):
+        far = bool(part.size) and 0.0 < reach <= float(np.ptp(part))
+        if far or _went_on(part):
             rows[start : start + length] = True
     return rows
+
+
+def _went_on(op: FloatArray) -> bool:
+    """Whether OP changed in rows spread over these."""
+    changes = np.flatnonzero(np.diff(op))
+    return len(changes) >= ALIVE and int(changes[-1] - changes[0]) > SPREAD * len(op)
 
 
 def _left_behind(record: LoopRecord) -> Bools:
