@@ -7,8 +7,9 @@ import pytest
 
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.oscillation import Oscillation
+from lostmotion.records.compression import Compression, MadeUp
 from lostmotion.report import diagnosis_line, diagnosis_table
-from lostmotion.report.diagnosis_text import bar, probability, verdict_sentence
+from lostmotion.report.diagnosis_text import bar, probability, verdict_sentence, where_from
 from lostmotion.report.digits import signed
 from tests.diagnoses import CASES, KINDS, example, loop_record, variant
 
@@ -54,6 +55,21 @@ def test_an_apparent_size_says_so_and_a_missing_one_too():
 def test_a_size_of_another_kind_than_the_verdict_says_so():
     assert "full width of the dead zone that was fitted" in " ".join(variant("stiction", "actuator").summary().split())
     assert "that was fitted" not in example().summary()
+
+
+@pytest.mark.parametrize(("fault", "seen"), [(0.21, True), (0.9, False)])
+def test_a_limit_that_op_shows_needs_no_likely_fault(fault, seen):
+    said = where_from(variant("saturation", "actuator", probabilities={"none": 1.0 - fault, "actuator": fault}))
+    assert ("stands at its limit" in said) == ("of anything else:" in said) == seen
+    assert ("comes from the actuator" in said) == (not seen)
+
+
+@pytest.mark.parametrize(("drawn", "said"), [(0.5, True), (0.9, False)])
+def test_rows_that_a_historian_drew_point_at_no_actuator(drawn, said):
+    found = variant("cannot tell", "unknown", probabilities={"none": 0.1, "actuator": 0.9})
+    made_up = MadeUp(Compression(0.0, 0.0), Compression(drawn, 0.0))
+    found = replace(found, fit=replace(found.fit, data=replace(found.fit.data, made_up=made_up)))
+    assert ("looks like the actuator" in where_from(found)) == said
 
 
 def test_the_weights_add_up_to_the_odds_of_the_probabilities():

@@ -14,7 +14,7 @@ NOT_SHOWN = (Status.ONE_SIDED, Status.NEAR_RANGE, Status.NOT_CONVERGED)
 
 # At a stop the integral of a controller runs on: OP ranges over so many times the stroke that the stops leave, and
 # stays beyond one for so many rows. In six real runs (of ISDB, SACAC, a refinery) stops inside the range of OP fitted
-# best, and there were none: 1.4 to 5.4 times, 7 to 25 rows, once 523. Of 43 simulated loops with stops 41 go beyond
+# best, and there were none: 1.4 to 5.3 times, 7 to 25 rows, once 523. Of 43 simulated loops behind true stops 40 reach
 # both.
 FAR, LONG = 3.0, 40
 NO_STOP = "limits of the valve fit, but OP never runs far beyond them and stays there, as a controller does at a stop"

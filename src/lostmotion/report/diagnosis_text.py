@@ -85,12 +85,12 @@ def where_from(diagnosis: Diagnosis) -> str:
     """Where it comes from, and the probability of every cause."""
     ranked = sorted(diagnosis.probabilities.items(), key=lambda pair: -pair[1])
     causes = ", ".join(f"{cause(name)} {probability(value)}" for name, value in ranked)
-    said, fault = KIND[diagnosis.kind], diagnosis.probabilities.get("actuator", 0.0)
+    said, aside, fault = KIND[diagnosis.kind], "", diagnosis.probabilities.get("actuator", 0.0)
     if diagnosis.kind == "actuator" and fault < SURE:
-        said = "OP stands at its limit, where the process does not answer; beside that:"
+        said, aside = "OP stands at its limit, where the process does not answer.", " of anything else"
     elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit):
         said = "It looks like the actuator; the record does not say which fault of it."
-    return f"{said}{_in_units(diagnosis)} Probabilities: {causes}.".strip()
+    return f"{said}{_in_units(diagnosis)} Probabilities{aside}: {causes}.".strip()
 
 
 def size_text(diagnosis: Diagnosis) -> str:
