@@ -26,6 +26,8 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "sine": ("swings as a sine", "below 0: moved from outside, or badly tuned"),
     }
 )
+OF_THE_WAVE = ("shape", "waveform", "sine")
+NOT_COUNTED = "not counted: SP swings so, and PV has its form"
 CAUSE = MappingProxyType({"none": "no actuator fault", "actuator": "a fault of the actuator"})
 
 

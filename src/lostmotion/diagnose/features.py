@@ -34,6 +34,8 @@ SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 class Features:
     """Likelihood and indices of one record; an index that does not apply is 0.
 
+    Those of the form of the wave do not apply to a commanded swing: it has the form of the command.
+
     Attributes
     ----------
     memory : float
@@ -130,6 +132,8 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     shape = max(indices.get("shape_op", 0.5), indices.get("shape_pv", 0.5)) - 0.5
     indices |= _waveform(op, pv, levels)
     odds = float(np.clip(indices.get("waveform", 0.0), -MOST_ODDS, MOST_ODDS))
+    if commanded:  # PV has the form of the command, whatever the valve does
+        shape = odds = 0.0
     features = Features(**_gains(fit), shape=shape, waveform=odds, sine=float(np.clip(shape, -SINE, 0.0)))
     return Measured(features, of_op, of_pv, float(period), levels, indices, driven, commanded)
 

@@ -10,7 +10,7 @@ from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
-from lostmotion.diagnose.evidence_words import LABEL
+from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
 from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
@@ -130,7 +130,7 @@ def _package(
         size_percent=percent,
         confidence=verdict.confidence,
         probabilities=verdict.probabilities,
-        evidence=_items(verdict),
+        evidence=_items(verdict, measured.commanded),
         advice=_advice(verdict, severity, measured, bill, sp),
         notes=(*notes, *([span.note] if span.note else []), *about_size),
         measured=measured,
@@ -184,8 +184,9 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
     return width, (np.nan, np.nan), (note,) if np.isfinite(width) else ()
 
 
-def _items(verdict: Verdict) -> tuple[Item, ...]:
-    items = [Item(name, value, weight, LABEL[name][1]) for name, (value, weight) in verdict.contributions.items()]
+def _items(verdict: Verdict, commanded: bool) -> tuple[Item, ...]:
+    means = {name: NOT_COUNTED if commanded and name in OF_THE_WAVE else LABEL[name][1] for name in LABEL}
+    items = [Item(name, value, weight, means[name]) for name, (value, weight) in verdict.contributions.items()]
     return tuple(sorted(items, key=lambda item: -abs(item.weight)))
 
 
