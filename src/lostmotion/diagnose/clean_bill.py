@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.diagnose.excitation import ONLY_PV
+from lostmotion.diagnose.excitation import NO_ANSWER, ONLY_PV
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
@@ -95,6 +95,8 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
     excluded, why = _excluded(fit), ""
     if fed_back:
         why = ONLY_PV
+    elif not fit.evidence.answered:
+        why = NO_ANSWER
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:

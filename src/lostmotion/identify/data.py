@@ -14,6 +14,7 @@ import numpy.typing as npt
 from lostmotion.arguments import positive, signal
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.identify.answered import pv_answers
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
@@ -80,6 +81,11 @@ class IdentificationData:
     def u_noise(self) -> float:
         """Standard deviation of the white noise in u; 0 where u is held."""
         return noise_of(self.u)
+
+    @cached_property
+    def answered(self) -> bool:
+        """Whether PV answers what is new in OP, see ``pv_answers``."""
+        return pv_answers(self.u, self.y, self.segments, self.sp)
 
     @property
     def u_centre(self) -> float:

@@ -237,7 +237,8 @@ class _Identification:
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
             if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
                 bounds[kinds.best] = chosen.widest
-        unseen = linear_result.status is Status.CANNOT_TELL  # OP hardly moves PV: nor would a valve that stands still
+        # OP hardly moves PV: nor would a valve that stands still
+        unseen = linear_result.status is Status.CANNOT_TELL or not linear_result.evidence.answered
         sizes = nothing_excluded() if unseen else largest_sizes(linear, fits)
         sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))

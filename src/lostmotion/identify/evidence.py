@@ -40,6 +40,9 @@ class Evidence:
         saved before they were counted.
     unseen_moves : float
         Deviation of OP between the rows, of a valve with a memory, see ``unseen_moves``; 0: the rows show all.
+    answered : bool
+        Whether PV answers what is new in OP, see ``pv_answers``; True in an open loop, and of a fit saved before it was
+        asked. Where it is not, a valve that stands still would have left the same record.
     """
 
     gain_over_linear: float
@@ -52,6 +55,7 @@ class Evidence:
     other_kind: tuple[str, float] | None = None
     crossings: int | None = None
     unseen_moves: float = 0.0
+    answered: bool = True
 
     @property
     def only_fed_back(self) -> bool:

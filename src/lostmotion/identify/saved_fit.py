@@ -148,7 +148,9 @@ def _evidence(saved: Fields) -> Evidence:
         saved.count("samples_right"),
     )
     given: dict[str, Any] = {
-        name: read(name) for name, read in (("closed_loop", saved.flag), ("free_moves", saved.number)) if name in saved
+        name: read(name)
+        for name, read in (("closed_loop", saved.flag), ("free_moves", saved.number), ("answered", saved.flag))
+        if name in saved
     }
     if "rivals" in saved:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)

@@ -113,6 +113,8 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
         return kind.words.unseen
     if fit.evidence.only_fed_back:
         return f"Nothing but PV moves OP in this record, which then does not bound the {kind.size}."
+    if not fit.evidence.answered:
+        return f"PV answers nothing that is new in OP in this record, which then does not bound the {kind.size}."
     if fit.widest is None or not np.isfinite(fit.widest):
         return f"The record does not bound the {kind.size}."
     bound = f"{fit.widest:.2g}{bracketed(fit.data.op_unit)}{_percent(fit.widest, span_op)}"

@@ -119,7 +119,7 @@ class RecordProfile:
     rows : int
         Used.
     fed_back : bool
-        Whether nothing but PV moves OP: such a record excludes no size.
+        Whether nothing but PV moves OP, or PV answers nothing else that does: such a record excludes no size.
     unseen : float
         What OP does between the rows, units of OP.
     """
@@ -183,7 +183,7 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
     loop = feedback(scaled)
-    fed_back = only_fed_back(loop.closed, loop.free, data.sp)
+    fed_back = only_fed_back(loop.closed, loop.free, data.sp) or (loop.closed and not data.answered)
     return RecordProfile(curves, gains, span, data.u.size, models, fed_back, unseen_moves(data))
 
 

@@ -1,0 +1,133 @@
+"""Does a record show that OP moves PV? In a closed loop OP foretells PV even where the valve never moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.distributions import f_tail
+from lostmotion.kernels.triangular import triangular
+
+LEVEL = 1e-4  # of the test, as of whether OP answers PV
+OF_SP_LEVEL = 1e-3  # where SP is the news: no act between the rows is taken for a move of it
+OF_CONTROLLER = 20  # past rows of OP and PV that tell what the controller did by itself; 10 left a filter of PV over
+OF_PV = 30  # past rows of PV that foretell it
+OF_SP = 3  # past rows of SP that foretell a ramp of it
+# Lags, first and last, over which news are added up: a process answers for as long as it takes to settle.
+SPANS = ((1, 1), (2, 2), (3, 4), (5, 8), (9, 16), (17, 32), (33, 64), (65, 128))
+# Last lag at which news of OP may be news of PV: a controller that acts between the rows has seen a PV that is in no
+# row. Of 450 simulated valves that never move, behind controllers of 2 to 20 scans a row, a third seem to answer at
+# some lag, 13 of 100 beyond two rows and 4 of 100 beyond four; of 150 with one scan a row none, at any.
+OWN = 4
+FEWEST = 10  # rows for every regressor
+LONGEST = 8  # spans of lags end within this part of the rows
+MOST_ROWS = 20_000  # that are looked at: more than enough where anything but PV moves OP
+
+
+def pv_answers(u: FloatArray, y: FloatArray, segments: IntArray, sp: FloatArray | None = None) -> bool:
+    """Whether what is new in OP is seen in PV afterwards.
+
+    A controller with an integral part remembers PV for longer than any autoregression, so OP foretells PV beside past
+    PV although nothing it does arrives there. What arrives there is known by its news only: moves of SP, and what
+    neither past OP nor PV explain of OP (operators, feedforward). If PV answers neither, a valve that stands still
+    would have left the same record, and no size of lost motion is excluded by it.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (n,)
+        OP and PV, segments one after the other.
+    segments : ndarray, shape (s, 2)
+        First row and the row behind the last.
+    sp : ndarray, shape (n,), optional
+        Set point, where it is known.
+
+    Returns
+    -------
+    bool
+        Also False where the record is too short to tell.
+
+    Notes
+    -----
+    Granger's test (1969, Econometrica 37) of news on PV, beside 30 past rows of PV; news are added up over spans of
+    lags that double. In a made plant (``evaluate.plants``) 73 stretches in which a worn valve never moved were told
+    from a linear process by up to 82 of BIC, and in 11 of them the valve was cleared; by this test none is seen to
+    answer at the level that is asked for, and all of 98 loops of known truth whose SP moves are.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> load, sp = rng.normal(size=2000).cumsum() / 20.0, np.repeat(rng.normal(size=20), 100)
+    >>> pv, op = load + rng.normal(size=2000) / 10.0, np.zeros(2000)
+    >>> op = np.cumsum(sp - pv) / 20.0  # the valve stands still: PV is the load
+    >>> whole = np.array([[0, 2000]])
+    >>> pv_answers(op, pv, whole, sp), pv_answers(op, pv + np.append(0.0, op[:-1]), whole, sp)
+    (False, True)
+    """
+    spans = _longest(segments)
+    u, y = _standard(u), _standard(y)
+    if sp is not None and float(np.ptp(sp)) > 0.0:
+        moves = _news(_standard(sp), None, spans, OF_SP)
+        if _chance(moves, y, spans, 0) < OF_SP_LEVEL:
+            return True
+    return _chance(_news(u, y, spans, OF_CONTROLLER), y, spans, OWN) < LEVEL
+
+
+def _longest(segments: IntArray) -> list[tuple[int, int]]:
+    """The longest segments, of so many rows in all."""
+    found, left = [], MOST_ROWS
+    for start, stop in sorted(segments.tolist(), key=lambda ends: ends[0] - ends[1]):
+        if left > 0:
+            found.append((start, min(stop, start + left)))
+            left -= stop - start
+    return found
+
+
+def _standard(x: FloatArray) -> FloatArray:
+    return np.asarray((x - x.mean()) / max(float(x.std()), 1e-300))
+
+
+def _news(x: FloatArray, y: FloatArray | None, spans: list[tuple[int, int]], lags: int) -> FloatArray:
+    """What past x, and y up to now, do not tell of x; 0 where there is no past."""
+
+    def rows(start: int, stop: int) -> FloatArray:
+        now = np.arange(start, stop)[:, None]
+        past = [np.ones(now.shape), x[now - np.arange(1, lags + 1)]]
+        return np.hstack([*past, *([] if y is None else [y[now - np.arange(lags + 1)]]), x[now]])
+
+    inner = [(start + lags, stop) for start, stop in spans if stop - start > lags]
+    columns = lags + 2 if y is None else 2 * lags + 3
+    news = np.zeros(x.size)
+    if sum(stop - start for start, stop in inner) < FEWEST * columns:
+        return news
+    root = triangular(rows, inner, columns)
+    weights = np.linalg.lstsq(root[:, :-1], root[:, -1], rcond=None)[0]
+    for start, stop in inner:
+        part = rows(start, stop)
+        news[start:stop] = part[:, -1] - part[:, :-1] @ weights
+    return news
+
+
+def _chance(news: FloatArray, y: FloatArray, spans: list[tuple[int, int]], own: int) -> float:
+    """That news beyond the lag `own` would tell so much of y, beside its own past and news up to there, by chance."""
+    longest = max(stop - start for start, stop in spans)
+    used = [span for span in SPANS if LONGEST * span[1] <= longest]
+    if not used or used[-1][1] <= own:
+        return 1.0
+    first = max(OF_CONTROLLER + used[-1][1], OF_PV)
+    total = np.append(0.0, np.cumsum(news))
+
+    def rows(start: int, stop: int) -> FloatArray:
+        now = np.arange(start, stop)
+        summed = [total[now - low + 1] - total[now - high] for low, high in used]
+        past = y[now[:, None] - np.arange(1, OF_PV + 1)]
+        return np.column_stack([np.ones(now.size), past, *summed, y[now]])
+
+    inner = [(start + first, stop) for start, stop in spans if stop - start > first]
+    columns, tested = OF_PV + len(used) + 2, sum(high > own for _, high in used)
+    samples = sum(stop - start for start, stop in inner)
+    free = samples - columns + 1
+    if samples < FEWEST * columns:
+        return 1.0
+    left = triangular(rows, inner, columns)[:, -1] ** 2
+    gained, rest = float(left[-1 - tested : -1].sum()), float(left[-1])
+    return float(f_tail(gained / tested / max(rest / free, 1e-300), tested, free))
