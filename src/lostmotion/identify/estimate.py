@@ -237,9 +237,8 @@ class _Identification:
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
             if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
                 bounds[kinds.best] = chosen.widest
-        # OP hardly moves PV: nor would a valve that stands still
-        unseen = linear_result.status is Status.CANNOT_TELL or not linear_result.evidence.answered
-        sizes = nothing_excluded() if unseen else largest_sizes(linear, fits)
+        seen = linear_result.status is not Status.CANNOT_TELL and linear_result.evidence.answered
+        sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
         sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
