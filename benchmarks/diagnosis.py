@@ -9,6 +9,7 @@ writes nothing; ``--data FOLDER``, ``--workers N``.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -22,13 +23,14 @@ from verdicts import page, reliability
 from verdicts.calibrate import SOUND, Weights, of_simulated, with_real
 from verdicts.cases import Row, for_calibration, rough, second, simulated
 from verdicts.second_family import CELLS
-from verdicts.sets import by_loop, diagnosed
+from verdicts.sets import by_loop, diagnosed, together
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "diagnosis.md"
 DATA = ROOT.parent / "shared" / "data"
 CALIBRATION, EVALUATION = 1000, 50_000  # first seeds: no loop is in both
 SETS = {"ISDB": "isdb26", "MORE": "isdb_more", "SACAC": "sacac", "REFINERY": "refinery"}
+Pooled = Mapping[tuple[str, str], str]
 PRIOR = Weights(SIMULATED[:2], np.array(SIMULATED[2:]))
 
 
@@ -48,10 +50,11 @@ def main() -> None:
     wild = run_all(rough, range(EVALUATION, EVALUATION + given.cases // 2), "rough loops", given.workers)
     other = run_all(second, range(min(CELLS, given.cases)), "second family", given.workers)
     real = diagnosed(given.data, given.workers)
+    pooled = together(given.data, given.workers)
     if given.cases == parser.get_default("cases"):
-        publish(OUTPUT, written(rows, wild, other, real))
+        publish(OUTPUT, written(rows, wild, other, real, pooled))
     print(page.score_table(rows))
-    print(page.tally(loops_of(real)))
+    print(page.tally(loops_of(real, pooled)))
 
 
 def calibrate(rows: list[Row], real: list[Row]) -> None:
@@ -67,7 +70,7 @@ def calibrate(rows: list[Row], real: list[Row]) -> None:
     print(reliability.score_table(prior, real), reliability.diagram(prior, real), sep="\n\n")
 
 
-def written(rows: list[Row], wild: list[Row], other: list[Row], real: list[Row]) -> str:
+def written(rows: list[Row], wild: list[Row], other: list[Row], real: list[Row], pooled: Pooled) -> str:
     """The whole page."""
     template = (Path(__file__).parent / "verdicts" / "page.md").read_text(encoding="utf-8")
     told = [row for row in real if row.features]
@@ -83,20 +86,28 @@ def written(rows: list[Row], wild: list[Row], other: list[Row], real: list[Row])
         "WEIGHTS": weight_table(),
         "SURE": f"{SURE:g}",
         "CLEARED": f"{CLEARED:g}",
-        "ABLATION": ablation(rows, by_loop(real, "isdb26")),
+        "ABLATION": ablation(rows, by_loop(real, "isdb26", pooled)),
         "RELIABILITY": reliability.score_table(PRIOR, told),
         "DIAGRAM": reliability.diagram(PRIOR, told),
     }
-    sets = loops_of(real)
-    parts |= {"TALLY": page.tally(sets), **{name: page.loop_table(sets[source]) for name, source in SETS.items()}}
+    sets = loops_of(real, pooled)
+    parts |= {
+        "TALLY": page.tally(sets),
+        **{name: page.loop_table(sets[source], of_set(pooled, source)) for name, source in SETS.items()},
+    }
     for name, text in parts.items():
         template = template.replace(f"@{name}@", text)
     return template
 
 
-def loops_of(real: list[Row]) -> dict[str, list[tuple[str, str, list[Row], str]]]:
+def loops_of(real: list[Row], pooled: Pooled) -> dict[str, list[tuple[str, str, list[Row], str]]]:
     """Physical loops of every set."""
-    return {source: by_loop(real, source) for source in SETS.values()}
+    return {source: by_loop(real, source, pooled) for source in SETS.values()}
+
+
+def of_set(pooled: Pooled, source: str) -> dict[str, str]:
+    """What all records of a loop say together, by the name of the loop."""
+    return {name: verdict for (where, name), verdict in pooled.items() if where == source}
 
 
 def weight_table() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -60,12 +61,13 @@ def score_table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def loop_table(found: list[tuple[str, str, list[Row], str]]) -> str:
-    """Physical loops; of one with a single run also probability and size."""
+def loop_table(found: list[tuple[str, str, list[Row], str]], together: Mapping[str, str]) -> str:
+    """Physical loops; of one with a single run also probability and size, of others what their runs say together."""
     lines = ["| loop | label | runs | verdicts | probability | size, % of span | right |", "|---" * 7 + "|"]
     for name, label, rows, right in found:
         counts = Counter(_verdict(row) for row in rows).most_common()
         said = ", ".join(verdict if len(rows) == 1 else f"{verdict} {count}" for verdict, count in counts)
+        said += f"; together {together[name]}" if name in together else ""
         only = rows[0] if len(rows) == 1 else None
         chance = "-" if only is None or not only.probabilities else f"{only.probabilities['actuator']:.2f}"
         size = "-" if only is None or not np.isfinite(only.severity) else f"{only.severity:.2g}"

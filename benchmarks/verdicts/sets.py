@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import lostmotion as lm
 from lostmotion.evaluate.workers import run_all
 from lostmotion.identify.actuators.kind import faults
 from shared_data import Entry, entries
@@ -56,6 +57,23 @@ def diagnosed(data: Path, workers: int | None = None) -> list[Row]:
     return run_all(partial(_row, records), range(len(records)), "real records", workers)
 
 
+def together(data: Path, workers: int | None = None) -> dict[tuple[str, str], str]:
+    """Verdicts on the loops, by set and name, of which there are several records: of all of these together."""
+    loops: dict[tuple[str, str], list[Labelled]] = defaultdict(list)
+    for one in labelled(data):
+        loops[one.source, one.loop].append(one)
+    several = {key: found for key, found in loops.items() if len(found) > 1}
+    return dict(zip(several, run_all(_pooled, list(several.values()), "records of one loop", workers), strict=True))
+
+
+def _pooled(records: list[Labelled]) -> str:
+    try:
+        read = [lm.read_loop(one.entry.path, **one.entry.options) for one in records]
+        return lm.diagnose(read, **records[0].known).verdict
+    except lm.InputError:
+        return "refused"
+
+
 def _row(records: list[Labelled], index: int) -> Row:
     one = records[index]
     row = real(one.entry.name, one.label, one.source, one.entry.path, one.entry.options, one.known)
@@ -95,13 +113,23 @@ def _refinery(data: Path, known: dict[Path, Entry]) -> Iterator[Labelled]:
         )
 
 
-def by_loop(rows: list[Row], source: str) -> list[tuple[str, str, list[Row], str]]:
-    """Physical loops of one set: name, label, runs, and "yes", "no" or "open" as most of its runs are."""
+def by_loop(
+    rows: list[Row], source: str, pooled: Mapping[tuple[str, str], str]
+) -> list[tuple[str, str, list[Row], str]]:
+    """Physical loops of one set: name, label, runs, and "yes", "no" or "open".
+
+    Of several runs what all say together decides; where they cannot tell, what most of them are.
+    """
     loops: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         if row.source == source:
             loops[row.loop].append(row)
-    return [(name, runs[0].truth, runs, _most(runs)) for name, runs in loops.items()]
+    return [(name, runs[0].truth, runs, _right(runs, pooled.get((source, name), ""))) for name, runs in loops.items()]
+
+
+def _right(runs: list[Row], together: str) -> str:
+    of_all = is_right(runs[0].truth, together) if together else "open"
+    return of_all if of_all in ("yes", "no") else _most(runs)
 
 
 def _most(runs: list[Row]) -> str:
