@@ -15,7 +15,7 @@ from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
-from lostmotion.kernels.smoothed import roughen, smooth
+from lostmotion.kernels.smoothed import roughen, smooth, smooth_rows
 from lostmotion.kernels.squared_errors import squared_errors
 
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
@@ -203,15 +203,18 @@ class Problem:
         if zero == 0.0:
             return signals
         found = np.zeros(signals.shape)
-        for signal, out in zip(np.atleast_2d(signals), np.atleast_2d(found), strict=True):
-            smooth(signal, zero, self.segments, out)
+        if signals.ndim == 1:
+            smooth(signals, zero, self.segments, found)
+        else:
+            smooth_rows(signals, zero, self.segments, found)
         return found
 
     def internal(self, theta: FloatArray) -> Inner:
         """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
-        x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
-        self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
-        return (x, dx) if self.structure.zero == 0.0 else (self.smoothed(x), self.smoothed(dx))
+        both = np.empty((1 + len(self.family.own) + self.family.load, self.u.size))
+        self.family.respond(theta[self.eta_at : self.noise_at], self.u, both[0], both[1:])
+        both = self.smoothed(both)
+        return both[0], both[1:]
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
