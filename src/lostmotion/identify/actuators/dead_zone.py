@@ -155,7 +155,8 @@ class DeadZoneKind(Kind):
         low, high = _visited(problem.u, BOTH_SIDES)
         ends = float(problem.u.min()) - size, float(problem.u.max()) + size
         first, last = min(low + 0.5 * size, 0.5 * (low + high)), max(high - 0.5 * size, 0.5 * (low + high))
-        for middle in np.linspace(first, last, int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1):
+        number = int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1 if last != first else 1
+        for middle in np.linspace(first, last, number):
             yield DeadZoneFamily(*ends), np.array([middle - 0.5 * size, middle + 0.5 * size, 0.0])
 
     def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:
