@@ -17,9 +17,11 @@ from numba import config, njit
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDTH
 from lostmotion.kernels.likelihood import add_lagged, all_pole
-from lostmotion.kernels.pole_sums import GONE, respond, sum_lags, sum_modes
+from lostmotion.kernels.pole_sums import GONE, derive_lags, respond, sum_lags, sum_modes
+from lostmotion.kernels.products import add_lags
 
 RIDGE = 1e-12
+MOST_POLES = 3  # of which the sums at a few lags give the rest
 
 
 @njit(cache=True, nogil=True)
@@ -32,17 +34,23 @@ def _add_segment(
     first: int,
     low: int,
     lags: int,
+    orders: int,
+    known: FloatArray,
     grams: FloatArray,
 ) -> None:
     """Add the Gram matrices of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without a decaying mode.
 
-    For four A: `a` (na, 4), `decays` (4,); `grams` is (4, lags + 2, lags + 2), lower halves.
+    For four A: `a` (na, 4), `decays` (4,); `grams` is (4, lags + 2, lags + 2), lower halves, of products of lags
+    only those less than `orders` apart. `known` as in ``derive_lags``; empty: every lag is summed up.
     """
     n = target.size
     x, level = np.empty(WIDTH * n), np.empty(WIDTH * n)
     sums, modes = np.empty((lags, 3, WIDTH)), np.empty((5, WIDTH))
     respond(a, drive, ones, x, level)
-    sum_lags(x, level, target, first, low, lags, sums)
+    if known.size > 0:
+        derive_lags(a, x, level, target, ones[-1], known, first, low, lags, orders, sums)
+    else:
+        sum_lags(x, level, target, first, low, lags, sums)
     sum_modes(x, level, target, decays, first, low, modes)
     square = 0.0
     for k in range(first, n):
@@ -56,16 +64,17 @@ def _add_segment(
         for lag in range(1, lags):  # one lag more: a value in front, a power of the decay, one value less at the end
             before, after = x[(first - low - lag) * WIDTH + lane], x[(n - low - lag) * WIDTH + lane]
             with_mode[lag] = before + decay * (with_mode[lag - 1] - last * after)
-        part[:lags, 0], part[lags + 1, :lags], part[lags, :lags] = sums[:, 0, lane], sums[:, 1, lane], sums[:, 2, lane]
+        part[:orders, 0] = sums[:orders, 0, lane]
+        part[lags + 1, :lags], part[lags, :lags] = sums[:, 1, lane], sums[:, 2, lane]
         part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3, lane], modes[4, lane], square
         for column in range(1, lags):
             head, tail = x[(first - low - column) * WIDTH + lane], x[(n - low - column) * WIDTH + lane]
-            for row in range(column, lags):
+            for row in range(column, min(column + orders, lags)):
                 before, after = x[(first - low - row) * WIDTH + lane], x[(n - low - row) * WIDTH + lane]
                 part[row, column] = part[row - 1, column - 1] + before * head - after * tail
         for i in range(lags + 2):
             share = with_mode[i] / whole
-            for j in range(i + 1):
+            for j in range(max(i - orders + 1, 0) if i < lags else 0, i + 1):
                 grams[lane, i, j] += part[i, j] - share * with_mode[j]
 
 
@@ -76,13 +85,14 @@ def _pivot(left: float, whole: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray) -> None:
+def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray, work: FloatArray) -> None:
     """Residual sums of squares of y on X at lags at .. at + i and the level, for every i; fill rss (m,) and b (m, m).
 
+    `work` (m + 2, m) is overwritten.
     The level comes last in every factorisation, so that each order is the one before it with a column more.
     """
     orders = rss.size
-    root, steps, right = np.zeros((orders, orders)), np.zeros(orders), np.zeros(orders)
+    root, steps, right = work[:orders], work[orders], work[orders + 1]
     left, level, wanted = gram[lags + 1, lags + 1], gram[lags, lags], gram[lags + 1, lags]
     for i in range(orders):
         for j in range(i):
@@ -139,11 +149,12 @@ def _scan(
     orders: int,
     rss: FloatArray,
     b: FloatArray,
+    quick: bool = False,
 ) -> int:
     """Residual sums of squares for every A (m, na), order of B below `orders` and delay low .. high.
 
     D(q) = 1 + sum d_i q^-i whitens. Fills rss (m, orders, delays) and b (m, orders, delays, orders); returns the
-    number of rows.
+    number of rows. `quick`: with rounding as in ``derive_lags``, where there are few poles.
     """
     lags = high - low + orders
     first = high + orders + d.size
@@ -152,18 +163,27 @@ def _scan(
     for start, stop in segments:
         rows += max(stop - start - first, 0)
     m, na = polynomials.shape
+    known = np.zeros((segments.shape[0], lags if quick and 0 < na <= MOST_POLES and lags > na else 0))
+    for s in range(segments.shape[0] if known.size > 0 else 0):
+        start, stop = segments[s]
+        if stop - start > first:
+            cross, wanted = np.zeros((2, lags)), white[start + first : stop]
+            add_lags(wanted, wanted, drive, start + first - low, lags, cross)
+            known[s] = cross[0]
     a, modes = np.empty((na, WIDTH)), np.empty(WIDTH)
-    squares, gains = np.empty(orders), np.empty((orders, orders))
+    squares, gains, work = np.empty(orders), np.empty((orders, orders)), np.empty((orders + 2, orders))
     for begin in range(0, m, WIDTH):
         for lane in range(WIDTH):
             a[:, lane], modes[lane] = polynomials[min(begin + lane, m - 1)], decays[min(begin + lane, m - 1)]
         grams = np.zeros((WIDTH, lags + 2, lags + 2))
-        for start, stop in segments:
+        for s in range(segments.shape[0]):
+            start, stop = segments[s]
             if stop - start > first:
-                _add_segment(a, modes, drive[start:stop], ones[start:stop], white[start:stop], first, low, lags, grams)
+                drives = drive[start:stop], ones[start:stop], white[start:stop]
+                _add_segment(a, modes, *drives, first, low, lags, orders, known[s], grams)
         for lane in range(min(WIDTH, m - begin)):
             for at in range(high - low + 1):
-                _least_squares(grams[lane], at, lags, squares, gains)
+                _least_squares(grams[lane], at, lags, squares, gains, work)
                 for order in range(orders):
                     rss[begin + lane, order, at] = squares[order]
                     b[begin + lane, order, at, : order + 1] = gains[order, : order + 1]
@@ -188,6 +208,7 @@ def _scan_plain(
     orders: int,
     rss: FloatArray,
     b: FloatArray,
+    quick: bool = False,  # noqa: ARG001  there is one way only
 ) -> int:
     """The same by the columns themselves: as plain Python the loops over rows would take minutes."""
     lags, first = high - low + orders, high + orders + d.size
@@ -204,7 +225,7 @@ def _scan_plain(
             gram += _gram_plain([*lagged, level[first:], white[start + first : stop]], mode)
         for at in range(high - low + 1):
             squares, gains = np.empty(orders), np.zeros((orders, orders))
-            _least_squares(gram, at, lags, squares, gains)
+            _least_squares(gram, at, lags, squares, gains, np.empty((orders + 2, orders)))
             rss[m, :, at], b[m, :, at] = squares, gains
     return sum(stop - start - first for start, stop in long)
 
