@@ -7,6 +7,7 @@ from lostmotion.kernels import (
     actuator,
     contrast,
     dead_zone,
+    gradient_signals,
     likelihood,
     linear,
     loop,
@@ -200,6 +201,16 @@ def actuator_arrays(orders, theta, u):
     """x and dx/deta over all rows, from the slow twin."""
     eta = theta[orders.na + orders.nb + 2 :][: orders.ne]
     return slow_zone.actuator(eta, u).real.copy(), np.ascontiguousarray(slow_zone.derivatives(eta, u))
+
+
+@pytest.mark.parametrize("taps", [0, 1, 3, 4, 7, 9, 20])
+@pytest.mark.parametrize("rows", [1, 15, 16, 17, 50])
+def test_whitening(taps, rows):
+    rng = np.random.default_rng(taps)
+    d, row, out = rng.normal(size=taps), rng.normal(size=21 + rows), np.empty(rows)
+    gradient_signals.whiten(d, row, 21, out)
+    expected = np.convolve(np.append(1.0, d), row)[21 : 21 + rows]
+    np.testing.assert_allclose(out, expected, rtol=1e-12, atol=1e-13)
 
 
 def check_normal_equations(orders, segments, u, y, theta):

@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 from lostmotion.kernels import lanes
-from lostmotion.kernels.lanes import address, load, plus_product, spread, store, times, total
+from lostmotion.kernels.lanes import address, less, load, over, plus_product, root_above, spread, store, times, total
 
 
 def floats(size=16, seed=0):
@@ -37,6 +37,18 @@ def scale(array, factor):
 
 
 @njit
+def divide_and_take_away(array):
+    place = address(array)
+    store(place, 8, less(over(load(place, 0), load(place, 4)), load(place, 8)))
+
+
+@njit
+def roots(array, floor):
+    place = address(array)
+    store(place, 4, root_above(load(place, 0), spread(floor)))
+
+
+@njit
 def add_up(array, rounds):
     place = address(array)
     values = spread(0.0)
@@ -59,6 +71,9 @@ def inner(array, one, other, size):
         (fuse, ()),
         (scale, (-2.5,)),
         (scale, (3,)),
+        (divide_and_take_away, ()),
+        (roots, (0.1,)),
+        (roots, (9.0,)),
         (add_up, (0,)),
         (add_up, (4,)),
     ],

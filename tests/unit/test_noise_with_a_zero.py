@@ -18,7 +18,7 @@ from lostmotion.identify.likelihood.criterion import per_row
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
-from lostmotion.kernels.smoothed import roughen, smooth
+from lostmotion.kernels.smoothed import roughen, smooth, smooth_rows
 from lostmotion.models import NoiseModel
 from pooled import records_of
 
@@ -90,6 +90,16 @@ def test_roughening_undoes_smoothing(values, zero):
     again = roughen(seen, zero)
     assert np.allclose(again[1:], x[1:], atol=1e-7 * (1 + np.abs(x).max()) / (1 - zero))
     assert again[0] == (again[1] if zero > 0.0 and x.size > 1 else x[0])  # what was before is not known
+
+
+@pytest.mark.parametrize("rows", range(1, 8))
+def test_many_signals_are_smoothed_like_each(rows):
+    x = np.random.default_rng(rows).normal(size=(rows, 70))
+    segments, found, each = np.array([[0, 40], [45, 70]]), np.zeros(x.shape), np.zeros(x.shape)
+    smooth_rows(x, 0.8, segments, found)
+    for signal, out in zip(x, each, strict=True):
+        smooth(signal, 0.8, segments, out)
+    np.testing.assert_array_equal(found, each)
 
 
 @pytest.mark.statistics

@@ -34,6 +34,36 @@ def test_scan(na, number, noise, segments):
     np.testing.assert_allclose(b, expected_b, rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.parametrize(("na", "number"), [(0, 1), (1, 4), (2, 6), (3, 5), (5, 3)])
+@pytest.mark.parametrize("noise", [0, 2])
+@pytest.mark.parametrize("segments", SEGMENTS)
+@pytest.mark.parametrize(("low", "high"), [(1, 4), (2, 2), (0, 12)])
+def test_a_quick_scan_finds_the_same(na, number, noise, segments, low, high):
+    rng = np.random.default_rng([na, noise])
+    x, y, d = rng.normal(size=300), rng.normal(size=300), rng.uniform(-0.3, 0.3, noise)
+    polynomials, decays = grid(rng, na, number)
+    found = []
+    for quick in (False, True):
+        rss, b = np.full((number, 2, high - low + 1), np.nan), np.zeros((number, 2, high - low + 1, 2))
+        pole_grid.scan(x, y, np.array(SEGMENTS[segments]), d, polynomials, decays, low, high, 2, rss, b, quick)
+        found.append((rss, b))
+    np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-9)
+    np.testing.assert_allclose(found[1][1], found[0][1], rtol=1e-7, atol=1e-9)
+
+
+def test_slow_poles_do_not_blur_a_quick_scan():
+    rng = np.random.default_rng(5)
+    a, decay, shape = np.poly([0.9975, 0.9975, 0.993])[1:], 0.9975, (1, 3, 25)
+    x = np.cumsum(rng.normal(size=2000))
+    y = 1e-4 * x + rng.normal(size=2000)
+    found = []
+    for quick in (False, True):
+        rss, b = np.empty(shape), np.zeros((*shape, 3))
+        pole_grid.scan(x, y, np.array([[0, 2000]]), np.zeros(0), a[None], np.array([decay]), 1, 25, 3, rss, b, quick)
+        found.append(rss)
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-4)
+
+
 def test_best_order_is_the_least_squares_fit():
     rng = np.random.default_rng(3)
     x, y, a, n = rng.normal(size=200), rng.normal(size=200), np.array([-0.8]), 200

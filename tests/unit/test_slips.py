@@ -129,9 +129,10 @@ def test_process_over_few_changes(begin):
     rows, values = np.arange(0, 120, 10), random.normal(size=12)
     x = np.repeat(values, 10)[begin:]
     numerator, a = random.normal(size=5), np.array([-1.2, 0.4])
-    out = np.empty(x.size)
-    through_process(rows, values, begin, np.cumsum(numerator), a, np.empty(x.size), out)
+    out, other = np.empty(x.size), np.empty(x.size)
+    through_process(rows, values, -2.0 * values, begin, np.cumsum(numerator), a, out, other, np.empty((2, x.size)))
     assert np.allclose(out, slow.filtered(x, numerator, a))
+    assert np.allclose(other, -2.0 * out)
 
 
 def test_even_draws_fill_the_cube():

@@ -56,17 +56,14 @@ def sensitivities(u: FloatArray, left: float, right: float, log_ratio: float, x:
     slope ratio left/right.
     """
     ratio = np.exp(log_ratio)
-    for k in range(u.size):
+    by_left, by_right, by_ratio = dx[0], dx[1], dx[2]
+    for k in range(u.size):  # choices of values, not of ways: so it goes several samples at once
         over = u[k] - right
         under = u[k] - left
-        dx[0, k] = 0.0
-        dx[1, k] = 0.0
-        dx[2, k] = 0.0
-        x[k] = 0.0
-        if over > 0.0:
-            x[k] = over
-            dx[1, k] = -1.0
-        elif under < 0.0:
-            x[k] = ratio * under
-            dx[0, k] = -ratio
-            dx[2, k] = x[k]
+        above = over > 0.0
+        below = (under < 0.0) & (not above)
+        part = ratio * under if below else 0.0
+        x[k] = over if above else part
+        by_left[k] = -ratio if below else 0.0
+        by_right[k] = -1.0 if above else 0.0
+        by_ratio[k] = part

@@ -10,8 +10,10 @@ from __future__ import annotations
 from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.lanes import WIDTH, Quad, address, load, plus_product, spread, store, times
 from lostmotion.kernels.likelihood import GONE
 
+TILE = 4 * WIDTH  # samples at a time behind D
 Z, X, H, ETA = 0, 1, 2, 3  # rows; v comes after the last eta
 
 
@@ -117,11 +119,46 @@ def fill_errors(
         v[k] = y[k] - offset - z[k]
 
 
+@njit(cache=True, nogil=True, forceinline=True)
+def _with_four(total: Quad, t0: Quad, t1: Quad, t2: Quad, t3: Quad, values: FloatArray, at: int) -> Quad:
+    """`total` and the four taps of four samples, added in the order of ``_add_taps``."""
+    early = plus_product(times(t1, load(values, at - 1)), t0, load(values, at))
+    late = plus_product(plus_product(early, t2, load(values, at - 2)), t3, load(values, at - 3))
+    return plus_product(total, spread(1.0), late)
+
+
 @njit(cache=True, nogil=True)
 def whiten(d: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
-    """Fill `out` (m,) with D row[at ..]."""
-    out[:] = row[at : at + out.size]
-    _add_taps(d, row, at - 1, out)
+    """Fill `out` (m,) with D row[at ..]; sixteen samples stay in registers, and only the last few go through memory."""
+    taps, values, to = address(d), address(row), address(out)
+    done = 0
+    while done + TILE <= out.size:
+        here = at + done
+        s0, s1 = load(values, here), load(values, here + WIDTH)
+        s2, s3 = load(values, here + 2 * WIDTH), load(values, here + 3 * WIDTH)
+        i = 0
+        while i + 4 <= d.size:
+            t0, t1, t2, t3 = spread(taps[i]), spread(taps[i + 1]), spread(taps[i + 2]), spread(taps[i + 3])
+            lagged = here - 1 - i
+            s0 = _with_four(s0, t0, t1, t2, t3, values, lagged)
+            s1 = _with_four(s1, t0, t1, t2, t3, values, lagged + WIDTH)
+            s2 = _with_four(s2, t0, t1, t2, t3, values, lagged + 2 * WIDTH)
+            s3 = _with_four(s3, t0, t1, t2, t3, values, lagged + 3 * WIDTH)
+            i += 4
+        while i < d.size:
+            tap, lagged = spread(taps[i]), here - 1 - i
+            s0, s1 = plus_product(s0, tap, load(values, lagged)), plus_product(s1, tap, load(values, lagged + WIDTH))
+            s2 = plus_product(s2, tap, load(values, lagged + 2 * WIDTH))
+            s3 = plus_product(s3, tap, load(values, lagged + 3 * WIDTH))
+            i += 1
+        store(to, done, s0)
+        store(to, done + WIDTH, s1)
+        store(to, done + 2 * WIDTH, s2)
+        store(to, done + 3 * WIDTH, s3)
+        done += TILE
+    rest = out[done:]
+    rest[:] = row[at + done : at + out.size]
+    _add_taps(d, row, at + done - 1, rest)
 
 
 @njit(cache=True, nogil=True)
@@ -159,10 +196,12 @@ def fill_block(
     at: int,
     work: FloatArray,
     zero: float,
+    gone: bool,
 ) -> None:
     """Next samples of all signals, from column `at` on, as many as `y` has; the past is in the columns before.
 
-    `raw` are the signals before D, `white` behind it; without D they are one array.
+    `raw` are the signals before D, `white` behind it; without D they are one array. `gone`: (1/A)delta has decayed, and
+    stays what it was behind D.
     """
     m, ne = y.size, dx.shape[0] + shapes.shape[0]
     z, drive = work[0, :m], work[1, :m]
@@ -184,4 +223,7 @@ def fill_block(
         done += 2
     if d.size > 0:
         for row in range(ETA + ne + 1):
+            if row == H and gone:
+                white[row, at : at + m] = 0.0
+                continue
             whiten(d, raw[row], at, white[row, at : at + m])

@@ -53,6 +53,24 @@ def times(one: Quad, other: Quad) -> Quad:
     return one * other
 
 
+@machine.as_quotient
+def over(one: Quad, other: Quad) -> Quad:
+    """Quotients of equal places."""
+    return one / other
+
+
+@machine.as_difference
+def less(one: Quad, other: Quad) -> Quad:
+    """Differences of equal places."""
+    return one - other
+
+
+@machine.as_root_above
+def root_above(left: Quad, floor: Quad) -> Quad:
+    """Roots of what is above a floor; infinite elsewhere."""
+    return np.sqrt(np.where(left > floor, left, np.inf))
+
+
 @machine.as_fused
 def plus_product(start: Quad, one: Quad, other: Quad) -> Quad:
     """`start` + `one` * `other`, rounded once where the processor can."""

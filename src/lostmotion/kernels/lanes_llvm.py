@@ -88,6 +88,27 @@ def as_product(builder: Any, one: Any, other: Any) -> Any:
     return builder.fmul(one, other)
 
 
+@_compiler(_QUAD, _QUAD, _QUAD)
+def as_quotient(builder: Any, one: Any, other: Any) -> Any:
+    """Place by place."""
+    return builder.fdiv(one, other)
+
+
+@_compiler(_QUAD, _QUAD, _QUAD)
+def as_difference(builder: Any, one: Any, other: Any) -> Any:
+    """Place by place."""
+    return builder.fsub(one, other)
+
+
+@_compiler(_QUAD, _QUAD, _QUAD)
+def as_root_above(builder: Any, left: Any, floor: Any) -> Any:
+    """Place by place, without branches."""
+    infinite = ir.Constant(_VECTOR, [float("inf")] * WIDTH)
+    chosen = builder.select(builder.fcmp_ordered(">", left, floor), left, infinite)
+    root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{WIDTH}f64")
+    return builder.call(root, [chosen])
+
+
 @_compiler(_QUAD, _QUAD, _QUAD, _QUAD)
 def as_fused(builder: Any, start: Any, one: Any, other: Any) -> Any:
     """Multiply and add, rounded once where the processor can: said outright, so that every compilation agrees."""

@@ -268,8 +268,8 @@ def normal_equations(
         for k0 in range(0, n, BLOCK):
             m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
             gone = nc if k0 > 0 and _quiet(white[H, :history]) else 0
-            y_part = y[head + k0 : head + k0 + m]
-            fill_block(a, b, c, d, offset, k0, head - delay, x, dx, shapes, y_part, raw, white, history, work, zero)
+            part, at = y[head + k0 : head + k0 + m], head - delay
+            fill_block(a, b, c, d, offset, k0, at, x, dx, shapes, part, raw, white, history, work, zero, gone > 0)
             if k0 == 0:
                 _ends(flat, begins, count, p - 1, heads)
                 if early > 0.0:

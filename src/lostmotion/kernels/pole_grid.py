@@ -15,11 +15,25 @@ import numpy.typing as npt
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDTH
+from lostmotion.kernels.lanes import (
+    WIDTH,
+    Quad,
+    address,
+    less,
+    load,
+    over,
+    plus_product,
+    root_above,
+    spread,
+    store,
+    times,
+)
 from lostmotion.kernels.likelihood import add_lagged, all_pole
-from lostmotion.kernels.pole_sums import GONE, respond, sum_lags, sum_modes
+from lostmotion.kernels.pole_sums import GONE, derive_lags, respond, sum_lags, sum_modes
+from lostmotion.kernels.products import add_lags
 
 RIDGE = 1e-12
+MOST_POLES = 3  # of which the sums at a few lags give the rest
 
 
 @njit(cache=True, nogil=True)
@@ -32,83 +46,118 @@ def _add_segment(
     first: int,
     low: int,
     lags: int,
+    orders: int,
+    known: FloatArray,
     grams: FloatArray,
 ) -> None:
     """Add the Gram matrices of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without a decaying mode.
 
-    For four A: `a` (na, 4), `decays` (4,); `grams` is (4, lags + 2, lags + 2), lower halves.
+    For four A: `a` (na, 4), `decays` (4,); `grams` is (lags + 2, lags + 2, 4), lower halves, of products of lags
+    only those less than `orders` apart. `known` as in ``derive_lags``; empty: every lag is summed up.
     """
     n = target.size
     x, level = np.empty(WIDTH * n), np.empty(WIDTH * n)
     sums, modes = np.empty((lags, 3, WIDTH)), np.empty((5, WIDTH))
     respond(a, drive, ones, x, level)
-    sum_lags(x, level, target, first, low, lags, sums)
+    if known.size > 0:
+        derive_lags(a, x, level, target, ones[-1], known, first, low, lags, orders, sums)
+    else:
+        sum_lags(x, level, target, first, low, lags, sums)
     sum_modes(x, level, target, decays, first, low, modes)
     square = 0.0
     for k in range(first, n):
         square += target[k] * target[k]
-    part, with_mode = np.zeros((lags + 2, lags + 2)), np.zeros(lags + 2)
+    with_mode, whole = np.empty((lags + 2, WIDTH)), np.empty(WIDTH)
+    with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0], modes[1], modes[2]
     for lane in range(WIDTH):
         decay, rows = decays[lane], n - first
-        whole = rows if decay == 1.0 else (1.0 - decay ** (2 * rows)) / (1.0 - decay * decay)
+        whole[lane] = rows if decay == 1.0 else (1.0 - decay ** (2 * rows)) / (1.0 - decay * decay)
         last = decay ** (rows - 1)
-        with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0, lane], modes[1, lane], modes[2, lane]
         for lag in range(1, lags):  # one lag more: a value in front, a power of the decay, one value less at the end
             before, after = x[(first - low - lag) * WIDTH + lane], x[(n - low - lag) * WIDTH + lane]
-            with_mode[lag] = before + decay * (with_mode[lag - 1] - last * after)
-        part[:lags, 0], part[lags + 1, :lags], part[lags, :lags] = sums[:, 0, lane], sums[:, 1, lane], sums[:, 2, lane]
-        part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3, lane], modes[4, lane], square
-        for column in range(1, lags):
-            head, tail = x[(first - low - column) * WIDTH + lane], x[(n - low - column) * WIDTH + lane]
-            for row in range(column, lags):
-                before, after = x[(first - low - row) * WIDTH + lane], x[(n - low - row) * WIDTH + lane]
-                part[row, column] = part[row - 1, column - 1] + before * head - after * tail
-        for i in range(lags + 2):
-            share = with_mode[i] / whole
-            for j in range(i + 1):
-                grams[lane, i, j] += part[i, j] - share * with_mode[j]
+            with_mode[lag, lane] = before + decay * (with_mode[lag - 1, lane] - last * after)
+    part = np.zeros((lags + 2, lags + 2, WIDTH))
+    part[:orders, 0] = sums[:orders, 0]
+    part[lags + 1, :lags], part[lags, :lags] = sums[:, 1], sums[:, 2]
+    part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3], modes[4], square
+    _add_part(x, first - low, n - low, lags, orders, part, with_mode, whole, grams)
 
 
 @njit(cache=True, nogil=True)
-def _pivot(left: float, whole: float) -> float:
-    """Of a column of which others leave `left`; infinite where it is one of them, or nothing."""
-    return float(np.sqrt(left)) if left > RIDGE * whole and whole > GONE else np.inf
+def _add_part(
+    x: FloatArray, first: int, last: int, lags: int, orders: int, part: FloatArray, with_mode: FloatArray,
+    whole: FloatArray, grams: FloatArray,
+) -> None:  # fmt: skip
+    """Complete `part` from its first column, and add it to `grams` without what the mode explains."""
+    to_x, table, out = address(x), address(part.reshape(-1)), address(grams.reshape(-1))
+    mode, size, one = address(with_mode.reshape(-1)), lags + 2, spread(1.0)
+    for column in range(1, lags):
+        head, tail = load(to_x, (first - column) * WIDTH), load(to_x, (last - column) * WIDTH)
+        for row in range(column, min(column + orders, lags)):
+            let_in = times(load(to_x, (first - row) * WIDTH), head)
+            let_out = times(load(to_x, (last - row) * WIDTH), tail)
+            value = plus_product(let_in, one, load(table, ((row - 1) * size + column - 1) * WIDTH))
+            store(table, (row * size + column) * WIDTH, less(value, let_out))
+    energy = load(address(whole), 0)
+    for i in range(size):
+        share = over(load(mode, i * WIDTH), energy)
+        for j in range(max(i - orders + 1, 0) if i < lags else 0, i + 1):
+            at = (i * size + j) * WIDTH
+            value = less(load(table, at), times(share, load(mode, j * WIDTH)))
+            store(out, at, plus_product(value, one, load(out, at)))
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _pivot(left: Quad, whole: Quad) -> Quad:
+    """Of columns of which others leave `left`; infinite where one is one of them, or nothing."""
+    return root_above(left, plus_product(spread(GONE), spread(RIDGE), whole))
 
 
 @njit(cache=True, nogil=True)
-def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray) -> None:
-    """Residual sums of squares of y on X at lags at .. at + i and the level, for every i; fill rss (m,) and b (m, m).
+def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray, work: FloatArray) -> None:
+    """Residual sums of squares of y on X at lags at .. at + i and the level, for every i, of four grids at once.
 
-    The level comes last in every factorisation, so that each order is the one before it with a column more.
+    Fills rss (m, 4), not cut off at zero, and b (m, m, 4); `work` (m + 2, m, 4) is overwritten. The level comes last in
+    every factorisation, so that each order is the one before it with a column more.
     """
-    orders = rss.size
-    root, steps, right = np.zeros((orders, orders)), np.zeros(orders), np.zeros(orders)
-    left, level, wanted = gram[lags + 1, lags + 1], gram[lags, lags], gram[lags + 1, lags]
+    orders, size = rss.shape[0], lags + 2
+    table, squares, gains = address(gram.reshape(-1)), address(rss.reshape(-1)), address(b.reshape(-1))
+    root, line = address(work.reshape(-1)), orders * WIDTH
+    to_steps, to_right = orders * line, (orders + 1) * line
+    with_y, with_level = (lags + 1) * size * WIDTH, lags * size * WIDTH
+    left, level = load(table, with_y + (lags + 1) * WIDTH), load(table, with_level + lags * WIDTH)
+    wanted, whole_level = load(table, with_y + lags * WIDTH), load(table, with_level + lags * WIDTH)
     for i in range(orders):
+        row, here = ((at + i) * size + at) * WIDTH, i * WIDTH
         for j in range(i):
-            value = gram[at + i, at + j]
+            value = load(table, row + j * WIDTH)
             for k in range(j):
-                value -= root[i, k] * root[j, k]
-            root[i, j] = value / root[j, j]
-        value = gram[at + i, at + i]
-        right[i], steps[i] = gram[lags + 1, at + i], gram[lags, at + i]
+                value = less(value, times(load(root, i * line + k * WIDTH), load(root, j * line + k * WIDTH)))
+            store(root, i * line + j * WIDTH, over(value, load(root, j * line + j * WIDTH)))
+        whole = load(table, row + here)
+        value, right = whole, load(table, with_y + (at + i) * WIDTH)
+        steps = load(table, with_level + (at + i) * WIDTH)
         for k in range(i):
-            value -= root[i, k] * root[i, k]
-            right[i] -= root[i, k] * right[k]
-            steps[i] -= root[i, k] * steps[k]
-        root[i, i] = _pivot(value, gram[at + i, at + i])
-        right[i], steps[i] = right[i] / root[i, i], steps[i] / root[i, i]
-        left -= right[i] * right[i]
-        level -= steps[i] * steps[i]
-        wanted -= right[i] * steps[i]
-        pivot = _pivot(level, gram[lags, lags])
-        rss[i] = max(left - (wanted / pivot) ** 2, 0.0)
-        offset = wanted / pivot / pivot
+            factor = load(root, i * line + k * WIDTH)
+            value = less(value, times(factor, factor))
+            right = less(right, times(factor, load(root, to_right + k * WIDTH)))
+            steps = less(steps, times(factor, load(root, to_steps + k * WIDTH)))
+        pivot = _pivot(value, whole)
+        right, steps = over(right, pivot), over(steps, pivot)
+        store(root, i * line + here, pivot)
+        store(root, to_right + here, right)
+        store(root, to_steps + here, steps)
+        left, level = less(left, times(right, right)), less(level, times(steps, steps))
+        wanted = less(wanted, times(right, steps))
+        pivot = _pivot(level, whole_level)
+        share = over(wanted, pivot)
+        store(squares, here, less(left, times(share, share)))
+        offset = over(share, pivot)
         for j in range(i, -1, -1):
-            value = right[j] - steps[j] * offset
+            value = less(load(root, to_right + j * WIDTH), times(load(root, to_steps + j * WIDTH), offset))
             for k in range(j + 1, i + 1):
-                value -= root[k, j] * b[i, k]
-            b[i, j] = value / root[j, j]
+                value = less(value, times(load(root, k * line + j * WIDTH), load(gains, i * line + k * WIDTH)))
+            store(gains, i * line + j * WIDTH, over(value, load(root, j * line + j * WIDTH)))
 
 
 @njit(cache=True, nogil=True)
@@ -139,11 +188,12 @@ def _scan(
     orders: int,
     rss: FloatArray,
     b: FloatArray,
+    quick: bool = False,
 ) -> int:
     """Residual sums of squares for every A (m, na), order of B below `orders` and delay low .. high.
 
     D(q) = 1 + sum d_i q^-i whitens. Fills rss (m, orders, delays) and b (m, orders, delays, orders); returns the
-    number of rows.
+    number of rows. `quick`: with rounding as in ``derive_lags``, where there are few poles.
     """
     lags = high - low + orders
     first = high + orders + d.size
@@ -152,21 +202,32 @@ def _scan(
     for start, stop in segments:
         rows += max(stop - start - first, 0)
     m, na = polynomials.shape
+    known = np.zeros((segments.shape[0], lags if quick and 0 < na <= MOST_POLES and lags > na else 0))
+    for s in range(segments.shape[0] if known.size > 0 else 0):
+        start, stop = segments[s]
+        if stop - start > first:
+            cross, wanted = np.zeros((2, lags)), white[start + first : stop]
+            add_lags(wanted, wanted, drive, start + first - low, lags, cross)
+            known[s] = cross[0]
     a, modes = np.empty((na, WIDTH)), np.empty(WIDTH)
-    squares, gains = np.empty(orders), np.empty((orders, orders))
+    squares, gains = np.empty((orders, WIDTH)), np.empty((orders, orders, WIDTH))
+    work = np.empty((orders + 2, orders, WIDTH))
     for begin in range(0, m, WIDTH):
         for lane in range(WIDTH):
             a[:, lane], modes[lane] = polynomials[min(begin + lane, m - 1)], decays[min(begin + lane, m - 1)]
-        grams = np.zeros((WIDTH, lags + 2, lags + 2))
-        for start, stop in segments:
+        grams = np.zeros((lags + 2, lags + 2, WIDTH))
+        for s in range(segments.shape[0]):
+            start, stop = segments[s]
             if stop - start > first:
-                _add_segment(a, modes, drive[start:stop], ones[start:stop], white[start:stop], first, low, lags, grams)
-        for lane in range(min(WIDTH, m - begin)):
-            for at in range(high - low + 1):
-                _least_squares(grams[lane], at, lags, squares, gains)
+                drives = drive[start:stop], ones[start:stop], white[start:stop]
+                _add_segment(a, modes, *drives, first, low, lags, orders, known[s], grams)
+        for at in range(high - low + 1):
+            _least_squares(grams, at, lags, squares, gains, work)
+            for lane in range(min(WIDTH, m - begin)):
                 for order in range(orders):
-                    rss[begin + lane, order, at] = squares[order]
-                    b[begin + lane, order, at, : order + 1] = gains[order, : order + 1]
+                    rss[begin + lane, order, at] = max(squares[order, lane], 0.0)
+                    for i in range(order + 1):
+                        b[begin + lane, order, at, i] = gains[order, i, lane]
     return rows
 
 
@@ -188,6 +249,7 @@ def _scan_plain(
     orders: int,
     rss: FloatArray,
     b: FloatArray,
+    quick: bool = False,  # noqa: ARG001  there is one way only
 ) -> int:
     """The same by the columns themselves: as plain Python the loops over rows would take minutes."""
     lags, first = high - low + orders, high + orders + d.size
@@ -202,10 +264,11 @@ def _scan_plain(
             lagged = [response[first - low - lag : stop - start - low - lag] for lag in range(lags)]
             mode = decay ** np.arange(stop - start - first)
             gram += _gram_plain([*lagged, level[first:], white[start + first : stop]], mode)
+        grams = np.repeat(gram[:, :, None], WIDTH, axis=2)
+        squares, gains = np.empty((orders, WIDTH)), np.zeros((orders, orders, WIDTH))
         for at in range(high - low + 1):
-            squares, gains = np.empty(orders), np.zeros((orders, orders))
-            _least_squares(gram, at, lags, squares, gains)
-            rss[m, :, at], b[m, :, at] = squares, gains
+            _least_squares(grams, at, lags, squares, gains, np.empty((orders + 2, orders, WIDTH)))
+            rss[m, :, at], b[m, :, at] = np.maximum(squares[:, 0], 0.0), gains[:, :, 0]
     return sum(stop - start - first for start, stop in long)
 
 

@@ -109,3 +109,66 @@ def sum_modes(
     store(out, 2 * WIDTH, steps)
     store(out, 3 * WIDTH, square)
     store(out, 4 * WIDTH, both)
+
+
+@njit(cache=True, nogil=True)
+def _sum_last(x: FloatArray, target: FloatArray, first: int, low: int, lags: int, kept: int, sums: FloatArray) -> None:
+    """Fill `sums` (4, 4) with the products of target(k) with the `kept` last lags (three at most) of x(k - low).
+
+    Over rows k >= first, the last lag in the third row; and with the sum of x(k - low).
+    """
+    to_x, out, none, last = address(x), address(sums.reshape(-1)), spread(0.0), low + lags - 1
+    first_lag, second_lag = last - min(kept - 1, 2), last - min(kept - 1, 1)
+    t0, t1, t2, whole, one = none, none, none, none, spread(1.0)
+    for k in range(first, target.size):
+        wanted = spread(target[k])
+        t0 = plus_product(t0, load(to_x, (k - first_lag) * WIDTH), wanted)
+        t1 = plus_product(t1, load(to_x, (k - second_lag) * WIDTH), wanted)
+        t2 = plus_product(t2, load(to_x, (k - last) * WIDTH), wanted)
+        whole = plus_product(whole, one, load(to_x, (k - low) * WIDTH))
+    _put(out, 0, t0, t1, t2)
+    store(out, 3 * WIDTH, whole)
+
+
+@njit(cache=True, nogil=True)
+def derive_lags(
+    a: FloatArray, x: FloatArray, level: FloatArray, target: FloatArray, constant: float, known: FloatArray,
+    first: int, low: int, lags: int, near: int, sums: FloatArray,
+) -> None:  # fmt: skip
+    """What ``sum_lags`` sums up over the rows, from the sums at a few lags, for up to three poles.
+
+    x = drive - sum a_m q^-m x. So its products with target(k) are those of drive(k - lag), `known` (lags,), less those
+    at later lags; and those with the level are its sums times the `constant` that drives the level, less those with
+    earlier levels, which are those at earlier lags moved along the rows. With x(k - low) only lags below `near`.
+    """
+    na, n, width = a.shape[0], target.size, WIDTH
+    last = np.empty((4, width))
+    sum_lags(x, level, target, first, low, max(na, near), sums)
+    _sum_last(x, target, first, low, lags, na, last)
+    for i in range(na):
+        sums[lags - na + i, 1] = last[3 - na + i]
+    poles, to_x, to_level, out = address(a.reshape(-1)), address(x), address(level), address(sums.reshape(-1))
+    minus, step = spread(-1.0), 3 * width
+    for lag in range(lags - na - 1, -1, -1):
+        wanted = spread(known[lag])
+        for m in range(na, 0, -1):
+            wanted = plus_product(
+                wanted, times(minus, load(poles, (m - 1) * width)), load(out, (lag + m) * step + width)
+            )
+        store(out, lag * step + width, wanted)
+    whole = load(address(last.reshape(-1)), 3 * width)
+    for lag in range(1, lags):
+        whole = plus_product(whole, spread(1.0), load(to_x, (first - low - lag) * width))
+        whole = plus_product(whole, minus, load(to_x, (n - low - lag) * width))
+        if lag < na:
+            continue
+        steps = times(spread(constant), whole)
+        for m in range(na, 0, -1):
+            levels = load(out, (lag - m) * step + 2 * width)
+            for j in range(1, m + 1):
+                before = load(to_x, (first - j - low - lag + m) * width)
+                after = times(minus, load(to_x, (n - j - low - lag + m) * width))
+                levels = plus_product(levels, before, load(to_level, (first - j) * width))
+                levels = plus_product(levels, after, load(to_level, (n - j) * width))
+            steps = plus_product(steps, times(minus, load(poles, (m - 1) * width)), levels)
+        store(out, lag * step + 2 * width, steps)

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.likelihood import all_pole
+from lostmotion.kernels.likelihood import two_all_pole
 from lostmotion.kernels.stiction import KANO
 
 TINY = 1e-300  # keeps divisions finite
@@ -114,20 +114,12 @@ def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
 
 
 @njit(cache=True, nogil=True)
-def through_process(
-    slips: IntArray,
-    values: FloatArray,
-    begin: int,
-    steps: FloatArray,
-    a: FloatArray,
-    drive: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Write B/A x into `out` (n,), from rest at the row `begin`; x has the `values` (m,) from the `slips` (m,) on.
+def _through_numerator(slips: IntArray, values: FloatArray, begin: int, steps: FloatArray, drive: FloatArray) -> None:
+    """Write B x into `drive` (n,) from the row `begin` on; x has the `values` (m,) from the `slips` (m,) on.
 
-    `steps` are the running sums of B. `drive` (n,) is overwritten.
+    `steps` are the running sums of B.
     """
-    n, late = out.size, steps.size
+    n, late = drive.size, steps.size
     drive[:] = 0.0
     before, until, settled = 0.0, 0, 0.0  # settled: the level that has passed all of B, and the row where it ends
     for m in range(slips.size):
@@ -145,7 +137,22 @@ def through_process(
             before = values[m]
     for k in range(until, n):
         drive[k] += settled
-    all_pole(a, drive, out)
+
+
+@njit(cache=True, nogil=True)
+def through_process(
+    slips: IntArray, levels: FloatArray, sides: FloatArray, begin: int, steps: FloatArray, a: FloatArray,
+    of_levels: FloatArray, of_sides: FloatArray, drive: FloatArray,
+) -> None:  # fmt: skip
+    """Write B/A x into `of_levels` and `of_sides` (n,), from rest at the row `begin`, for x of `levels` and of `sides`.
+
+    Both (m,) hold from the `slips` (m,) on. `drive` (2, n or more) is overwritten.
+    """
+    n = of_levels.size
+    for_levels, for_sides = drive[0][:n], drive[1][:n]
+    _through_numerator(slips, levels, begin, steps, for_levels)
+    _through_numerator(slips, sides, begin, steps, for_sides)
+    two_all_pole(a, for_levels, of_levels, for_sides, of_sides)
 
 
 @njit(cache=True, nogil=True)
@@ -198,7 +205,7 @@ def weigh_patterns(
     for start, stop in segments:
         longest = max(longest, stop - start)
     slips, values = np.empty(longest + 1, np.int64), np.empty((2, longest + 1))
-    drive, out = np.empty(longest), np.empty(longest)
+    drive, out = np.empty((2, longest)), np.empty((2, longest))
     for v in range(len(etas)):
         band, jump = etas[v]
         reach = 0.5 * (band + jump)
@@ -213,15 +220,14 @@ def weigh_patterns(
             turns[v] += more
             rows = stop - start - head
             n = rows + skipped
-            for side in range(2):
-                through_process(slips[:count], values[side, :count], begin, steps, a, drive[:n], out[:n])
-                add_answers(slips[:count], values[side, :count], begin, answers[answered : answered + n], seen[v, side])
-                if side == 0:
-                    for k in range(rows):
-                        left[done + k] = without[done + k] - out[skipped + k]
-                else:
-                    for k in range(rows):
-                        turned[done + k] = out[skipped + k]
+            levels, sides, by_level, by_side = values[0][:count], values[1][:count], out[0][:n], out[1][:n]
+            through_process(slips[:count], levels, sides, begin, steps, a, by_level, by_side, drive)
+            part = answers[answered : answered + n]
+            add_answers(slips[:count], levels, begin, part, seen[v, 0])
+            add_answers(slips[:count], sides, begin, part, seen[v, 1])
+            for k in range(rows):
+                left[done + k] = without[done + k] - by_level[skipped + k]
+                turned[done + k] = by_side[skipped + k]
             done += rows
             answered += n
         sums[v, 0], sums[v, 1], sums[v, 2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)

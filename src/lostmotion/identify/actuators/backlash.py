@@ -31,10 +31,11 @@ class BacklashFamily(MemoryFamily):
 
     def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Play from rest at the first command of each segment."""
+        width = float(eta[0])
         for start, stop, rest in self.begun():
-            part, slopes = np.empty(stop - start), np.empty((2, stop - start))
-            kernel.sensitivities(u[start:stop], eta[0], u[start] + 0.5 * rest * eta[0], part, slopes)
-            x[start:stop], dx[0, start:stop] = part, slopes[0]
+            slopes = np.empty((2, stop - start))
+            kernel.sensitivities(u[start:stop], width, float(u[start]) + 0.5 * rest * width, x[start:stop], slopes)
+            dx[0, start:stop] = slopes[0]
 
     def path(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
         """The play alone."""

@@ -29,6 +29,7 @@ from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models import DeadZone, Nonlinearity
 
 LARGEST_SLOPE_RATIO = 50.0  # beyond this one side carries no signal: it is a one-sided actuator
+LARGEST_LOG_RATIO = float(np.log(LARGEST_SLOPE_RATIO))
 FARTHEST = 100.0  # of its logarithm: numbers stay finite
 OUTER_SHARE = 0.01  # break points are sought where this share of the samples lies beyond them on either side
 FEWEST_BEYOND = 20  # samples beyond a break point below which that side is not really visited
@@ -56,15 +57,16 @@ class DeadZoneFamily(Family):
 
     def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
         """Dead zone with right slope 1 and its derivatives."""
-        log_ratio = min(max(eta[2], -FARTHEST), FARTHEST)  # a trial step may go anywhere
-        kernel.sensitivities(u, eta[0], eta[1], log_ratio, x, dx)
+        left, right, log_ratio = eta.tolist()
+        log_ratio = min(max(log_ratio, -FARTHEST), FARTHEST)  # a trial step may go anywhere
+        kernel.sensitivities(u, left, right, log_ratio, x, dx)
 
     def valid(self, eta: FloatArray) -> FloatArray:
         """Order the break points (a negative width becomes zero at its middle) and keep them inside the data."""
-        left, right, log_ratio = eta
+        left, right, log_ratio = eta.tolist()
         if left > right:
             left = right = 0.5 * (left + right)
-        limit = np.log(LARGEST_SLOPE_RATIO)
+        limit = LARGEST_LOG_RATIO
         return np.array(
             [
                 min(max(left, self.low), self.high),
@@ -155,7 +157,8 @@ class DeadZoneKind(Kind):
         low, high = _visited(problem.u, BOTH_SIDES)
         ends = float(problem.u.min()) - size, float(problem.u.max()) + size
         first, last = min(low + 0.5 * size, 0.5 * (low + high)), max(high - 0.5 * size, 0.5 * (low + high))
-        for middle in np.linspace(first, last, int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1):
+        number = int(np.clip(3.0 * (last - first) / size, *PLACES)) + 1 if last != first else 1
+        for middle in np.linspace(first, last, number):
             yield DeadZoneFamily(*ends), np.array([middle - 0.5 * size, middle + 0.5 * size, 0.0])
 
     def met_by(self, u: FloatArray, own: FloatArray) -> FloatArray:

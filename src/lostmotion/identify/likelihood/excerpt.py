@@ -7,12 +7,14 @@ from itertools import pairwise
 import numpy as np
 
 from lostmotion.arrays import IntArray
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData
 
 MOST_ROWS = 6_000  # of rough fits: what they cannot tell apart is refined on all rows and only then compared
 PIECES = 3  # of that length together; each has initial conditions of its own
 
 
+@remembered
 def excerpt(data: ScaledData, most: int = MOST_ROWS) -> IntArray:
     """Segments (s, 2) of at most about `most` rows in which OP moves most; all where there are no more.
 

@@ -9,6 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.distributions import f_tail
 from lostmotion.identify.likelihood.arx_gram import Lags, arx_products
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import factorise
 from lostmotion.kernels.triangular import triangular
@@ -47,6 +48,7 @@ class Feedback:
     direction: int = 0
 
 
+@remembered
 def feedback(signals: Signals) -> Feedback:
     """Test for feedback from PV to OP with linear regressions of OP on ten past samples of both."""
     u, y = signals.u, signals.y

@@ -132,7 +132,7 @@ def grid_starts(
     held : Held
         What else is known of the process.
     only : list of ndarray, optional
-        Polynomials A instead of the patterns of the grid.
+        Polynomials A instead of the patterns of the grid; of these B is exact, of patterns nearly (``exact_starts``).
     """
     low, high = delays
     rows = excerpt(data, MOST_ROWS)
@@ -144,7 +144,7 @@ def grid_starts(
         orders = max(nb for n, nb in ladder if n == na) + 1
         shape = (len(polynomials), orders, high - low + 1)
         rss, b = np.empty(shape), np.zeros((*shape, orders))
-        n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b)
+        n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None)
         if n <= 0:
             continue
         for nb in {nb for order, nb in ladder if order == na}:
@@ -163,3 +163,27 @@ def grid_starts(
                 )
                 starts += [GridStart(na, nb, *each) for each in found]
     return sorted(starts, key=lambda start: start.score)
+
+
+def exact_starts(
+    data: ScaledData,
+    x: FloatArray,
+    d: FloatArray,
+    ladder: tuple[tuple[int, int], ...],
+    delays: tuple[int, int],
+    starts: list[GridStart],
+) -> list[GridStart]:
+    """Some of the ``grid_starts``, arguments as there, with B to rounding."""
+    low, high = delays
+    rows, found = excerpt(data, MOST_ROWS), []
+    for start in starts:
+        if start.decay == 0.0:  # no pole, or no start at all
+            found.append(start)
+            continue
+        orders = max((nb for na, nb in ladder if na == start.na), default=start.nb) + 1
+        shape = (1, orders, high - low + 1)
+        rss, b = np.empty(shape), np.zeros((*shape, orders))
+        n = _SCAN(x, data.y, rows, d, start.a[None], np.array([start.decay]), low, high, orders, rss, b)
+        exact = b[0, start.nb, start.delay - low, : start.nb + 1]
+        found.append(start._replace(b=exact) if n > 0 else start)
+    return found

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
@@ -15,7 +15,7 @@ from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
-from lostmotion.kernels.smoothed import roughen, smooth
+from lostmotion.kernels.smoothed import roughen, smooth, smooth_rows
 from lostmotion.kernels.squared_errors import squared_errors
 
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
@@ -88,6 +88,13 @@ class Problem:
     early : float
         Weight of the squared errors of the first rows of a segment, as many as D has coefficients, in which the noise
         from before is not known and taken as zero. Without them noise with a zero leaves initial conditions open.
+
+    Attributes
+    ----------
+    size : int
+        Length of the parameter vector.
+    offset_at, eta_at, noise_at, initial_at : int
+        Index of the offset, of the first actuator parameter, of d1 and of the first initial condition.
     """
 
     u: FloatArray
@@ -98,35 +105,26 @@ class Problem:
     held: Held = FREE
     early: float = 0.0
 
-    @cached_property
-    def size(self) -> int:
-        """Length of the parameter vector."""
-        return self.initial_at + self.structure.initial * len(self.segments)
+    size: int = field(init=False, repr=False, compare=False)
+    offset_at: int = field(init=False, repr=False, compare=False)
+    eta_at: int = field(init=False, repr=False, compare=False)
+    noise_at: int = field(init=False, repr=False, compare=False)
+    initial_at: int = field(init=False, repr=False, compare=False)
 
-    @cached_property
-    def offset_at(self) -> int:
-        """Index of the offset."""
-        return self.structure.na + self.structure.nb + 1
-
-    @cached_property
-    def eta_at(self) -> int:
-        """Index of the first actuator parameter."""
-        return self.offset_at + 1
+    def __post_init__(self) -> None:
+        """Where the stretches of the parameter vector begin: of thousands of problems, asked for at every step."""
+        s = self.structure
+        offset = s.na + s.nb + 1
+        noise = offset + 1 + len(self.family.names)
+        initial = noise + s.noise_order
+        places = {"offset_at": offset, "eta_at": offset + 1, "noise_at": noise, "initial_at": initial}
+        for name, value in {**places, "size": initial + s.initial * len(self.segments)}.items():
+            object.__setattr__(self, name, value)
 
     @cached_property
     def own(self) -> range:
         """Indices of the actuator's own parameters."""
         return range(self.eta_at, self.eta_at + len(self.family.own))
-
-    @cached_property
-    def noise_at(self) -> int:
-        """Index of d1."""
-        return self.eta_at + len(self.family.names)
-
-    @cached_property
-    def initial_at(self) -> int:
-        """Index of the first initial condition."""
-        return self.noise_at + self.structure.noise_order
 
     @cached_property
     def errors(self) -> int:
@@ -146,21 +144,21 @@ class Problem:
         c = np.zeros(self.structure.initial * len(self.segments))
         return np.concatenate([a, b, [offset], eta, d, c])
 
-    def evaluate(self, theta: FloatArray, inner: Inner | None = None) -> Normal:
-        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `inner`: where it is known."""
+    def evaluate(self, theta: FloatArray, internal: Callable[[FloatArray], Inner] | None = None) -> Normal:
+        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `internal`: by one that remembers."""
         key = theta.tobytes()
         known = self._last.get(key)
         if known is None:
             for oldest in list(self._last)[: 1 - KEPT]:
                 del self._last[oldest]
-            known = self._last[key] = self._normal(theta, inner or self.internal(theta))
+            known = self._last[key] = self._normal(theta, (internal or self.internal)(theta))
         return known
 
     def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
         x, dx = inner
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        zero, signals = self.structure.zero, (x, dx, self.courses, self.target)
-        cost = normal_equations(theta, *self._layout, *signals, hessian, gradient, zero, self.early)
+        zero, layout = self.structure.zero, self._layout
+        cost = normal_equations(theta, *layout, x, dx, self.courses, self.target, hessian, gradient, zero, self.early)
         if zero == 0.0:
             return float(cost), gradient, hessian
         scale = self.sharpness**2
@@ -168,8 +166,9 @@ class Problem:
 
     def squares(self, theta: FloatArray, x: FloatArray) -> float:
         """Sum of squared errors alone, for the internal variable x (n,), smoothed as ``internal`` gives it."""
-        cost = squared_errors(theta, *self._layout, x, self.target, self.structure.zero, self.early)
-        return self.sharpness**2 * float(cost)
+        zero = self.structure.zero
+        cost = float(squared_errors(theta, *self._layout, x, self.target, zero, self.early))
+        return cost if zero == 0.0 else self.sharpness**2 * cost
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
@@ -203,15 +202,18 @@ class Problem:
         if zero == 0.0:
             return signals
         found = np.zeros(signals.shape)
-        for signal, out in zip(np.atleast_2d(signals), np.atleast_2d(found), strict=True):
-            smooth(signal, zero, self.segments, out)
+        if signals.ndim == 1:
+            smooth(signals, zero, self.segments, found)
+        else:
+            smooth_rows(signals, zero, self.segments, found)
         return found
 
     def internal(self, theta: FloatArray) -> Inner:
         """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
-        x, dx = np.empty(self.u.size), np.empty((len(self.family.own) + self.family.load, self.u.size))
-        self.family.respond(theta[self.eta_at : self.noise_at], self.u, x, dx)
-        return (x, dx) if self.structure.zero == 0.0 else (self.smoothed(x), self.smoothed(dx))
+        both = np.empty((1 + len(self.family.own) + self.family.load, self.u.size))
+        self.family.respond(theta[self.eta_at : self.noise_at], self.u, both[0], both[1:])
+        both = self.smoothed(both)
+        return both[0], both[1:]
 
     def predict(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
@@ -281,13 +283,18 @@ class Problem:
 
     def admissible(self, theta: FloatArray) -> bool:
         """Whether A is stable, but for the integrator, and the process an allowed one."""
-        na, held = self.structure.na, self.held
-        a, b = theta[:na], theta[na : self.offset_at]
-        return bool(is_allowed(a, b, self.structure.integrating, POLE_RADIUS, held.closed, *held.rules))
+        na = self.structure.na
+        return bool(is_allowed(theta[:na], theta[na : self.offset_at], *self._rules))
+
+    @cached_property
+    def _rules(self) -> tuple[bool, float, bool, IntArray, float, float, int]:
+        """What the kernel takes besides A and B."""
+        return self.structure.integrating, POLE_RADIUS, self.held.closed, *self.held.rules
 
     def project(self, theta: FloatArray) -> FloatArray:
         """The same vector with valid actuator parameters."""
-        result = theta.copy()
-        begin, end = self.eta_at, self.eta_at + len(self.family.own)
-        result[begin:end] = self.family.valid(theta[begin:end])
+        result, own = theta.copy(), len(self.family.own)
+        if own:
+            begin = self.eta_at
+            result[begin : begin + own] = self.family.valid(theta[begin : begin + own])
         return result

@@ -55,7 +55,7 @@ def refine(
     if not tied:
         theta = problem.project(theta)
     inside = _Inside(problem)
-    cost, gradient, hessian = problem.evaluate(theta)
+    cost, gradient, hessian = problem.evaluate(theta, inside.at)
     free = theta.size if basis is None else basis.shape[1]
     floor = ROUNDING * float(problem.y @ problem.y)
     damping, converged, steps, uphill, errors = FIRST_DAMPING, False, 0, False, max(problem.errors - free, 1)
@@ -74,12 +74,10 @@ def refine(
         if not tied:
             trial = problem.project(trial)
         better = False
-        if problem.admissible(trial):
-            inner = inside.at(trial)
-            # a step uphill needs no gradient, and where one was others will be
-            if not uphill or problem.squares(trial, inner[0]) < cost:
-                trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial, inner)
-                better = trial_cost < cost
+        # a step uphill needs no gradient, and where one was others will be
+        if problem.admissible(trial) and (not uphill or problem.squares(trial, inside.at(trial)[0]) < cost):
+            trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial, inside.at)
+            better = trial_cost < cost
         uphill = uphill or not better
         if better:
             gained = cost - trial_cost
@@ -162,5 +160,5 @@ def _damped_step(
     model: tuple[FloatArray, FloatArray], basis: FloatArray | None, damping: float
 ) -> tuple[FloatArray, float]:
     """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
-    step, promised = kernel.damped_step(*model, damping)
-    return (step if basis is None else basis @ step), float(promised)
+    step, promised = kernel.damped_step(model[0], model[1], damping)
+    return (step if basis is None else basis @ step), promised

@@ -19,7 +19,7 @@ from lostmotion.identify.likelihood.finished import finished, without_load
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
-from lostmotion.identify.likelihood.poles import GridStart, grid_starts, simpler
+from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
@@ -145,12 +145,12 @@ class _Search:
     def likely(self, eta: FloatArray) -> list[_Attempt]:
         """The structures to try for one start of the actuator: best on the grid, the output error white or coloured."""
         x = self._internal(eta)
-        plain = self._grid(x, np.zeros(0), self.delays)
+        plain = self._best_of_grid(x, np.zeros(0))
         d = self._noise_of(x, plain[0])
-        starts = self._grid(x, d, self.delays) if d.size else []
+        starts = self._best_of_grid(x, d) if d.size else []
         white = np.zeros(self.asked.noise or 0)
-        attempts = [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
-        others = [(eta, start, white) for start in distinct(plain, 1 if starts else MOST_STRUCTURES)]
+        attempts = [(eta, start, d) for start in starts]
+        others = [(eta, start, white) for start in (plain[:1] if starts else plain)]
         attempts += [self._coloured(*other) for other in others] if starts else others
         if self.asked.integrating or (self.asked.orders is None and not self.held.closed):
             return attempts
@@ -178,8 +178,7 @@ class _Search:
         """
         begun = [(*_from(one, eta)[:2], autoregression_like(one, self._noise_lags)) for one in near]
         d = begun[0][2]
-        starts = self._grid(self._internal(eta), d, self.delays)
-        return begun + [(eta, start, d) for start in distinct(starts, MOST_STRUCTURES)]
+        return begun + [(eta, start, d) for start in self._best_of_grid(self._internal(eta), d)]
 
     def improve(self, best: Fitted) -> Fitted:
         """Look at other structures from the actuator and noise found, while it helps.
@@ -226,7 +225,7 @@ class _Search:
             known = {start.key for start in starts} | tried
             about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
             grid = [one for one in self._grid(x, d, about) if one.score < here + HOPELESS and one.key not in known]
-            starts += grid[:MOST_STRUCTURES]
+            starts += exact_starts(self.data, x, d, self.ladder, about, grid[:MOST_STRUCTURES])
         return [(eta, start, d) for start in starts]
 
     def close_to(self, best: Fitted) -> list[Fitted]:
@@ -277,6 +276,11 @@ class _Search:
         starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.integrating, self.held, only)
         na, nb = self.ladder[0]
         return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
+
+    def _best_of_grid(self, x: FloatArray, d: FloatArray) -> list[GridStart]:
+        """The best starts of different orders over all delays."""
+        starts = distinct(self._grid(x, d, self.delays), MOST_STRUCTURES)
+        return exact_starts(self.data, x, d, self.ladder, self.delays, starts)
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
         """AR model of what a start leaves over; of the order asked for."""
