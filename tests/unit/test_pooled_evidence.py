@@ -103,18 +103,6 @@ def test_one_record_among_many_is_bounded_and_does_not_carry_the_verdict():
     assert weigh(pooled(record(backlash=hill(2.0, 0.03, 500.0))), 1.0, SPAN, "").verdict == "backlash"
 
 
-def test_a_record_that_the_others_bear_out_does_not_stand_alone():
-    """Without the first no verdict, but another is for the same kind and size: that is no doubt about the first."""
-    loud, silent = record(dead_zone=hill(2.0, 0.03, 50.0)), [record()] * 8
-    weak = record(dead_zone=replace(hill(2.1, 0.2, 18.0), cost=14.4))
-    assert weigh(pooled(weak, *silent), 1.0, SPAN, "").verdict == "cannot tell"
-    found = weigh(pooled(loud, weak, *silent), 1.0, SPAN, "")
-    assert found.verdict == "dead zone"
-    assert found.carried_by == 0
-    elsewhere = record(dead_zone=replace(hill(9.0, 0.05, 18.0), cost=14.4))
-    assert "one record carries the evidence" in weigh(pooled(loud, elsewhere, *silent), 1.0, SPAN, "").why
-
-
 def test_kinds_that_are_not_told_apart_are_not_named():
     both = record(backlash=hill(2.0, 0.03), stiction=hill(2.0, 0.03))
     verdict = weigh(pooled(*[both] * 4), 1.0, SPAN, "")

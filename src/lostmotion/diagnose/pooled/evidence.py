@@ -63,11 +63,6 @@ class SizeEvidence:
         """Log of the marginal likelihood over that of a linear process."""
         return float(logsumexp(self.table(without)))
 
-    def others_add(self, number: int) -> float:
-        """Log of the ratio of the marginal likelihoods with all records and with one: at sizes that this one allows."""
-        alone = self.parts[number] + _log_prior(len(self.sizes))
-        return self.total() - float(logsumexp(alone))
-
     @cached_property
     def posterior(self) -> FloatArray:
         """Probability of each size."""
@@ -135,12 +130,6 @@ class Evidence:
         found = {NO_FAULT: 0.0} | {name: one.total(without) for name, one in self.sized.items()}
         kept = {name: values if without is None else np.delete(values, without) for name, values in self.others.items()}
         return found | {name: float(values.sum()) for name, values in kept.items()}
-
-    def others_add(self, kind: str, number: int) -> float:
-        """What the other records add to one for a kind; below 0 where they speak against it, or for another size."""
-        if kind in self.sized:
-            return self.sized[kind].others_add(number)
-        return float(np.delete(self.others[kind], number).sum())
 
     def gains(self, kind: str) -> FloatArray:
         """What each record adds for a kind over a linear process; shape (records,)."""

@@ -14,7 +14,6 @@ from lostmotion.identify.actuators.kind import NO_FAULT
 PRIOR = -1.0  # log-odds of a fault before any evidence, as in the diagnosis of one record
 SURE = 0.55  # least probability of a verdict, as there
 SEVERAL = 3  # records from which on one of them may not carry the verdict
-BORNE_OUT = 1.0  # of log-likelihood that the others add at the same place: below it they told nothing (SPEAKS)
 HALF = 0.5  # of a difference between kinds counts: each is the best of many places (as in a single record)
 
 
@@ -35,7 +34,7 @@ class PooledVerdict:
     excluded : dict of float
         Largest size of every kind that all records together do not exclude, units of OP; empty where a fault is named.
     carried_by : int or None
-        Record (of those heard) without which the verdict would be another; no doubt where the others bear it out.
+        Record (of those heard) without which the verdict would be another.
     why : str
         Why it cannot be told.
     """
@@ -76,10 +75,7 @@ def weigh(evidence: Evidence, limit: float, span: OpSpan, swing: str) -> PooledV
     alone = [number for number, other in enumerate(others) if other != named]
     carried = max(alone, key=lambda number: abs(evidence.gains(likeliest)[number]), default=None)
     if named in totals and named != NO_FAULT:
-        alone_in_it = evidence.records >= SEVERAL and any(
-            evidence.others_add(likeliest, one) < BORNE_OUT for one in alone
-        )
-        doubt = _doubt(totals, likeliest, sure, alone_in_it)
+        doubt = _doubt(totals, likeliest, sure, carried is not None and evidence.records >= SEVERAL)
         verdict, kind = ("cannot tell", "unknown") if doubt else (named, "actuator")
         return PooledVerdict(verdict, kind, likeliest, probabilities, sure, {}, carried, doubt)
     excluded = {name: one.largest() for name, one in evidence.sized.items()}
