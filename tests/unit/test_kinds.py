@@ -193,7 +193,7 @@ def test_every_kind_is_chosen_described_and_written(kind):
 @pytest.mark.statistics
 @pytest.mark.parametrize("seed", range(3))
 def test_a_linear_loop_has_no_fault(seed):
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng([seed, 1])  # not the numbers of which OP is made: PV would tell OP exactly
     u = moved(800, seed)
     y = PROCESSES["regulating"].simulate(u) + rng.normal(scale=0.2, size=800)
     fit = lm.identify(u, y, 1.0, nonlinearity="auto")

@@ -6,7 +6,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.distributions import f_tail
-from lostmotion.kernels.triangular import triangular
+from lostmotion.kernels.triangular import STRETCH, triangular
 
 LEVEL = 1e-4  # of the test, as of whether OP answers PV
 OF_SP_LEVEL = 1e-3  # where SP is the news: no act between the rows is taken for a move of it
@@ -103,8 +103,9 @@ def _news(x: FloatArray, y: FloatArray | None, spans: list[tuple[int, int]], lag
     root = triangular(rows, inner, columns)
     weights = np.linalg.lstsq(root[:, :-1], root[:, -1], rcond=None)[0]
     for start, stop in inner:
-        part = rows(start, stop)
-        news[start:stop] = part[:, -1] - part[:, :-1] @ weights
+        for first in range(start, stop, STRETCH):
+            part = rows(first, min(first + STRETCH, stop))
+            news[first : first + len(part)] = part[:, -1] - part[:, :-1] @ weights
     return news
 
 
