@@ -92,6 +92,7 @@ def test_a_constant_and_exact_copies_do_no_harm() -> None:
     assert not answers(np.ones(ROWS), pv, None)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("seed", range(3))
 def test_no_size_is_excluded_beside_a_valve_that_may_stand_still(seed: int) -> None:
     op, pv, sp = loop(seed, Backlash(WIDE))
@@ -100,6 +101,7 @@ def test_no_size_is_excluded_beside_a_valve_that_may_stand_still(seed: int) -> N
     assert found.kind == "actuator" or set(found.excluded.values()) == {np.inf}
 
 
+@pytest.mark.statistics
 def test_identify_prefers_no_linear_model_then() -> None:
     op, pv, _ = loop(1, Backlash(WIDE))
     fit = lm.identify(op, pv, 1.0)
