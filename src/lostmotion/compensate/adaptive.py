@@ -82,9 +82,6 @@ class AdaptiveCompensator:
         No new settings for less than this share of that width: each goes through the ramp, with the side held.
     floor : float
         Width below which shares are taken of this instead, in units of OP.
-    ramp_grows : bool
-        RAMP_STEP grows with the dead zone, as the rules for a block have it: a wider one takes no more scans. False: it
-        stays that of `block`, for one that is a limit of the plant.
     supervisor : Supervisor
         Rules of the fall-back.
 
@@ -109,7 +106,6 @@ class AdaptiveCompensator:
         step: float = 0.25,
         dead_band: float = 0.02,
         floor: float = 0.2,
-        ramp_grows: bool = True,
         supervisor: Supervisor | None = None,
     ) -> None:
         if block.kind != "dead zone":
@@ -122,9 +118,6 @@ class AdaptiveCompensator:
         self.supervisor = Supervisor() if supervisor is None else supervisor
         self.taken, self.refused, self.falls = 0, 0, 0
         self._watch = _Watch(rest=self.supervisor.patience)
-        start = block.settings
-        self._ramp, self._width = start["ramp_step"], max(start["right_break"] - start["left_break"], floor)
-        self._ramp_grows = ramp_grows
 
     @property
     def running(self) -> CompensatorBlock:
@@ -172,18 +165,7 @@ class AdaptiveCompensator:
             reach = self.step * size
             moved[name] = settings[name] + min(max(value - settings[name], -reach), reach)
         if any(abs(moved[name] - settings[name]) > self.dead_band * size for name in moved):
-            self.block = self.block.with_settings(**moved, ramp_step=self._ramp_step(moved))
-
-    def _ramp_step(self, breaks: dict[str, float]) -> float:
-        """That of the start, and more for a wider dead zone.
-
-        Held back by the ramp of a third of its width, the offset of a loop whose set point moves in the scan of new
-        settings takes three times as long, with the side held: the move cost 3.1 times the error, in some loops as much
-        as 1,000 samples of operation. Never less than at the start: slopes other than 1 have a share in the offset
-        that does not shrink with the width, and a loop tuned with them oscillates without it.
-        """
-        width = breaks["right_break"] - breaks["left_break"]
-        return self._ramp * max(width / self._width, 1.0) if self._ramp_grows else self._ramp
+            self.block = self.block.with_settings(**moved)
 
     def _wanted(self, estimate: RecursiveEstimate) -> dict[str, float] | None:
         """Break points at the inner end of their intervals; None where the estimate cannot be used."""
