@@ -48,25 +48,24 @@ def _add_segment(
     lags: int,
     orders: int,
     known: FloatArray,
+    square: float,
     grams: FloatArray,
 ) -> None:
     """Add the Gram matrices of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without a decaying mode.
 
     For four A: `a` (na, 4), `decays` (4,); `grams` is (lags + 2, lags + 2, 4), lower halves, of products of lags
-    only those less than `orders` apart. `known` as in ``derive_lags``; empty: every lag is summed up.
+    only those less than `orders` apart. `known` as in ``derive_lags``; empty: every lag is summed up. `square` is the
+    sum of y squared.
     """
     n = target.size
     x, level = np.empty(WIDTH * n), np.empty(WIDTH * n)
-    sums, modes = np.empty((lags, 3, WIDTH)), np.empty((5, WIDTH))
+    sums, modes = np.empty((lags, 3, WIDTH)), np.empty((6, WIDTH))
     respond(a, drive, ones, x, level)
     if known.size > 0:
-        derive_lags(a, x, level, target, ones[-1], known, first, low, lags, orders, sums)
+        derive_lags(a, x, level, target, decays, ones[-1], known, first, low, lags, sums, modes)
     else:
         sum_lags(x, level, target, first, low, lags, sums)
-    sum_modes(x, level, target, decays, first, low, modes)
-    square = 0.0
-    for k in range(first, n):
-        square += target[k] * target[k]
+        sum_modes(x, level, target, decays, first, low, modes)
     with_mode, whole = np.empty((lags + 2, WIDTH)), np.empty(WIDTH)
     with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0], modes[1], modes[2]
     for lane in range(WIDTH):
@@ -202,13 +201,16 @@ def _scan(
     for start, stop in segments:
         rows += max(stop - start - first, 0)
     m, na = polynomials.shape
-    known = np.zeros((segments.shape[0], lags if quick and 0 < na <= MOST_POLES and lags > na else 0))
-    for s in range(segments.shape[0] if known.size > 0 else 0):
+    few = quick and 0 < na <= MOST_POLES and na < lags and orders <= MOST_POLES
+    known, squares_of_y = np.zeros((segments.shape[0], lags if few else 0)), np.zeros(segments.shape[0])
+    for s in range(segments.shape[0]):
         start, stop = segments[s]
         if stop - start > first:
             cross, wanted = np.zeros((2, lags)), white[start + first : stop]
-            add_lags(wanted, wanted, drive, start + first - low, lags, cross)
-            known[s] = cross[0]
+            squares_of_y[s] = np.dot(wanted, wanted)
+            if few:
+                add_lags(wanted, wanted, drive, start + first - low, lags, cross)
+                known[s] = cross[0]
     a, modes = np.empty((na, WIDTH)), np.empty(WIDTH)
     squares, gains = np.empty((orders, WIDTH)), np.empty((orders, orders, WIDTH))
     work = np.empty((orders + 2, orders, WIDTH))
@@ -220,7 +222,7 @@ def _scan(
             start, stop = segments[s]
             if stop - start > first:
                 drives = drive[start:stop], ones[start:stop], white[start:stop]
-                _add_segment(a, modes, *drives, first, low, lags, orders, known[s], grams)
+                _add_segment(a, modes, *drives, first, low, lags, orders, known[s], squares_of_y[s], grams)
         for at in range(high - low + 1):
             _least_squares(grams, at, lags, squares, gains, work)
             for lane in range(min(WIDTH, m - begin)):

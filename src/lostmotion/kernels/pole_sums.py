@@ -112,39 +112,67 @@ def sum_modes(
 
 
 @njit(cache=True, nogil=True)
-def _sum_last(x: FloatArray, target: FloatArray, first: int, low: int, lags: int, kept: int, sums: FloatArray) -> None:
-    """Fill `sums` (4, 4) with the products of target(k) with the `kept` last lags (three at most) of x(k - low).
+def _sum_few(
+    x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, lags: int,
+    kept: int, sums: FloatArray, last: FloatArray, modes: FloatArray,
+) -> None:  # fmt: skip
+    """Fill, over rows k >= first, in one pass: `sums` as ``sum_lags``, `modes` (6, 4) as ``sum_modes``, `last` (3, 4).
 
-    Over rows k >= first, the last lag in the third row; and with the sum of x(k - low).
+    Of the first three lags without target, in `sums`; `last` holds the products of target(k) with the `kept` last lags
+    (three at most) of x(k - low), the last lag in the third row. The sixth of `modes` is the sum of x(k - low).
     """
-    to_x, out, none, last = address(x), address(sums.reshape(-1)), spread(0.0), low + lags - 1
-    first_lag, second_lag = last - min(kept - 1, 2), last - min(kept - 1, 1)
-    t0, t1, t2, whole, one = none, none, none, none, spread(1.0)
-    for k in range(first, target.size):
-        wanted = spread(target[k])
-        t0 = plus_product(t0, load(to_x, (k - first_lag) * WIDTH), wanted)
-        t1 = plus_product(t1, load(to_x, (k - second_lag) * WIDTH), wanted)
-        t2 = plus_product(t2, load(to_x, (k - last) * WIDTH), wanted)
-        whole = plus_product(whole, one, load(to_x, (k - low) * WIDTH))
-    _put(out, 0, t0, t1, t2)
-    store(out, 3 * WIDTH, whole)
+    to_x, to_level, now, out = address(x), address(level), np.ones(WIDTH), address(sums.reshape(-1))
+    place, factor, none, one = address(now), load(address(decays), 0), spread(0.0), spread(1.0)
+    behind_1, behind_2, end = low + min(1, lags - 1), low + min(2, lags - 1), low + lags - 1
+    end_0, end_1 = end - min(kept - 1, 2), end - min(kept - 1, 1)
+    p0, p1, p2, l0, l1, l2, t0, t1 = none, none, none, none, none, none, none, none
+    t2, whole, drive, wanted, steps, square, both = none, none, none, none, none, none, none
+    for begin in range(first, target.size, REST):
+        mode = load(place, 0)
+        for k in range(begin, min(begin + REST, target.size)):
+            value, here, x0 = spread(target[k]), load(to_level, k * WIDTH), load(to_x, (k - low) * WIDTH)
+            p0, l0, whole = plus_product(p0, x0, x0), plus_product(l0, x0, here), plus_product(whole, one, x0)
+            drive, wanted, steps = (
+                plus_product(drive, mode, x0),
+                plus_product(wanted, mode, value),
+                plus_product(steps, mode, here),
+            )
+            square, both = plus_product(square, here, here), plus_product(both, here, value)
+            x1, x2 = load(to_x, (k - behind_1) * WIDTH), load(to_x, (k - behind_2) * WIDTH)
+            p1, l1 = plus_product(p1, x1, x0), plus_product(l1, x1, here)
+            p2, l2 = plus_product(p2, x2, x0), plus_product(l2, x2, here)
+            t0 = plus_product(t0, load(to_x, (k - end_0) * WIDTH), value)
+            t1 = plus_product(t1, load(to_x, (k - end_1) * WIDTH), value)
+            t2 = plus_product(t2, load(to_x, (k - end) * WIDTH), value)
+            mode = times(mode, factor)
+        store(place, 0, mode)
+        for lane in range(WIDTH):
+            if now[lane] < GONE:
+                now[lane] = 0.0
+    _put(out, (behind_2 - low) * 3 * WIDTH, p2, none, l2)  # of few lags these are the same
+    _put(out, (behind_1 - low) * 3 * WIDTH, p1, none, l1)
+    _put(out, 0, p0, none, l0)
+    _put(address(last.reshape(-1)), 0, t0, t1, t2)
+    _put(address(modes.reshape(-1)), 0, drive, wanted, steps)
+    store(address(modes.reshape(-1)), 3 * WIDTH, square)
+    store(address(modes.reshape(-1)), 4 * WIDTH, both)
+    store(address(modes.reshape(-1)), 5 * WIDTH, whole)
 
 
 @njit(cache=True, nogil=True)
 def derive_lags(
-    a: FloatArray, x: FloatArray, level: FloatArray, target: FloatArray, constant: float, known: FloatArray,
-    first: int, low: int, lags: int, near: int, sums: FloatArray,
+    a: FloatArray, x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, constant: float,
+    known: FloatArray, first: int, low: int, lags: int, sums: FloatArray, modes: FloatArray,
 ) -> None:  # fmt: skip
-    """What ``sum_lags`` sums up over the rows, from the sums at a few lags, for up to three poles.
+    """What ``sum_lags`` and ``sum_modes`` sum up over the rows, from the sums at a few lags, for up to three poles.
 
     x = drive - sum a_m q^-m x. So its products with target(k) are those of drive(k - lag), `known` (lags,), less those
     at later lags; and those with the level are its sums times the `constant` that drives the level, less those with
-    earlier levels, which are those at earlier lags moved along the rows. With x(k - low) only lags below `near`.
+    earlier levels, which are those at earlier lags moved along the rows. With x(k - low) only the first three lags.
     """
     na, n, width = a.shape[0], target.size, WIDTH
-    last = np.empty((4, width))
-    sum_lags(x, level, target, first, low, max(na, near), sums)
-    _sum_last(x, target, first, low, lags, na, last)
+    last = np.empty((3, width))
+    _sum_few(x, level, target, decays, first, low, lags, na, sums, last, modes)
     for i in range(na):
         sums[lags - na + i, 1] = last[3 - na + i]
     poles, to_x, to_level, out = address(a.reshape(-1)), address(x), address(level), address(sums.reshape(-1))
@@ -156,7 +184,7 @@ def derive_lags(
                 wanted, times(minus, load(poles, (m - 1) * width)), load(out, (lag + m) * step + width)
             )
         store(out, lag * step + width, wanted)
-    whole = load(address(last.reshape(-1)), 3 * width)
+    whole = load(address(modes.reshape(-1)), 5 * width)
     for lag in range(1, lags):
         whole = plus_product(whole, spread(1.0), load(to_x, (first - low - lag) * width))
         whole = plus_product(whole, minus, load(to_x, (n - low - lag) * width))
