@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.scaled import ScaledData
@@ -30,6 +30,8 @@ NEARLY_INTEGRATING = 0.997  # a slower pole than this may be an integrator
 ROUNDING = 1e-9  # from 1: what is nearer is an integrator
 FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
+# of a first look at whitened signals, and of log rss there: patterns that served later were within 30 (six open loops)
+FEW_ROWS, FAR_BEHIND = 2000, 100.0
 _SCAN: Any = kernel.scan
 
 
@@ -142,6 +144,10 @@ def grid_starts(
         if not len(decays):
             continue
         orders = max(nb for n, nb in ladder if n == na) + 1
+        # where a controller is at work the best that is allowed may be far behind, and unless whitened rows tell little
+        if only is None and integrating is None and d.size and not held.closed and data.u.size >= 2 * FEW_ROWS:
+            near = _first_look(data, x, d, polynomials, decays, delays, orders)
+            polynomials, decays = polynomials[near], decays[near]
         shape = (len(polynomials), orders, high - low + 1)
         rss, b = np.empty(shape), np.zeros((*shape, orders))
         n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None)
@@ -163,6 +169,24 @@ def grid_starts(
                 )
                 starts += [GridStart(na, nb, *each) for each in found]
     return sorted(starts, key=lambda start: start.score)
+
+
+def _first_look(
+    data: ScaledData,
+    x: FloatArray,
+    d: FloatArray,
+    polynomials: FloatArray,
+    decays: FloatArray,
+    delays: tuple[int, int],
+    orders: int,
+) -> IntArray:
+    """Indices of the patterns that are not far behind the best on few rows."""
+    low, high = delays
+    shape = (len(polynomials), orders, high - low + 1)
+    rss, b = np.empty(shape), np.zeros((*shape, orders))
+    n = _SCAN(x, data.y, excerpt(data, FEW_ROWS), d, polynomials, decays, low, high, orders, rss, b, True)
+    misfits = n * np.log(np.maximum(rss.min(axis=(1, 2)), 1e-300))
+    return np.flatnonzero(misfits <= misfits.min() + FAR_BEHIND)
 
 
 def exact_starts(
