@@ -2,31 +2,46 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.lanes import WIDTH
 from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.nested import nested
 from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
+from lostmotion.kernels.zeros import add_products_behind
 
 MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
+Autoregressions: TypeAlias = tuple[list[FloatArray], FloatArray, int]  # coefficients and variances by order, and rows
+
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
 # c of (1 - c q^-1): slow drift behind fast noise has one, which an AR of any order that a record carries cuts off
 ZEROS = (0.0, 0.5, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985)
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 
 
-def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> tuple[list[FloatArray], FloatArray, int]:
+def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> Autoregressions:
     """AR(0) .. AR(most) of the segments v on common rows: coefficients d, residual variances, rows."""
-    usable = [part for part in v if part.size > 2 * (most + 1)]
+    usable = _usable(v, most)
     if not usable:
         return [np.zeros(0)], np.array([float(np.mean(np.concatenate(v) ** 2))]), sum(p.size for p in v)
     gram = np.zeros((most + 1, most + 1))
-    rows = 0
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
-        rows += part.size - most
+    return _of_products(gram, sum(part.size - most for part in usable))
+
+
+def _usable(v: list[FloatArray], most: int) -> list[FloatArray]:
+    """Segments that are long enough for so many lags."""
+    return [part for part in v if part.size > 2 * (most + 1)]
+
+
+def _of_products(gram: FloatArray, rows: int) -> Autoregressions:
+    """The same from the products of all lags, 0 included."""
+    most = len(gram) - 1
     largest = float(gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max())  # 0 behind a single step
     ridge = max(1e-12 * largest, float(np.finfo(float).tiny))
     gains, explained = _of_all_orders(gram[1:, 1:] + ridge * np.eye(most), gram[1:, 0])
@@ -46,7 +61,7 @@ def _of_all_orders(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, Flo
 
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
     """Coefficients d of the AR model that an information criterion prefers; empty for white noise."""
-    return _best(v, most, penalty)[1]
+    return _best(*autoregressions(v, most), penalty)[1]
 
 
 def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
@@ -68,13 +83,30 @@ def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
     """The c of ZEROS that an information criterion prefers; 0 where none pays."""
     cost = float(np.log(sum(part.size for part in v)))  # beside a pole of D that it nearly cancels it tells nothing
-    scores = [_best([_through(part, zero) for part in v], most)[0] + cost * (zero != 0.0) for zero in ZEROS]
+    scores = [
+        _best(*found)[0] + cost * (zero != 0.0) for zero, found in zip(ZEROS, _behind_zeros(v, most), strict=True)
+    ]
     return ZEROS[int(np.argmin(scores))]
 
 
-def _best(v: list[FloatArray], most: int, penalty: float = PENALTY) -> tuple[float, FloatArray]:
-    """Information criterion and coefficients of the best autoregression."""
-    models, variances, rows = autoregressions(v, most)
+def _behind_zeros(v: list[FloatArray], most: int) -> list[Autoregressions]:
+    """Autoregressions of v seen through each of ZEROS."""
+    usable = _usable(v, most)
+    if not usable:
+        return [autoregressions([_through(part, zero) for part in v], most) for zero in ZEROS]
+    rows, found = sum(part.size - most for part in usable), [autoregressions(v, most)]
+    for begin in range(1, len(ZEROS), WIDTH):
+        zeros, grams = np.array(ZEROS[begin : begin + WIDTH]), np.zeros((most + 1, most + 1, WIDTH))
+        for part in usable:
+            add_products_behind(part, zeros, grams)
+        found += [_of_products(grams[:, :, lane].copy(), rows) for lane in range(WIDTH)]
+    return found
+
+
+def _best(
+    models: list[FloatArray], variances: FloatArray, rows: int, penalty: float = PENALTY
+) -> tuple[float, FloatArray]:
+    """Information criterion and coefficients of the best of these autoregressions."""
     if variances[0] < ROUNDING:
         return -np.inf, models[0]
     score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
