@@ -36,8 +36,9 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
         return fitted
     best = fitted
     for _ in range(ROUNDS):
-        zero = likeliest_zero(best.output_residual())
-        trial = _recoloured(best, zero, best) if zero != 0.0 else None
+        left = best.output_residual()
+        zero = likeliest_zero(left)
+        trial = _recoloured(best, left, zero, best) if zero != 0.0 else None
         if trial is None or not per_row(trial) < per_row(best):
             break
         best = trial
@@ -48,9 +49,9 @@ def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
     if not asked.any_noise:
         return fitted
-    best = fitted
+    best, left = fitted, fitted.output_residual()
     for zero in SCANNED:
-        trial = None if zero == fitted.problem.structure.zero else _recoloured(fitted, zero, best)
+        trial = None if zero == fitted.problem.structure.zero else _recoloured(fitted, left, zero, best)
         if trial is not None and per_row(trial) < per_row(best):
             best = trial
     return best
@@ -63,12 +64,11 @@ def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
     return choose_noise(fitted.output_residual(), most)
 
 
-def _recoloured(fitted: Fitted, zero: float, best: Fitted) -> Fitted | None:
-    """Refined with this zero, and the order that the residual asks for with it; None: it is the noise that it has.
+def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitted) -> Fitted | None:
+    """Refined with this zero, and the order that the residual `left` asks for; None: it is the noise that it has.
 
     Given up where it is plain that it does not come near `best`.
     """
-    left = fitted.output_residual()
     d = autoregression_behind(left, zero)
     problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
     if (zero, d.size) == (s.zero, s.noise_order):
