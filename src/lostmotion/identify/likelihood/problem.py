@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
@@ -21,7 +21,7 @@ from lostmotion.kernels.squared_errors import squared_errors
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
 Normal: TypeAlias = tuple[float, FloatArray, FloatArray]  # sum of squared errors, J'e and J'J
 
-KEPT = 2  # vectors of which the normal equations are kept: the best of a refinement, and what it tried after it
+KEPT = 2  # vectors of which the normal equations are kept
 POLE_RADIUS = 1.0 - 1e-7  # an output-error predictor needs a stable A
 
 
@@ -144,20 +144,24 @@ class Problem:
         c = np.zeros(self.structure.initial * len(self.segments))
         return np.concatenate([a, b, [offset], eta, d, c])
 
-    def evaluate(self, theta: FloatArray, internal: Callable[[FloatArray], Inner] | None = None) -> Normal:
-        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `internal`: by one that remembers."""
-        key = theta.tobytes()
-        known = self._last.get(key)
+    def evaluate(self, theta: FloatArray, inner: Inner | None = None) -> Normal:
+        """Sum of squared errors, J'e and J'J; of the last vectors they are kept. `inner`: where it is known."""
+        known = self._last.get(theta.tobytes())
         if known is None:
-            for oldest in list(self._last)[: 1 - KEPT]:
-                del self._last[oldest]
-            known = self._last[key] = self._normal(theta, (internal or self.internal)(theta))
+            known = self._normal(theta, inner or self.internal(theta))
+            self.keep(theta, known)
         return known
+
+    def keep(self, theta: FloatArray, known: Normal) -> None:
+        """What is known of a vector: a refinement often goes on where another one ended."""
+        for oldest in list(self._last)[: 1 - KEPT]:
+            del self._last[oldest]
+        self._last[theta.tobytes()] = known
 
     def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
         x, dx = inner
         hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        zero, layout = self.structure.zero, self._layout
+        zero, layout = self.structure.zero, self.layout
         cost = normal_equations(theta, *layout, x, dx, self.courses, self.target, hessian, gradient, zero, self.early)
         if zero == 0.0:
             return float(cost), gradient, hessian
@@ -167,16 +171,16 @@ class Problem:
     def squares(self, theta: FloatArray, x: FloatArray) -> float:
         """Sum of squared errors alone, for the internal variable x (n,), smoothed as ``internal`` gives it."""
         zero = self.structure.zero
-        cost = float(squared_errors(theta, *self._layout, x, self.target, zero, self.early))
+        cost = float(squared_errors(theta, *self.layout, x, self.target, zero, self.early))
         return cost if zero == 0.0 else self.sharpness**2 * cost
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
-        """Vectors and what belongs to them: a refinement often goes on where another one ended."""
+        """Vectors and what belongs to them."""
         return {}
 
     @cached_property
-    def _layout(self) -> tuple[int, int, int, int, int, int, IntArray]:
+    def layout(self) -> tuple[int, int, int, int, int, int, IntArray]:
         """What the kernels take besides vectors and signals."""
         s = self.structure
         return s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first, self.segments
@@ -284,10 +288,10 @@ class Problem:
     def admissible(self, theta: FloatArray) -> bool:
         """Whether A is stable, but for the integrator, and the process an allowed one."""
         na = self.structure.na
-        return bool(is_allowed(theta[:na], theta[na : self.offset_at], *self._rules))
+        return bool(is_allowed(theta[:na], theta[na : self.offset_at], *self.rules))
 
     @cached_property
-    def _rules(self) -> tuple[bool, float, bool, IntArray, float, float, int]:
+    def rules(self) -> tuple[bool, float, bool, IntArray, float, float, int]:
         """What the kernel takes besides A and B."""
         return self.structure.integrating, POLE_RADIUS, self.held.closed, *self.held.rules
 

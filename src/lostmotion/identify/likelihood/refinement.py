@@ -8,19 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.problem import Inner, Problem
-from lostmotion.kernels import products as kernel
+from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.kernels import refinement as kernel
+from lostmotion.kernels.products import damped_step
 
 # a bound against wandering: a start from the grid is done in far fewer, and what is not counts as not converged
 MOST_STEPS = 100
 FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 LINEAR_DAMPING = 1e-10  # of parameters in which the errors are linear: a ridge
-STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
-STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the likelihood has kinks to zigzag on
-# times the promise of an undamped step: a bound further off is not reached. Of 2,111 refinements that had a bound those
-# given up so would all have ended above it, also with 5 times; with 3 times one would not
-HOPELESS = 10.0
-UNDAMPED = 1e-10  # relative, against singular equations
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
 
 
@@ -54,44 +49,33 @@ def refine(
     basis = problem.basis if basis is None else basis
     if not tied:
         theta = problem.project(theta)
-    inside = _Inside(problem)
-    cost, gradient, hessian = problem.evaluate(theta, inside.at)
-    free = theta.size if basis is None else basis.shape[1]
-    floor = ROUNDING * float(problem.y @ problem.y)
-    damping, converged, steps, uphill, errors = FIRST_DAMPING, False, 0, False, max(problem.errors - free, 1)
-    history = [cost]
-    model = _projected(hessian, gradient, basis)
-    while steps < most_steps and not converged:
-        steps += 1
-        step, promised = _damped_step(model, basis, damping)
-        variance = cost / errors
-        if cost <= floor or promised <= STEP_GAIN * variance:
-            converged = True
-            break
-        if steps > 1 and _out_of_reach(cost - bound, promised, model):
-            break
-        trial = theta + step
+    inner = problem.internal(theta)
+    cost, gradient, hessian = problem.evaluate(theta, inner)
+    still = _is_still(problem, basis, tied)
+    basis = np.empty((theta.size, 0)) if basis is None else np.ascontiguousarray(basis)
+    normal, points = np.vstack([hessian, gradient]), np.stack([theta, theta])
+    model = kernel.projected(normal, basis)
+    errors, floor = max(problem.errors - model.shape[1], 1), ROUNDING * float(problem.y @ problem.y)
+    numbers = np.array([cost, FIRST_DAMPING, 0.0, errors, floor, bound])
+    counts = np.array([0, most_steps, 0, 0, most_steps > 0, still])
+    own = points, normal, model, basis, np.full(most_steps + 1, cost), numbers, counts, *problem.rules, *problem.layout
+    known = problem.courses, problem.target, problem.structure.zero, problem.early
+    kernel.advance(*own, *inner, *known)
+    while counts[kernel.TRYING]:
         if not tied:
-            trial = problem.project(trial)
-        better = False
-        # a step uphill needs no gradient, and where one was others will be
-        if problem.admissible(trial) and (not uphill or problem.squares(trial, inside.at(trial)[0]) < cost):
-            trial_cost, trial_gradient, trial_hessian = problem.evaluate(trial, inside.at)
-            better = trial_cost < cost
-        uphill = uphill or not better
-        if better:
-            gained = cost - trial_cost
-            converged = gained <= STEP_GAIN * variance and damping < 1e-2
-            theta, cost, hessian = trial, trial_cost, trial_hessian
-            model = _projected(hessian, trial_gradient, basis)
-            damping = max(damping * (0.1 if gained > 0.5 * promised else 0.5), 1e-12)
-        else:
-            damping *= 8.0
-            converged = damping > 1e10
-        history.append(cost)
-        stalled = steps > STALL and history[-1 - STALL] - cost <= STALL_GAIN * variance
-        converged = converged or stalled
-    return LocalFit(theta, cost, hessian, steps, converged)
+            points[1] = problem.project(points[1])
+        kernel.advance(*own, *problem.internal(points[1]), *known)
+    best, found = points[0].copy(), float(numbers[kernel.COST])
+    problem.keep(best, (found, normal[-1], normal[:-1]))
+    return LocalFit(best, found, normal[:-1], int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED]))
+
+
+def _is_still(problem: Problem, basis: FloatArray | None, tied: bool) -> bool:
+    """Whether the actuator, and what acts beside it, stay as they are."""
+    eta = slice(problem.eta_at, problem.noise_at)
+    if eta.start == eta.stop:
+        return True
+    return basis is not None and tied and not basis[eta].any()
 
 
 def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None) -> FloatArray:
@@ -128,37 +112,5 @@ def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int
 
 def linear_step(hessian: FloatArray, gradient: FloatArray, columns: FloatArray) -> FloatArray:
     """To the least sum of squares along these directions, from the normal equations."""
-    return _damped_step(_projected(hessian, gradient, columns), columns, LINEAR_DAMPING)[0]
-
-
-class _Inside:
-    """What the actuator does; of the last actuator it is kept, as many refinements hold theirs."""
-
-    def __init__(self, problem: Problem) -> None:
-        self._problem, self._key = problem, b""
-        self._inner: Inner | None = None
-
-    def at(self, theta: FloatArray) -> Inner:
-        """Internal variable and its derivatives."""
-        key = theta[self._problem.eta_at : self._problem.noise_at].tobytes()
-        if self._inner is None or key != self._key:
-            self._key, self._inner = key, self._problem.internal(theta)
-        return self._inner
-
-
-def _out_of_reach(gap: float, promised: float, model: tuple[FloatArray, FloatArray]) -> bool:
-    """Whether the cost will not fall by `gap`; what a damped step promises is looked at first."""
-    return gap > HOPELESS * promised and gap > HOPELESS * float(kernel.damped_step(*model, UNDAMPED)[1])
-
-
-def _projected(hessian: FloatArray, gradient: FloatArray, basis: FloatArray | None) -> tuple[FloatArray, FloatArray]:
-    """Normal equations of the free directions."""
-    return (hessian, gradient) if basis is None else (basis.T @ hessian @ basis, basis.T @ gradient)
-
-
-def _damped_step(
-    model: tuple[FloatArray, FloatArray], basis: FloatArray | None, damping: float
-) -> tuple[FloatArray, float]:
-    """Marquardt step and the decrease of the sum of squares that the quadratic model promises."""
-    step, promised = kernel.damped_step(model[0], model[1], damping)
-    return (step if basis is None else basis @ step), promised
+    model = kernel.projected(np.vstack([hessian, gradient]), columns)
+    return np.asarray(columns @ damped_step(model[:-1], model[-1], LINEAR_DAMPING)[0])
