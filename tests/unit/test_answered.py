@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -109,6 +111,7 @@ def test_identify_prefers_no_linear_model_then() -> None:
     assert fit.preferred == "cannot tell"
     zone = lm.identify(op, pv, 1.0, nonlinearity="dead zone")
     assert zone.widest is None
+    for status in (Status.NOT_SEEN, Status.CANNOT_TELL):
+        assert replace(zone, status=status).interval("width") == (0.0, np.inf)
     if zone.status is Status.NOT_SEEN:
-        assert zone.interval("width") == (0.0, np.inf)
         assert zone.preferred == "cannot tell"

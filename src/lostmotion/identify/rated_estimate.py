@@ -111,7 +111,7 @@ class RatedEstimate(NamedEstimate, ABC):
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
         if self.status in HIDDEN:
             if name == self.kind.size:
-                if self.status is Status.NOT_SEEN and not self.evidence.answered:
+                if not self.evidence.answered:
                     return 0.0, np.inf
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
             if name in self.kind.anywhere:

@@ -17,7 +17,7 @@ TILE = 4 * WIDTH  # samples at a time behind D
 Z, X, H, ETA = 0, 1, 2, 3  # rows; v comes after the last eta
 
 
-@njit(cache=True, nogil=True, _nrt=False, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _one_pole_filter(a: FloatArray, x: FloatArray, row: FloatArray, at: int) -> None:
     """Continue row[at..] = (1/A) x; up to four poles run in registers."""
     if a.size > 4:
@@ -41,7 +41,7 @@ def _one_pole_filter(a: FloatArray, x: FloatArray, row: FloatArray, at: int) -> 
         out[k] = value
 
 
-@njit(cache=True, nogil=True, _nrt=False, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _two_pole_filters(
     a: FloatArray, x: FloatArray, row: FloatArray, other_x: FloatArray, other: FloatArray, at: int
 ) -> None:
@@ -67,7 +67,7 @@ def _two_pole_filters(
         out[k], other_out[k] = first, second
 
 
-@njit(cache=True, nogil=True, _nrt=False, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_taps(taps: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
     """Add sum_i taps_i row[at + k - i] to `out`."""
     done, n = 0, out.size
@@ -83,7 +83,7 @@ def _add_taps(taps: FloatArray, row: FloatArray, at: int, out: FloatArray) -> No
             out[k] += tap * lagged[k]
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def fill_errors(
     a: FloatArray,
     b: FloatArray,
@@ -119,7 +119,7 @@ def fill_errors(
         v[k] = y[k] - offset - z[k]
 
 
-@njit(cache=True, nogil=True, _nrt=False, forceinline=True)
+@njit(cache=True, nogil=True, forceinline=True)
 def _with_four(total: Quad, t0: Quad, t1: Quad, t2: Quad, t3: Quad, values: FloatArray, at: int) -> Quad:
     """`total` and the four taps of four samples, added in the order of ``_add_taps``."""
     early = plus_product(times(t1, load(values, at - 1)), t0, load(values, at))
@@ -127,7 +127,7 @@ def _with_four(total: Quad, t0: Quad, t1: Quad, t2: Quad, t3: Quad, values: Floa
     return plus_product(total, spread(1.0), late)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def whiten(d: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
     """Fill `out` (m,) with D row[at ..]; sixteen samples stay in registers, and only the last few go through memory."""
     taps, values, to = address(d), address(row), address(out)
@@ -162,10 +162,8 @@ def whiten(d: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
     _add_taps(d, row, at + done - 1, rest)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
-def _moved(
-    b: FloatArray, dx: FloatArray, shapes: FloatArray, e: int, begin: int, k0: int, out: FloatArray
-) -> None:
+@njit(cache=True, nogil=True)
+def _moved(b: FloatArray, dx: FloatArray, shapes: FloatArray, e: int, begin: int, k0: int, out: FloatArray) -> None:
     """Fill `out` with B dx/deta for samples k0 .. of a segment whose first input is at `begin`."""
     row = dx[e] if e < dx.shape[0] else shapes[e - dx.shape[0]]
     out[:] = 0.0
@@ -176,7 +174,7 @@ def _moved(
             later[k] += weight * source[k]
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def fill_block(
     a: FloatArray,
     b: FloatArray,

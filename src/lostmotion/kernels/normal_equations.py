@@ -17,7 +17,7 @@ BLOCK = 512  # samples: a dozen signals of this length stay in the fastest memor
 DEAD = 1e-30  # an initial state that has decayed to this share tells nothing more
 
 
-@njit(cache=True, nogil=True, _nrt=False, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _add_cross(
     flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, out: FloatArray
 ) -> None:
@@ -142,7 +142,7 @@ def _assemble(
                             hessian[place[h] + j, place[g] + i] += sign[g] * sign[h] * value
 
 
-@njit(cache=True, nogil=True, _nrt=False, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _sum(values: FloatArray, m: int) -> float:
     total = 0.0
     for k in range(m):
@@ -150,7 +150,7 @@ def _sum(values: FloatArray, m: int) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def _quiet(values: FloatArray) -> bool:
     loudest = 0.0
     for value in values:
@@ -170,7 +170,7 @@ def _add_block(
         sums[g] += _sum(flat[begins[g] + skipped :], rows)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def _add_level(
     cross: FloatArray, sums: FloatArray, whole: float, level: int, count: IntArray, heads: FloatArray,
     tails: FloatArray, place: IntArray, sign: FloatArray, hessian: FloatArray, gradient: FloatArray,
@@ -212,7 +212,7 @@ def _add_early(
     return cost
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(cache=True, nogil=True)
 def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, values: FloatArray) -> None:
     """Fill `values` (groups, lags) with what is at a column, each group at its lags."""
     for g in range(count.size):

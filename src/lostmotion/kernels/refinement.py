@@ -49,9 +49,7 @@ def projected(normal: FloatArray, basis: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
-def _propose(
-    points: FloatArray, model: FloatArray, basis: FloatArray, numbers: FloatArray, counts: IntArray
-) -> None:
+def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Fill the trial with a damped step from the best point, or say that there is none worth trying."""
     free, cost = model.shape[1], numbers[COST]
     counts[STEPS] += 1
@@ -61,10 +59,10 @@ def _propose(
         counts[CONVERGED], counts[TRYING] = 1, 0
         return
     gap = cost - numbers[BOUND]
-    if counts[STEPS] > 1 and gap > HOPELESS * promised:  # a damped step is looked at first: it is known
-        if gap > HOPELESS * damped_step(model[:free], model[free], UNDAMPED)[1]:
-            counts[TRYING] = 0
-            return
+    far = counts[STEPS] > 1 and gap > HOPELESS * promised  # a damped step is looked at first: it is known
+    if far and gap > HOPELESS * damped_step(model[:free], model[free], UNDAMPED)[1]:
+        counts[TRYING] = 0
+        return
     points[1] = points[0]
     for row in range(basis.shape[0] if basis.shape[1] > 0 else 0):
         moved = 0.0
@@ -76,9 +74,7 @@ def _propose(
 
 
 @njit(cache=True)
-def _settle(
-    cost: float, better: bool, history: FloatArray, numbers: FloatArray, counts: IntArray
-) -> None:
+def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Damping, and whether to go on, after a trial that was `better` with its cost, or was not."""
     variance = numbers[COST] / numbers[ERRORS]
     if better:

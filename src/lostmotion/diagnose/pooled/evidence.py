@@ -44,7 +44,7 @@ class SizeEvidence:
         Log-likelihood of each record over that of a linear process for every scatter and size.
     at_once : ndarray, shape (records, g)
         The same without scatter, with small gains and losses, none beyond log(1 / WILD); 0 of records in which nothing
-        but PV moves OP.
+        but PV moves OP, or PV answers nothing that is new in OP.
     unseen : float
         What OP does between the rows, where the kind has a memory: in all records alike, so no average takes it away.
     """

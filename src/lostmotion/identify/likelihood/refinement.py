@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ MOST_STEPS = 100
 FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 LINEAR_DAMPING = 1e-10  # of parameters in which the errors are linear: a ridge
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
+_ADVANCE: Any = kernel.advance
 
 
 @dataclass(frozen=True)
@@ -60,11 +62,11 @@ def refine(
     counts = np.array([0, most_steps, 0, 0, most_steps > 0, still])
     own = points, normal, model, basis, np.full(most_steps + 1, cost), numbers, counts, *problem.rules, *problem.layout
     known = problem.courses, problem.target, problem.structure.zero, problem.early
-    kernel.advance(*own, *inner, *known)
+    _ADVANCE(*own, *inner, *known)
     while counts[kernel.TRYING]:
         if not tied:
             points[1] = problem.project(points[1])
-        kernel.advance(*own, *problem.internal(points[1]), *known)
+        _ADVANCE(*own, *problem.internal(points[1]), *known)
     best, found = points[0].copy(), float(numbers[kernel.COST])
     problem.keep(best, (found, normal[-1], normal[:-1]))
     return LocalFit(best, found, normal[:-1], int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED]))
