@@ -98,32 +98,32 @@ def advance(
     points: FloatArray, normal: FloatArray, model: FloatArray, basis: FloatArray, history: FloatArray,
     numbers: FloatArray, counts: IntArray, integrating: bool, radius: float, held: bool, late: IntArray, least: float,
     most_back: float, direction: int, na: int, nb: int, ne: int, p: int, delay: int, first: int, segments: IntArray,
-    x: FloatArray, dx: FloatArray, shapes: FloatArray, y: FloatArray, zero: float, early: float,
+    x: FloatArray, dx: FloatArray, shapes: FloatArray, y: FloatArray, zero: float, early: float, scale: float,
 ) -> None:  # fmt: skip
     """Judge the trial, if there is one, and go on to the next of which the internal variable `x` is not known.
 
     `points` (2, n) are the best point and the trial; `normal` belongs to the best, `model` (free + 1, free) is the same
     of the directions in `basis`. `history` (most steps + 1,) gets the cost after each step; `numbers` and `counts` as
-    named above. The rules of the linear part are those of ``is_allowed``, the rest is as in ``normal_equations``.
+    named above. The rules of the linear part are those of ``is_allowed``, the rest is as in ``normal_equations``; all
+    squares count `scale` times.
     """
     best, trial, found, size = points[0], points[1], np.empty_like(normal), points.shape[1]
-    sharpness = (1.0 / (1.0 - zero)) ** 2
     allowed = counts[STEPS] > 0  # what is handed back is
     while counts[TRYING]:
         if counts[STEPS] > 0:
             cost, better = numbers[COST], allowed
             if allowed and counts[UPHILL]:  # a step uphill needs no gradient, and where one was others will be
                 squares = squared_errors(trial, na, nb, ne, p, delay, first, segments, x, y, zero, early)
-                better = sharpness * squares < cost
+                better = scale * squares < cost
             if better:
                 found[:] = 0.0
-                cost = sharpness * normal_equations(
+                cost = scale * normal_equations(
                     trial, na, nb, ne, p, delay, first, segments, x, dx, shapes, y, found[:size], found[size], zero,
                     early,
                 )  # fmt: skip
                 better = cost < numbers[COST]
             if better:
-                best[:], normal[:] = trial, sharpness * found
+                best[:], normal[:] = trial, scale * found
                 model[:] = projected(normal, basis)
             _settle(cost, better, history, numbers, counts)
         if counts[TRYING]:

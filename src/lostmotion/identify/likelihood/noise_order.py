@@ -14,11 +14,12 @@ from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
 from lostmotion.kernels.zeros import add_products_behind
 
-MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 Autoregressions: TypeAlias = tuple[list[FloatArray], FloatArray, int]  # coefficients and variances by order, and rows
 
+MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
 # c of (1 - c q^-1): slow drift behind fast noise has one, which an AR of any order that a record carries cuts off
+# (those beside 0 are looked through four at a time: their number is a multiple of it)
 ZEROS = (0.0, 0.5, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985)
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 

@@ -165,14 +165,13 @@ class Problem:
         cost = normal_equations(theta, *layout, x, dx, self.courses, self.target, hessian, gradient, zero, self.early)
         if zero == 0.0:
             return float(cost), gradient, hessian
-        scale = self.sharpness**2
-        return scale * float(cost), scale * gradient, scale * hessian
+        return self.scale * float(cost), self.scale * gradient, self.scale * hessian
 
     def squares(self, theta: FloatArray, x: FloatArray) -> float:
         """Sum of squared errors alone, for the internal variable x (n,), smoothed as ``internal`` gives it."""
         zero = self.structure.zero
         cost = float(squared_errors(theta, *self.layout, x, self.target, zero, self.early))
-        return cost if zero == 0.0 else self.sharpness**2 * cost
+        return self.scale * cost
 
     @cached_property
     def _last(self) -> dict[bytes, Normal]:
@@ -199,6 +198,11 @@ class Problem:
     def sharpness(self) -> float:
         """What a prediction error is more than that of the smoothed signals."""
         return 1.0 / (1.0 - self.structure.zero)
+
+    @property
+    def scale(self) -> float:
+        """The same of squares."""
+        return self.sharpness**2
 
     def smoothed(self, signals: FloatArray) -> FloatArray:
         """One signal (n,) or several (m, n) through the zero of the noise; themselves where it has none."""

@@ -61,7 +61,7 @@ def refine(
     numbers = np.array([cost, FIRST_DAMPING, 0.0, errors, floor, bound])
     counts = np.array([0, most_steps, 0, 0, most_steps > 0, still])
     own = points, normal, model, basis, np.full(most_steps + 1, cost), numbers, counts, *problem.rules, *problem.layout
-    known = problem.courses, problem.target, problem.structure.zero, problem.early
+    known = problem.courses, problem.target, problem.structure.zero, problem.early, problem.scale
     _ADVANCE(*own, *inner, *known)
     while counts[kernel.TRYING]:
         if not tied:
