@@ -14,8 +14,9 @@ from lostmotion.identify.actuators import slip_search
 from lostmotion.identify.actuators.fit_kind import fit_kind
 from lostmotion.identify.actuators.operator_profile import LaggedRegression, lags_of
 from lostmotion.identify.actuators.slip_draws import even_draws, spaced_rests
+from lostmotion.identify.actuators.slip_growth import growing_slips_of, likelier_slip_of
 from lostmotion.identify.actuators.slip_likelihood import SlipLikelihood, error_gradients
-from lostmotion.identify.actuators.slip_profile import SlipProfile, fine_slips_of, slips_of
+from lostmotion.identify.actuators.slip_profile import SlipProfile, slips_of
 from lostmotion.identify.actuators.stiction import STICTION
 from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
@@ -241,12 +242,22 @@ def limit_cycle(seed, n=2500, band=4.8, jump=4.4):
 
 
 @pytest.mark.statistics
-def test_fine_search_finds_a_limit_cycle():
+def test_search_on_growing_rows_finds_a_limit_cycle():
     for seed in (21, 22, 23):
         data = scaled_data(*limit_cycle(seed))
-        place = fine_slips_of(data, lags_of(data, Asked()))[0]
+        place = growing_slips_of(data, lags_of(data, Asked()))[0]
         assert place.band * data.scaling.u_scale == pytest.approx(4.8, rel=0.01)
         assert place.jump * data.scaling.u_scale == pytest.approx(4.4, rel=0.05)
+
+
+@pytest.mark.statistics
+def test_second_search_leaves_another_needle_and_stays_at_the_true_one():
+    data = scaled_data(*limit_cycle(21))
+    lags, scale = lags_of(data, Asked()), data.scaling.u_scale
+    best = likelier_slip_of(data, lags, HE, (2.9 / scale, 1.3 / scale), (0.0,))
+    assert best is not None
+    assert best.band * scale == pytest.approx(4.8, rel=0.01)
+    assert likelier_slip_of(data, lags, best.model, (best.band, best.jump), best.rests) is None
 
 
 @pytest.mark.statistics

@@ -31,6 +31,7 @@ from lostmotion.identify.scaled import ScaledData
 
 SEEN = 6.0  # of BIC, by which the nested kind must beat the linear model before the other is sought beside it
 FOUND = 60.0  # of BIC: a kind so far ahead of the one that it nests has its last parameter
+BELIEVED = 60.0  # of BIC over the linear model: its size is told
 HOPELESS = 30.0  # of log-likelihood behind the profile of the best kind
 WORTHWHILE = 3.0  # of log-likelihood, before a kind is fitted in full
 
@@ -69,9 +70,12 @@ class EveryKind:
         linear = _best_linear(linear, found)
         for kind in nested:
             if is_open(kind, found, linear):
-                richer = with_own_loads(kind.enriched(found[kind.nests], self.asked))
+                richer = with_own_loads(kind.enriched(found[kind.nests]))
                 if kind.met(richer) and _keep(found, kind.name, richer):
                     linear = _best_linear(linear, found)
+            again = again_of(kind, found, linear, self.asked)
+            if again is not None and _keep(found, kind.name, with_own_loads(again)):
+                linear = _best_linear(linear, found)
         return linear, found
 
     def _beside_swings(self, linear: Fitted) -> Fitted:
@@ -156,6 +160,19 @@ def _keep(found: Fits, kind: str, other: Fitted) -> bool:
     if better:
         found[kind] = other
     return better
+
+
+def again_of(kind: Kind, found: Fits, linear: Fitted, asked: Asked) -> Fitted | None:
+    """A fit of a second search, where the kind or the one that it nests is seen so clearly that its size is believed.
+
+    A size that is one of many peaks of the likelihood must not stand on one search alone.
+    """
+    fits = [found[name] for name in (kind.name, kind.nests) if name in found]
+    gain, best = max(((gain_over_linear(one, linear), index) for index, one in enumerate(fits)), default=(0.0, 0))
+    if gain < BELIEVED:
+        return None
+    again = kind.sought_again(fits[best], asked)
+    return again if again is not None and kind.met(again) else None
 
 
 def is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:

@@ -195,9 +195,16 @@ class Kind(ABC):
         """The nested kind, begun at a fit of this one."""
         raise NotImplementedError(f"{self.name} nests {self.nests!r} but does not say how to begin it")
 
-    def enriched(self, fitted: Fitted, asked: Asked) -> Fitted:
-        """The kind itself, begun at a fit of the nested one; `asked` is what that was asked for."""
+    def enriched(self, fitted: Fitted) -> Fitted:
+        """The kind itself, begun at a fit of the nested one."""
         raise NotImplementedError(f"{self.name} nests {self.nests!r} but does not say how to begin there")
+
+    def sought_again(self, fitted: Fitted, asked: Asked) -> Fitted | None:  # noqa: ARG002
+        """A fit of this kind where a second search finds a likelier place than a fit of it or of the nested kind has.
+
+        None where it finds none.
+        """
+        return None
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:  # noqa: ARG002
         """Its score beside those of the other kinds."""

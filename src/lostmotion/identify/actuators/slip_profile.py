@@ -47,10 +47,6 @@ SCANS = 2  # of one parameter after the other over all that it can be
 SCAN_BANDS = np.geomspace(0.88, 1.12, 61)
 SCAN_SHARES = np.linspace(0.0, 1.2, 61)
 MOST = 3  # places that are settled
-# of a finer grid, where the first may have missed the band
-FINE_BANDS, FINE_SMALLEST = 800, 0.1  # 0.3 % apart; the smallest in ranges of OP
-FINE_RESTS, FINE_SHARE = np.linspace(-0.9, 0.9, 13), 0.25
-FINE = 12  # places of it that are settled
 
 
 @dataclass(frozen=True)
@@ -161,6 +157,11 @@ class SlipProfile:
     segments: IntArray
 
     @cached_property
+    def linear(self) -> float:
+        """Cost of a valve that follows OP."""
+        return float(_minus_log_likelihood(self.regression, self.regression.squares(self.u)))
+
+    @cached_property
     def _totals(self) -> FloatArray:
         return np.concatenate([[0.0], np.cumsum(self.regression.y), np.zeros(LAGS)])
 
@@ -240,17 +241,16 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
     """
     draws = even_draws(DRAWS * sum(most for _, most in BOXES))
     live, at = _coarse(late, span), 0
-    linear = _minus_log_likelihood(late.regression, late.regression.squares(late.u))
     for step, (reach, most) in enumerate(BOXES):
-        if step and live.costs.min() > linear - SCANT:
-            return [_settled(whole, live.best)]
+        if step and live.costs.min() > late.linear - SCANT:
+            return [settled_place(whole, live.best)]
         live = live.apart(max(reach, FUNNEL), most)
         if step == 1:
             live = _rested(late, live)
         trials = DRAWS * live.costs.size
         live = live.joined(late.about(live, reach, draws[at : at + trials]))
         at += trials
-    return sorted((_settled(whole, place) for place in live.apart(APART, MOST)), key=_cost)
+    return sorted((settled_place(whole, place) for place in live.apart(APART, MOST)), key=cost_of)
 
 
 def _rested(profile: SlipProfile, places: Places) -> Places:
@@ -281,18 +281,7 @@ def _coarse(profile: SlipProfile, span: float) -> Places:
     return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
 
 
-def _fine(profile: SlipProfile, span: float) -> Places:
-    """The best of a fine grid of bands and first positions: a limit cycle tells these where it hardly tells the jump.
-
-    Where a valve turns at every slip, the jump only sets how far it moves; the scan of all jumps from the same first
-    slip comes when a place is settled.
-    """
-    bands, rests = np.meshgrid(np.geomspace(FINE_SMALLEST, LARGEST, FINE_BANDS) * span, FINE_RESTS, indexing="ij")
-    begun = np.repeat(rests.reshape(-1, 1), min(len(profile.segments), MOST_SEGMENTS), axis=1)
-    return profile.places(HE, bands.ravel(), FINE_SHARE * bands.ravel(), begun).apart(FUNNEL, FINE)
-
-
-def _settled(profile: SlipProfile, place: Place) -> Place:
+def settled_place(profile: SlipProfile, place: Place) -> Place:
     """A place on all rows, with the first position of every segment."""
     best, draws = profile.place(place.model, place.band, place.jump, place.rests), even_draws(DRAWS)
     for _ in range(SCANS):
@@ -313,7 +302,7 @@ def _settled(profile: SlipProfile, place: Place) -> Place:
 
 def _better(place: Place, others: Places) -> Place:
     """The best of all."""
-    return min(place, others.best, key=_cost) if others.costs.size else place
+    return min(place, others.best, key=cost_of) if others.costs.size else place
 
 
 def _minus_log_likelihood(regression: LaggedRegression, squares: FloatArray | float) -> FloatArray:
@@ -321,7 +310,8 @@ def _minus_log_likelihood(regression: LaggedRegression, squares: FloatArray | fl
     return 0.5 * regression.samples * np.log(np.maximum(squares, 1e-300))
 
 
-def _cost(place: Place) -> float:
+def cost_of(place: Place) -> float:
+    """Minus log-likelihood of a place."""
     return place.cost
 
 
@@ -330,19 +320,17 @@ def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
     return seek_slips(*_profiles(data, lags))
 
 
-def fine_slips_of(data: ScaledData, lags: Lags) -> list[Place]:
-    """The same by a fine grid of bands, where the search may have missed the valve."""
-    _, whole, span = _profiles(data, lags)
-    return sorted((_settled(whole, place) for place in _fine(whole, span)), key=_cost)
-
-
 def _profiles(data: ScaledData, lags: Lags) -> tuple[SlipProfile, SlipProfile, float]:
     """On rows that leave out the beginning, and on all; and the range of OP without its tails."""
     late = data.segments.copy()
     lengths = late[:, 1] - late[:, 0]
     late[:, 0] += np.minimum(SKIPPED, (SKIPPED_SHARE * lengths).astype(np.int64))
-    low, high = (float(value) for value in np.quantile(data.u, [TAIL, 1.0 - TAIL]))
-    span = high - low if high > low else float(np.ptp(data.u))
     whole = SlipProfile(LaggedRegression.on(data, lags, MOST_ROWS), data.u, data.segments)
     later = SlipProfile(LaggedRegression.on(replace(data, segments=late), lags, MOST_ROWS), data.u, data.segments)
-    return later, whole, span
+    return later, whole, range_of(data)
+
+
+def range_of(data: ScaledData) -> float:
+    """Range of OP without its tails."""
+    low, high = (float(value) for value in np.quantile(data.u, [TAIL, 1.0 - TAIL]))
+    return high - low if high > low else float(np.ptp(data.u))

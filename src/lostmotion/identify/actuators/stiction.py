@@ -13,22 +13,22 @@ from lostmotion.identify.actuators.kind import GLANCES, Kind, Words, register
 from lostmotion.identify.actuators.memory_family import LARGEST, rests_of
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
 from lostmotion.identify.actuators.polish import polished
-from lostmotion.identify.actuators.slip_profile import fine_slips_of, slips_of
+from lostmotion.identify.actuators.slip_growth import likelier_slip_of
+from lostmotion.identify.actuators.slip_profile import slips_of
 from lostmotion.identify.actuators.slip_search import slip_intervals, slipped, turns_seen
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.actuators.stiction_family import STICTION_MODELS, StictionFamily, own
 from lostmotion.identify.likelihood.asked import Asked
-from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.likelihood.search import best_fit
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.kernels.stiction import HE
 from lostmotion.models import Nonlinearity, Stiction
 
 JUMPS = (0.25, 0.5, 0.8)  # shares of the band with which stiction is begun at backlash
-MANY_LOADS = 3  # beside a backlash: a valve that sticks may have been missed
 SMALLEST_GLANCE, GLANCED_JUMPS = 0.05, (0.2, 0.8)  # of a first look: in ranges of OP, and in bands
 NEEDED_JUMP = 5.0  # by which it must beat backlash: the place of its jump was sought as well
 NEEDED_NO_JUMP, SMALLEST_JUMP = 15.0, 0.05  # the same where the jump is less than this share of the band
@@ -121,12 +121,11 @@ class StictionKind(Kind):
             found.append(Fitted(problem, refine(problem, theta, problem.basis), problem.basis))
         return polished(min(found, key=lambda one: one.fit.cost))
 
-    def enriched(self, fitted: Fitted, asked: Asked) -> Fitted:
+    def enriched(self, fitted: Fitted) -> Fitted:
         """Stiction begun at a backlash that was found, with its process, noise and loads, and jumps of several sizes.
 
         The likelihood of a jump is a needle, which the profile, with a process of its own at every point, can pass by;
-        from the process that a backlash has found the search over patterns reaches it. A backlash that needs many
-        loads has not explained the record: then the valve is sought once more, finely and without them.
+        from the process that a backlash has found the search over patterns reaches it.
         """
         problem, family = fitted.problem, fitted.problem.family
         if not isinstance(family, BacklashFamily):
@@ -141,15 +140,18 @@ class StictionKind(Kind):
             for share in JUMPS:
                 theta = np.insert(fitted.fit.theta, problem.eta_at + 1, share * width)
                 found.append(Fitted(richer, refine(richer, theta, richer.basis), richer.basis))
-        best = self.finished(min(found, key=lambda one: one.fit.cost))
-        if family.sought < MANY_LOADS:
-            return best
-        return min(best, self._sought_finely(fitted.problem, asked), key=criterion)
+        return self.finished(min(found, key=lambda one: one.fit.cost))
 
-    def _sought_finely(self, problem: Problem, asked: Asked) -> Fitted:
-        """The fit where a fine grid finds the valve, with a process of its own: the one beside loads may be far off."""
+    def sought_again(self, fitted: Fitted, asked: Asked) -> Fitted | None:
+        """Where the search on growing rows finds a likelier valve, with a process of its own."""
+        problem, family = fitted.problem, fitted.problem.family
         data = ScaledData(problem.u, problem.y, problem.segments)
-        place = fine_slips_of(data, lags_of(data, asked))[0]
+        model, jump = HE, 0.0  # a backlash
+        if isinstance(family, StictionFamily):
+            model, jump = family.code, float(fitted.actuator[1])
+        place = likelier_slip_of(data, lags_of(data, asked), model, (float(fitted.actuator[0]), jump), family.rests)
+        if place is None:
+            return None
         form = next(form for form in self.forms(data) if own(form).code == place.model)
         return self.finished(best_fit(data, form.with_rests(place.rests), [np.array([place.band, place.jump])], asked))
 
