@@ -15,7 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind
-from lostmotion.identify.actuators.every_kind import EveryKind, again_of, is_open
+from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
@@ -212,14 +212,7 @@ class _Identification:
             return found
         inner = kind_of(kind.nests)
         nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
-        fits = {kind.name: found, inner.name: nested}
-        if is_open(kind, fits, linear):
-            richer = kind.enriched(nested)
-            if kind.met(richer) and gain_over_linear(richer, found) > 0:
-                fits[kind.name] = richer
-        again = again_of(kind, fits, linear, self.asked)
-        rivals = [fits[kind.name]] if again is None else [fits[kind.name], again]
-        return max(rivals, key=lambda one: gain_over_linear(one, linear))
+        return further({kind.name: found, inner.name: nested}, kind, linear, self.asked)
 
     def _fitted(
         self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None

@@ -175,6 +175,18 @@ def again_of(kind: Kind, found: Fits, linear: Fitted, asked: Asked) -> Fitted | 
     return again if again is not None and kind.met(again) else None
 
 
+def further(found: Fits, kind: Kind, linear: Fitted, asked: Asked) -> Fitted:
+    """The best of a kind from its own search, from the nested kind, and from a second search, without loads."""
+    if is_open(kind, found, linear):
+        richer = kind.enriched(found[kind.nests])
+        if kind.met(richer):
+            _keep(found, kind.name, richer)
+    again = again_of(kind, found, linear, asked)
+    if again is not None:
+        _keep(found, kind.name, again)
+    return found[kind.name]
+
+
 def is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:
     """Whether the nested kind is seen, and this one not so much more that its last parameter was surely found."""
     if kind.nests not in found:
