@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lostmotion.identify.likelihood.noise_order import autoregressions
+from lostmotion.identify.likelihood.noise_order import _of_all_orders, autoregressions
 from lostmotion.kernels.nested import _nested, _nested_plain
 
 
@@ -34,6 +34,15 @@ def test_one_factor_serves_all_orders(n, seed):
 def test_what_has_no_factor_is_said():
     gram = np.array([[1.0, 2.0], [2.0, 1.0]])
     assert not _nested(gram, np.ones(2), np.zeros((2, 2)), np.zeros(2))
+
+
+def test_products_that_are_singular_have_coefficients():
+    gram = np.array([[1.0, -1.0], [-1.0, 1.0 - 1e-16]]) - 1e-15 * np.eye(2)
+    gains, explained = _of_all_orders(gram, np.array([1.0, -1.0]))
+    np.testing.assert_allclose(gram @ gains[1], [1.0, -1.0], atol=1e-9)
+    assert np.isfinite(explained).all()
+    gains, _ = _of_all_orders(-np.ones((2, 2)), np.array([1.0, 1.0]))
+    np.testing.assert_allclose(gains[1], [-0.5, -0.5])
 
 
 @pytest.mark.parametrize("signal", [np.zeros(300), np.ones(300), np.arange(300.0), np.sin(np.arange(300) / 9.0)])

@@ -55,8 +55,8 @@ def _of_all_orders(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, Flo
     gains, explained = np.zeros(gram.shape), np.zeros(right.size)
     if nested(gram, right, gains, explained):
         return gains, explained
-    for order in range(1, right.size + 1):  # by rounding no factor
-        gains[order - 1, :order] = np.linalg.solve(gram[:order, :order], right[:order])
+    for order in range(1, right.size + 1):  # by rounding no factor, or singular: an exact sine
+        gains[order - 1, :order] = np.linalg.lstsq(gram[:order, :order], right[:order], rcond=None)[0]
     return gains, gains @ right
 
 
