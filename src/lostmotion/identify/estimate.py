@@ -212,7 +212,9 @@ class _Identification:
             return found
         inner = kind_of(kind.nests)
         nested = self._fitted(linear, self.scaled, inner, inner.sought(self.scaled, self.asked), found)
-        return further({kind.name: found, inner.name: nested}, kind, linear, self.asked)
+        fits = {kind.name: found, inner.name: nested}
+        further(fits, kind, linear, self.asked)
+        return fits[kind.name]
 
     def _fitted(
         self, linear: Fitted, scaled: ScaledData, kind: Kind, sought: Sought, near: Fitted | None = None

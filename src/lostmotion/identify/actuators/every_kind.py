@@ -69,13 +69,7 @@ class EveryKind:
                 _keep(found, kind.nests, with_own_loads(kind.simplified(found[kind.name])))
         linear = _best_linear(linear, found)
         for kind in nested:
-            if is_open(kind, found, linear):
-                richer = with_own_loads(kind.enriched(found[kind.nests]))
-                if kind.met(richer) and _keep(found, kind.name, richer):
-                    linear = _best_linear(linear, found)
-            again = again_of(kind, found, linear, self.asked)
-            if again is not None and _keep(found, kind.name, with_own_loads(again)):
-                linear = _best_linear(linear, found)
+            linear = further(found, kind, linear, self.asked, with_own_loads)
         return linear, found
 
     def _beside_swings(self, linear: Fitted) -> Fitted:
@@ -162,29 +156,36 @@ def _keep(found: Fits, kind: str, other: Fitted) -> bool:
     return better
 
 
-def again_of(kind: Kind, found: Fits, linear: Fitted, asked: Asked) -> Fitted | None:
-    """A fit of a second search, where the kind or the one that it nests is seen so clearly that its size is believed.
+def further(
+    found: Fits, kind: Kind, linear: Fitted, asked: Asked, beside: Callable[[Fitted], Fitted] = lambda one: one
+) -> Fitted:
+    """Put better fits of a kind into `found`, from the one that it nests and from a second search of its own.
+
+    `beside` adds what else acts to a fit, as loads. Returns the best linear model.
+    """
+    for way in (_enriched, _sought_again):
+        other = way(found, kind, linear, asked)
+        if other is None:
+            continue
+        other = beside(other)
+        if kind.met(other) and _keep(found, kind.name, other):
+            linear = _best_linear(linear, found)
+    return linear
+
+
+def _enriched(found: Fits, kind: Kind, linear: Fitted, asked: Asked) -> Fitted | None:  # noqa: ARG001
+    """The kind begun at the one that it nests, while that is open."""
+    return kind.enriched(found[kind.nests]) if is_open(kind, found, linear) else None
+
+
+def _sought_again(found: Fits, kind: Kind, linear: Fitted, asked: Asked) -> Fitted | None:
+    """The kind sought a second time, where it or the one that it nests is so clearly ahead that its size is believed.
 
     A size that is one of many peaks of the likelihood must not stand on one search alone.
     """
     fits = [found[name] for name in (kind.name, kind.nests) if name in found]
-    gain, best = max(((gain_over_linear(one, linear), index) for index, one in enumerate(fits)), default=(0.0, 0))
-    if gain < BELIEVED:
-        return None
-    again = kind.sought_again(fits[best], asked)
-    return again if again is not None and kind.met(again) else None
-
-
-def further(found: Fits, kind: Kind, linear: Fitted, asked: Asked) -> Fitted:
-    """The best of a kind from its own search, from the nested kind, and from a second search, without loads."""
-    if is_open(kind, found, linear):
-        richer = kind.enriched(found[kind.nests])
-        if kind.met(richer):
-            _keep(found, kind.name, richer)
-    again = again_of(kind, found, linear, asked)
-    if again is not None:
-        _keep(found, kind.name, again)
-    return found[kind.name]
+    best = max(fits, key=lambda one: gain_over_linear(one, linear), default=linear)
+    return None if gain_over_linear(best, linear) < BELIEVED else kind.sought_again(best, asked)
 
 
 def is_open(kind: Kind, found: Fits, linear: Fitted) -> bool:

@@ -2,7 +2,7 @@
 
 The first slips are in their samples for many valves; every slip after them excludes most of these. So places are many
 while the rows are few, and few once they are all. It misses other valves than the search over all rows
-(:mod:`lostmotion.identify.actuators.slip_profile`), which goes first: a size that is told stands on both.
+(:mod:`lostmotion.identify.actuators.slip_profile`), which goes first.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.stiction import HE
 
 FIRST_ROWS = 1000
-SMALLEST, BANDS = 0.1, 200  # in ranges of OP; 1.2 % apart
+SMALLEST, BANDS = 0.1, 200  # in ranges of OP; 1.1 % apart
 SHARES = (0.25, 0.5, 0.75, 1.0)  # jump over band
 RESTS = np.linspace(-0.9, 0.9, 13)
 ROOM = (60, 24, 10)  # places that stay: of the grid, and each time that the rows have doubled
 FUNNEL, REACH = 0.01, 0.02  # distance of places that stay, and half the width of a box about one; halved each time
 DRAWS = 24  # places in a box
-CLEARLY = 3.0  # of log-likelihood
+CLEARLY = 3.0  # of log-likelihood, before a known place is left
 LAST, APART = 8, 0.003  # places that are settled on all rows
 
 
