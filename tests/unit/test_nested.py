@@ -34,6 +34,8 @@ def test_one_factor_serves_all_orders(n, seed):
 def test_what_has_no_factor_is_said():
     gram = np.array([[1.0, 2.0], [2.0, 1.0]])
     assert not _nested(gram, np.ones(2), np.zeros((2, 2)), np.zeros(2))
+    for way in (_nested, _nested_plain):
+        assert not way(-np.ones((2, 2)), np.ones(2), np.zeros((2, 2)), np.zeros(2))
 
 
 def test_products_that_are_singular_have_coefficients():

@@ -44,7 +44,10 @@ def _nested(gram: FloatArray, right: FloatArray, gains: FloatArray, explained: F
 def _nested_plain(gram: FloatArray, right: FloatArray, gains: FloatArray, explained: FloatArray) -> bool:
     """The same by a solution of each: as plain Python the loops would take ten times as long."""
     for order in range(1, right.size + 1):
-        gains[order - 1, :order] = np.linalg.solve(gram[:order, :order], right[:order])
+        try:
+            gains[order - 1, :order] = np.linalg.solve(gram[:order, :order], right[:order])
+        except np.linalg.LinAlgError:  # exactly singular
+            return False
         explained[order - 1] = gains[order - 1, :order] @ right[:order]
     return True
 
