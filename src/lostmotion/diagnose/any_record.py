@@ -61,7 +61,8 @@ def diagnose(
         OP and PV, with SP where known; a path or a frame is read by :func:`lostmotion.read_loop`. Each is prepared
         first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
-        Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
+        Whether the process integrates (a level); `identify` looks at no other. None: as identified, but for a flow,
+        which does not.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
         What PV measures: the classes of performance depend on it. None: as the tag of the record says.
     tolerance : float

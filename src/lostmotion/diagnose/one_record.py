@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lostmotion.arrays import FloatArray
@@ -22,9 +24,9 @@ from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, Prepared, RecordReport, check, prepare
+from lostmotion.records.loop_type import usually_integrates
 from lostmotion.records.modes import rows_of
 
-INTEGRATES = {"flow": False, "pressure": False, "temperature": False, "level": True}  # unless said otherwise
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
 BETWEEN = (
     "The controller acts more often than it is recorded: OP moves by about {:.2g} between the rows, which makes the "
@@ -50,7 +52,8 @@ def diagnose(
     record : LoopRecord
         OP and PV, with SP where known. It is prepared first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
-        Whether the process integrates (a level); where it does `identify` looks at no other. None: as identified.
+        Whether the process integrates (a level); `identify` looks at no other. None: as identified, but for a flow,
+        which does not.
     loop_type : {"flow", "pressure", "temperature", "level", "analyser", "concentration", "other"}, optional
         What PV measures: the classes of performance depend on it. None: as the tag of the record says.
     tolerance : float
@@ -82,12 +85,11 @@ def diagnose(
         loop_type = record.loop_type
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
-    # "does not" is not handed on: without integrating starts the search met poorer structures of real loops (PAP4)
-    known = True if integrating else None
-    if integrating is None and loop_type is not None and loop_type in INTEGRATES:
-        integrating = INTEGRATES[loop_type]
+    record = replace(record, loop_type=loop_type or "")  # as said, whatever its tag looks like
     prepared = prepare(record)
-    fit = identify(prepared, nonlinearity="auto", integrating=known)
+    fit = identify(prepared, nonlinearity="auto", integrating=integrating)
+    if integrating is None:
+        integrating = usually_integrates(record.loop_type)
     sp = fit.data.sp
     measured = measure(fit, integrating, sp)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion.arguments import finite, whole
+from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import DataError, ParameterError, Status
+from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import EveryKind, further
@@ -25,16 +25,20 @@ from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.earned import earned
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
+from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import decide, excluded_above, excluded_sizes, weigh
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, Prepared
+from lostmotion.records.loop_type import surely_integrates
+
+FLOW = "The process was taken as self-regulating, as this loop is one of flow; say so where it integrates."
 
 
 @one_thread
@@ -86,8 +90,8 @@ def identify(
     raw : bool
         Take records as they are; missing samples and gaps are then refused. Arrays always are taken so.
     integrating : bool, optional
-        Whether the process integrates (a level), where that is known. None: chosen from the data; with a known gain it
-        does not.
+        Whether the process integrates (a level), where that is known. None: chosen from the data; with a known gain, or
+        where the records are of a flow, it does not.
 
     Returns
     -------
@@ -143,19 +147,23 @@ def _asked_for(
     integrating: bool | None,
 ) -> _Identification:
     """What was handed to ``identify``, checked."""
-    _check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
-    asked = Asked(_orders(orders), _noise(noise), _integrating(integrating, orders, gain), noise == "auto")
+    check_choice("nonlinearity", nonlinearity, (*kind_names(), "auto"))
+    asked = Asked(
+        orders_of(orders), noise_lags_of(noise), integrating_of(integrating, orders, gain), noise == "auto"
+    )  # fmt: skip
     if gain is not None:
         gain = finite("gain", gain)
         if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
-    _check_choice("offset", offset, ("auto", "free", "zero"))
+    check_choice("offset", offset, ("auto", "free", "zero"))
     if y is None and not isinstance(u, LoopRecord | Prepared):
         from lostmotion.files.coerced import as_records  # noqa: PLC0415  readers are heavy, and arrays need none
 
         u = as_records(u)
     data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, asked.needed))
-    _check_length(data, asked)
+    if asked.integrating is None and (known := _known_to_integrate(u)) is not None:
+        asked, data = replace(asked, integrating=known), replace(data, notes=(*data.notes, FLOW))
+    check_length(data.shortest, asked)
     settings: dict[str, Any] = {
         "nonlinearity": nonlinearity,
         "orders": list(asked.orders) if asked.orders else "auto",
@@ -165,6 +173,14 @@ def _asked_for(
         "integrating": integrating,
     }
     return _Identification(data, asked, settings)
+
+
+def _known_to_integrate(u: object) -> bool | None:
+    """What the type of the loop says; records of one loop have one type."""
+    records = u if isinstance(u, Sequence) else [u]
+    loops = [one.record if isinstance(one, Prepared) else one for one in records]
+    types = {one.loop_type for one in loops if isinstance(one, LoopRecord) and one.loop_type}
+    return surely_integrates(types.pop()) if len(types) == 1 else None
 
 
 @dataclass(frozen=True)
@@ -302,48 +318,3 @@ def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> f
     y = np.concatenate([data.y[start + first : stop] for start, stop in data.segments])
     miss = y - np.concatenate(simulated)
     return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
-
-
-def _check_choice(name: str, value: object, allowed: tuple[str | bool | None, ...]) -> None:
-    if value not in allowed:
-        raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "see the docstring")
-
-
-def _orders(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
-    if isinstance(orders, str):
-        _check_choice("orders", orders, ("auto",))
-        return None
-    remedy = "whole numbers >= 0, e.g. (3, 2, 3)"
-    try:
-        na, nb, delay = (whole("orders", value, 0) for value in orders)
-    except (TypeError, ValueError) as error:
-        raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
-    return na, nb, delay
-
-
-def _integrating(integrating: bool | None, orders: str | tuple[int, int, int], gain: float | None) -> bool | None:
-    _check_choice("integrating", integrating, (None, True, False))
-    if integrating and gain is not None:
-        raise ParameterError.expected("no gain of an integrating process", gain, "leave gain out, or integrating")
-    if integrating and orders[0] == 0:
-        raise ParameterError.expected("an order na >= 1 of an integrating process", orders, "give the order of its A")
-    return integrating if gain is None else False
-
-
-def _noise(noise: str | int) -> int | None:
-    if isinstance(noise, str):
-        _check_choice("noise", noise, ("auto", "ar", "white"))
-        return 0 if noise == "white" else None
-    if isinstance(noise, bool):
-        raise ParameterError.expected('noise as "auto", "ar", "white" or an order', noise, "e.g. noise=4")
-    return whole('noise (or "auto", "white")', noise, 0)
-
-
-def _check_length(data: IdentificationData, asked: Asked) -> None:
-    na, nb, delay = asked.orders or DEFAULT_ORDERS
-    if data.shortest < asked.needed:
-        raise DataError.expected(
-            f"at least {asked.needed} samples in every segment for orders {(na, nb, delay)}",
-            f"{data.shortest}",
-            "use lower orders or longer records",
-        )

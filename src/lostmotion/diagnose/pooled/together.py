@@ -24,6 +24,7 @@ from lostmotion.diagnose.pooled.trend_of_size import size_trend
 from lostmotion.diagnose.pooled.verdict_of_many import PooledVerdict, weigh
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
+from lostmotion.records.loop_type import surely_integrates
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
 RATIO = 1.3  # of the sizes at which every record is profiled
@@ -50,6 +51,11 @@ class Asked:
         if self.loop_type is not None or not types:
             return self
         return replace(self, loop_type=types.most_common(1)[0][0])
+
+    @property
+    def integrates(self) -> bool | None:
+        """Whether the process integrates, where that is known."""
+        return surely_integrates(self.loop_type or "") if self.integrating is None else self.integrating
 
     def diagnosis(self, record: LoopRecord) -> Diagnosis:
         """Of one record by itself."""
@@ -126,7 +132,7 @@ def _hear(
         if say is not None:
             say(f"{number + 1} of {len(records)}: {shares[number].name}")
         try:
-            profile = profile_record(prepared, sizes, True if asked.integrating else None)
+            profile = profile_record(prepared, sizes, asked.integrates)
             alone = asked.diagnosis(prepared.record) if singly else None
         except DataError as error:  # OP or PV does not move
             shares[number] = replace(shares[number], note=str(error))
