@@ -160,7 +160,8 @@ def test_one_step_ahead_leaves_the_residuals_of_the_fit(noise):
     fit = lm.identify(u, y, 0.1, nonlinearity="dead zone", orders=(3, 2, 3), noise=noise)
     record = lm.LoopRecord(u, y, dt=0.1)
     skipped = 800 - fit.residuals.size
-    np.testing.assert_allclose((y - fit.predict(record))[skipped:], fit.residuals, atol=1e-3)
+    begun = 30 if noise else 0  # the likelihood takes the first rows as given, a prediction does not
+    np.testing.assert_allclose((y - fit.predict(record))[skipped:][begun:], fit.residuals[begun:], atol=1e-3)
     seen = np.isfinite(fit.simulated)
     np.testing.assert_allclose(fit.simulate(record)[seen], fit.simulated[seen], atol=3e-3)
 

@@ -1,8 +1,6 @@
 """Weights of evidence for a fault of the actuator: simulated loops say them, labelled real loops what they are worth.
 
-Made by ``benchmarks/diagnosis.py --calibrate --cases 400`` (how: benchmarks/verdicts/calibrate.py) with the code of
-2026-11-24. Made with that of 2026-11-25 they are -1.64, -1.71; 0.92, 2.43, 0.40, 2.42, 1.82, 34.36: of 530 records eight
-would come to the other side of a threshold, among them a sound level of the refinery, called a dead zone. Two faults are
+Made by ``benchmarks/diagnosis.py --calibrate --cases 400`` (how: benchmarks/verdicts/calibrate.py). Two faults are
 weighed against none: a valve that sticks, and a dead zone or saturation; log-odds = constant + sum of weight times
 feature, over the features of each.
 """

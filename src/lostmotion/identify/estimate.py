@@ -30,6 +30,7 @@ from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
+from lostmotion.identify.likelihood.simulated import simulated_output
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import decide, excluded_above, excluded_sizes, weigh
@@ -264,7 +265,7 @@ class _Identification:
         named = name_parameters(fitted, scaling, self.settings["gain"] if kind.has_slopes else None)
         profiled = kind.intervals(fitted, scaling)
         covariance = with_profiled(named, profiled)
-        simulated, errors = fitted.problem.predict(fitted.fit.theta)
+        simulated, errors = simulated_output(fitted), fitted.problem.predict(fitted.fit.theta)[1]
         evidence = weigh(scaled, fitted, linear, named.values, data, self.asked)
         tests = residual_tests(fitted, errors)
         rows, percent = _on_rows(simulated, scaled, s.first), _fit_percent(scaled, simulated, s.first)

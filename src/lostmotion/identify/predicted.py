@@ -15,6 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.kernels.likelihood import add_lagged, all_pole
 from lostmotion.models import Hammerstein, NoiseModel
+from lostmotion.models.noise import white_share
 from lostmotion.records.compression import scan_factor
 from lostmotion.records.pieces import bridge, clip_to_span
 from lostmotion.records.prepare import prepare
@@ -193,14 +194,19 @@ class Predictor:
         return found
 
     def _whitened(self, v: FloatArray) -> FloatArray:
-        """D(q) v, from its order on."""
+        """D(q) v; of the first rows, before which the noise is taken as zero, only what they tell."""
         errors = v.copy()
         add_lagged(self._d, v[:-1], errors[1:])
-        return errors[self._d.size :]
+        errors[: self._d.size] *= self._early
+        return errors
 
     @cached_property
     def _d(self) -> FloatArray:
         return np.array(self.noise.d)
+
+    @cached_property
+    def _early(self) -> float:
+        return float(np.sqrt(white_share(self._d)))
 
     @staticmethod
     def _placed(values: FloatArray, rows: slice, n: int) -> FloatArray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arguments import coefficients, finite
+from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 
 LEFT, MOST_LAGS = 0.01, 60  # of a zero as an autoregression
@@ -77,3 +78,16 @@ class NoiseModel:
         for lag in range(1, lags + 1):
             whole[lag] += self.zero * whole[lag - 1]
         return NoiseModel(tuple(whole[1:]), self.variance)
+
+
+def white_share(d: FloatArray) -> float:
+    """Variance of the errors e of stationary noise D(q) v = e over that of v (Durbin-Levinson); 0 where it grows."""
+    left, share = d, 1.0
+    while left.size:
+        reflection = float(left[-1])
+        kept = 1.0 - reflection**2
+        if not kept > 0.0:
+            return 0.0
+        share *= kept
+        left = (left[:-1] - reflection * left[-2::-1]) / kept
+    return share

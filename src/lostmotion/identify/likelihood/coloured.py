@@ -20,7 +20,6 @@ from lostmotion.identify.likelihood.noise_order import (
     choose_noise,
     likeliest_zero,
     share_of_errors,
-    white_share,
 )
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, settled, with_states
@@ -75,7 +74,7 @@ def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitte
     if (zero, d.size) == (s.zero, s.noise_order):
         return None
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating, zero)
-    early = share_of_errors(left, zero, d) if zero else white_share(d)
+    early = share_of_errors(left, zero, d) if zero else 0.0
     coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, early)
     basis = None if fitted.basis is None else _basis(fitted, coloured)
     start = settled(coloured, coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset), basis)
@@ -102,7 +101,7 @@ def as_autoregression(fitted: Fitted) -> Fitted:
     d = np.array(NoiseModel(tuple(parts.d), 1.0, s.zero).autoregression(min(MOST_LAGS, room)).d)
     lags = d.size
     structure = Structure(s.na, s.nb, s.delay, lags, s.delay + lags, s.integrating)
-    plain = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, white_share(d))
+    plain = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held)
     theta = plain.pack(parts.a, parts.b, parts.eta, d, parts.offset)
     shared = np.eye(problem.noise_at) if fitted.basis is None else _shared(fitted)
     initial = plain.size - plain.initial_at

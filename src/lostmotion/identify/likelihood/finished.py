@@ -11,7 +11,7 @@ from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.coloured import with_coloured_noise
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import choose_noise, white_share
+from lostmotion.identify.likelihood.noise_order import choose_noise
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData
@@ -33,7 +33,7 @@ def refined(data: ScaledData, best: Fitted, d: FloatArray) -> Fitted:
     """Converged fit with noise start d, on all rows that its structure allows."""
     s, parts = best.problem.structure, best.parts
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating)
-    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure, best.problem.held, white_share(d))
+    problem = Problem(data.u, data.y, data.segments, best.problem.family, structure, best.problem.held)
     start = problem.pack(parts.a, parts.b, parts.eta, d, parts.offset)
     return Fitted(problem, refine(problem, start), problem.basis)
 

@@ -81,19 +81,6 @@ def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
     return left / total if total > 0.0 else 0.0
 
 
-def white_share(d: FloatArray) -> float:
-    """Variance of the errors e of stationary noise D(q) v = e over that of v (Durbin-Levinson); 0 where it grows."""
-    left, share = d, 1.0
-    while left.size:
-        reflection = float(left[-1])
-        kept = 1.0 - reflection**2
-        if not kept > 0.0:
-            return 0.0
-        share *= kept
-        left = (left[:-1] - reflection * left[-2::-1]) / kept
-    return share
-
-
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
     """The c of ZEROS that an information criterion prefers; 0 where none pays."""
     cost = float(np.log(sum(part.size for part in v)))  # beside a pole of D that it nearly cancels it tells nothing

@@ -87,8 +87,7 @@ class Problem:
         What the linear part may be.
     early : float
         Weight of the squared errors of the first rows of a segment, as many as D has coefficients, in which the noise
-        from before is not known and taken as zero. Without them initial conditions that have died out when the others
-        begin are open.
+        from before is not known and taken as zero. Without them noise with a zero leaves initial conditions open.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.finished import finished, without_load
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, white_share, without_mode
+from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
@@ -305,7 +305,7 @@ class _Search:
         integrating = start.decay == 1.0
         structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
         family = self.family.with_load(integrating)
-        problem = Problem(self.data.u, self.data.y, self.segments, family, structure, self.held, white_share(d))
+        problem = Problem(self.data.u, self.data.y, self.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         begun = settled(problem, theta)
         first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
