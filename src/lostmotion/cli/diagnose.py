@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import lostmotion as lm
-from lostmotion.cli.options import Files, RecordOptions, number
+from lostmotion.cli.options import Files, Integrating, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
 from lostmotion.cli.several import each, refuse_tag, tell
@@ -33,11 +33,10 @@ class LoopType(StrEnum):
     OTHER = "other"
 
 
-Integrating = Annotated[
-    bool | None,
-    number("--integrating/--self-regulating", "Whether the process integrates (a level); default: as identified."),
+Type = Annotated[
+    LoopType | None,
+    number("--loop-type", "What PV measures: the class of performance depends on it; a flow does not integrate."),
 ]
-Type = Annotated[LoopType | None, number("--loop-type", "What PV measures: the class of performance depends on it.")]
 Tolerance = Annotated[
     float, number("--tolerance", "Lost motion that does not matter, as a share of the span of OP: 0.01 is 1 %.")
 ]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import lostmotion as lm
-from lostmotion.cli.options import Files, RecordOptions, number
+from lostmotion.cli.options import Files, Integrating, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.cli.sources import sources
@@ -44,6 +44,7 @@ class ModelOptions:
     noise: Noise = "auto"
     gain: Gain = None
     offset: Offset = "auto"
+    integrating: Integrating = None
     raw: Raw = False
     split: Split = False
 
@@ -57,6 +58,7 @@ class ModelOptions:
             noise=read_noise(self.noise),
             gain=self.gain,
             offset=self.offset,
+            integrating=self.integrating,
         )
 
 

@@ -39,6 +39,13 @@ Files = Annotated[
         parser=as_path,
     ),
 ]
+Integrating = Annotated[
+    bool | None,
+    number(
+        "--integrating/--self-regulating",
+        "Whether the process integrates (a level); default: a flow does not, else as identified.",
+    ),
+]
 Op = Annotated[str, typer.Option("--op", help="Column of the controller output (also found as CO, MV, OUT ..).")]
 Pv = Annotated[str, typer.Option("--pv", help="Column of the measurement.")]
 Sp = Annotated[str, typer.Option("--sp", help="Column of the set point; not needed.")]

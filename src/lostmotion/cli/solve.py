@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
-from lostmotion.cli.diagnose import Integrating, Type
+from lostmotion.cli.diagnose import Type
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.gate import Accept
-from lostmotion.cli.options import File, RecordOptions, number
+from lostmotion.cli.options import File, Integrating, RecordOptions, number
 from lostmotion.cli.output import OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions

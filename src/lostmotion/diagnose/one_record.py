@@ -23,7 +23,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.kernels.threads import one_thread
-from lostmotion.records import LoopRecord, Prepared, RecordReport, check, prepare
+from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
 from lostmotion.records.modes import rows_of
 
@@ -86,8 +86,7 @@ def diagnose(
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
     record = replace(record, loop_type=loop_type or "")  # as said, whatever its tag looks like
-    prepared = prepare(record)
-    fit = identify(prepared, nonlinearity="auto", integrating=integrating)
+    fit = identify(prepare(record), nonlinearity="auto", integrating=integrating)
     if integrating is None:
         integrating = usually_integrates(record.loop_type)
     sp = fit.data.sp
@@ -100,7 +99,7 @@ def diagnose(
     report = check(record)
     verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)
     verdict = unless_drawn(bill.weigh(verdict, measured, float(np.std(fit.data.u))), fit)
-    return _package(record, fit, sp, measured, stability, verdict, bill, _notes(prepared, report), loop_type)
+    return _package(record, fit, sp, measured, stability, verdict, bill, _notes(fit, report), loop_type)
 
 
 def _package(
@@ -162,10 +161,10 @@ def _limited(report: RecordReport) -> float:
     return 0.0 if loop is None else loop.saturated_low + loop.saturated_high
 
 
-def _notes(prepared: Prepared, report: RecordReport) -> tuple[str, ...]:
+def _notes(fit: HammersteinFit, report: RecordReport) -> tuple[str, ...]:
     """What was assumed or left out, and what ``check`` warns of."""
     warned = (f"{found.what} {found.why}".strip() for found in report.findings if found.level == "warning")
-    return (*prepared.notes, *warned)
+    return (*fit.data.notes, *warned)
 
 
 def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float, tuple[float, float], tuple[str, ...]]:
