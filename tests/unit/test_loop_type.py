@@ -45,6 +45,8 @@ def test_records_of_two_types_say_nothing(drifting: lm.LoopRecord) -> None:
 @pytest.mark.statistics
 def test_the_type_that_is_asked_for_is_that_of_the_diagnosis(drifting: lm.LoopRecord) -> None:
     tagged = replace(drifting, loop_type="flow")
-    assert not lm.diagnose(tagged).fit.chosen.integrating
+    found = lm.diagnose(tagged)
+    assert not found.fit.chosen.integrating
+    assert FLOW in found.notes
     assert lm.diagnose(tagged, loop_type="pressure").fit.chosen.integrating
     assert not lm.diagnose(drifting, integrating=False).fit.chosen.integrating
