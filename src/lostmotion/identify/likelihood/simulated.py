@@ -19,7 +19,7 @@ def simulated_output(fitted: Fitted) -> list[FloatArray]:
     noise before them taken as zero and the weight of a stationary noise.
     """
     problem, theta = fitted.problem, fitted.fit.theta
-    if problem.early == 0.0 and problem.structure.noise_order:
+    if problem.early == 0.0 and problem.structure.noise_order and problem.size > problem.initial_at:
         problem = replace(problem, early=white_share(fitted.parts.d))
         theta = with_states(problem, theta)
     return problem.predict(theta)[0]
