@@ -186,7 +186,7 @@ class _Way:
         """Whether the fit shows what the diagnosis says."""
         if gain is not None:
             self.tell("identifying")
-            self.fit = identify(self.record, nonlinearity="auto", gain=gain, integrating=True if integrating else None)
+            self.fit = identify(self.record, nonlinearity="auto", gain=gain, integrating=integrating)
         assert self.fit is not None  # noqa: S101  the diagnosis has one
         facts, verdict = self.fit.facts, verdict_of(self.diagnosis) if self.diagnosis is not None else ""
         gate = closed(facts, None if self._accepted_verdict(verdict) else verdict)
