@@ -49,8 +49,8 @@ def test_products_that_are_singular_have_coefficients():
 
 @pytest.mark.parametrize("signal", [np.zeros(300), np.ones(300), np.arange(300.0), np.sin(np.arange(300) / 9.0)])
 def test_autoregressions_of_signals_without_noise_are_numbers(signal):
-    models, variances, _ = autoregressions([signal])
-    assert [one.size for one in models] == list(range(21))
-    assert all(np.isfinite(one).all() for one in models)
-    assert (variances >= 0.0).all()
-    assert (variances[1:] >= 1e-300).all()
+    found = autoregressions([signal])
+    assert [found.model(order).size for order in range(found.most + 1)] == list(range(21))
+    assert np.isfinite(found.gains).all()
+    assert (found.variances >= 0.0).all()
+    assert (found.variances[1:] >= 1e-300).all()

@@ -24,14 +24,12 @@ def weigh(
     scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, asked: Asked
 ) -> Evidence:
     """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
-    models, variances, rows = autoregressions(
+    own = autoregressions(
         [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
         MOST_NOISE_LAGS if asked.noise is None else asked.noise,
     )
-    alone = min(
-        float(np.log(max(value, FLOOR)) + (np.log(rows) + PENALTY * d.size) / rows)
-        for d, value in zip(models, variances, strict=True)
-    )
+    costs = np.log(own.rows) + PENALTY * np.arange(own.most + 1)
+    alone = float(np.min(np.log(np.maximum(own.variances, FLOOR)) + costs / own.rows))
     kind, n = kind_of(fitted.problem.family.kind), min(fitted.problem.errors, linear.problem.errors)
     beyond, crossed = (0, 0), None
     if kind.dead_between:

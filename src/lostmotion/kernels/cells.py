@@ -33,6 +33,15 @@ def _add_pairs(u: FloatArray, cell: Cells, origin: FloatArray, start: int, stop:
 
 
 @njit(cache=True, nogil=True)
+def _add_twice(values: FloatArray, weight: float, sums: FloatArray) -> None:
+    """Add the first of the values, and `weight` times these, to the rows of `sums` (2, m)."""
+    plain, weighted = sums[0], sums[1]
+    for i in range(plain.size):
+        plain[i] += values[i]
+        weighted[i] += weight * values[i]
+
+
+@njit(cache=True, nogil=True)
 def _add_behind(
     y: FloatArray,
     ahead: int,
@@ -45,13 +54,19 @@ def _add_behind(
     table: FloatArray,
 ) -> None:
     """Add y(k - ahead) (1, s)(k - behind - lag) over k in [start, stop) to `table` (lags, cells, 2)."""
-    for k in range(start, stop):
-        value = y[k - ahead]
-        for lag in range(table.shape[0]):
-            then = cell[k - behind - lag]
-            sums = table[lag, then]
-            sums[0] += value
-            sums[1] += value * (u[k - behind - lag] - origin[then])
+    lags = table.shape[0]
+    sums = np.zeros((origin.size, 2, lags))
+    for at in range(start - behind - lags + 1, stop - behind):  # of u: its lags of y are neighbours
+        now, first, last = cell[at], start - behind - at, stop - behind - at
+        value, ends = u[at] - origin[now], y[at + behind - ahead :]
+        if first <= 0 and last >= lags:
+            _add_twice(ends, value, sums[now])
+            continue
+        for lag in range(max(first, 0), min(last, lags)):
+            sums[now, 0, lag] += ends[lag]
+            sums[now, 1, lag] += ends[lag] * value
+    for lag in range(lags):
+        table[lag] += sums[:, :, lag]
 
 
 @njit(cache=True, nogil=True)
@@ -67,13 +82,13 @@ def _add_ahead(
     table: FloatArray,
 ) -> None:
     """Add y(k - ahead - lag) (1, s)(k - behind) over k in [start, stop) to `table` (lags, cells, 2)."""
+    lags = table.shape[0]
+    sums = np.zeros((origin.size, 2, lags))
     for k in range(start, stop):
         now = cell[k - behind]
-        value = u[k - behind] - origin[now]
-        for lag in range(table.shape[0]):
-            sums = table[lag, now]
-            sums[0] += y[k - ahead - lag]
-            sums[1] += y[k - ahead - lag] * value
+        _add_twice(y[k - ahead - lags + 1 :], u[k - behind] - origin[now], sums[now])
+    for lag in range(lags):
+        table[lag] += sums[:, :, lags - 1 - lag]
 
 
 @njit(cache=True, nogil=True)

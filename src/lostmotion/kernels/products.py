@@ -6,7 +6,9 @@ import numpy as np
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
 
+TILE = 4 * WIDTH  # columns of a factor at a time
 DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
 
 
@@ -120,26 +122,53 @@ def add_lagged_table(
     table[-1] += past[0]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, nogil=True)
+def _less_rows_above(floats: FloatArray, width: int, i: int) -> None:
+    """Take from row i of rows `width` long, from column i on, each row above times what it has in that column."""
+    here, at = i * width, i // WIDTH * WIDTH
+    while at + TILE <= width:  # sixteen columns stay in registers
+        s0, s1 = load(floats, here + at), load(floats, here + at + WIDTH)
+        s2, s3 = load(floats, here + at + 2 * WIDTH), load(floats, here + at + 3 * WIDTH)
+        for k in range(i):
+            weight, above = spread(-floats[k * width + i]), k * width + at
+            s0 = plus_product(s0, weight, load(floats, above))
+            s1 = plus_product(s1, weight, load(floats, above + WIDTH))
+            s2 = plus_product(s2, weight, load(floats, above + 2 * WIDTH))
+            s3 = plus_product(s3, weight, load(floats, above + 3 * WIDTH))
+        store(floats, here + at, s0)
+        store(floats, here + at + WIDTH, s1)
+        store(floats, here + at + 2 * WIDTH, s2)
+        store(floats, here + at + 3 * WIDTH, s3)
+        at += TILE
+    while at < width:
+        s0 = load(floats, here + at)
+        for k in range(i):
+            s0 = plus_product(s0, spread(-floats[k * width + i]), load(floats, k * width + at))
+        store(floats, here + at, s0)
+        at += WIDTH
+
+
+@njit(cache=True, nogil=True)
 def _factorise(gram: FloatArray, target: FloatArray) -> float:
     """Put the Cholesky factor L of `gram` (n, n) in its lower half, its diagonal inverted; make `target` L^-1 `target`.
 
     Returns the sum of squares that the regression explains. Columns that rounding has made dependent are left out.
     """
-    total = 0.0
-    for i in range(target.size):
-        row = gram[i]
-        for j in range(i):
-            other, value = gram[j], row[j]
-            for k in range(j):
-                value -= row[k] * other[k]
-            row[j] = value * other[j]
-        value, right, least = row[i], target[i], DEPENDENT * row[i]
-        for k in range(i):
-            value -= row[k] * row[k]
-            right -= row[k] * target[k]
-        row[i] = 1.0 / np.sqrt(value) if value > least else 0.0
-        target[i] = right * row[i]
+    n, total = target.size, 0.0
+    width = (n // WIDTH + 1) * WIDTH
+    upper = np.zeros((n, width))  # L', and the target behind it
+    floats = address(upper.reshape(-1))
+    for i in range(n):
+        for j in range(i, n):
+            upper[i, j] = gram[j, i]
+        upper[i, n], least = target[i], DEPENDENT * gram[i, i]
+        _less_rows_above(floats, width, i)
+        inverse = 1.0 / np.sqrt(upper[i, i]) if upper[i, i] > least else 0.0
+        for j in range(i + 1, n):
+            upper[i, j] *= inverse
+            gram[j, i] = upper[i, j]
+        upper[i, n] *= inverse
+        gram[i, i], target[i] = inverse, upper[i, n]
         total += target[i] * target[i]
     return total
 
@@ -160,9 +189,13 @@ factorise = _factorise_plain if config.DISABLE_JIT else _factorise  # type: igno
 def solve_ahead(root: FloatArray, table: FloatArray) -> None:
     """Make `table` (n, m) L^-1 `table`, L from ``factorise``."""
     for i in range(table.shape[0]):
+        row = table[i]
         for k in range(i):
-            table[i] -= root[i, k] * table[k]
-        table[i] *= root[i, i]
+            weight, other = root[i, k], table[k]
+            for j in range(row.size):
+                row[j] -= weight * other[j]
+        for j in range(row.size):
+            row[j] *= root[i, i]
 
 
 @njit(cache=True, nogil=True)

@@ -86,11 +86,12 @@ def loaded(fitted: Fitted, y: FloatArray, loads: Loads, sizes: FloatArray) -> Fi
 
 def _with_noise_left(problem: Problem, theta: FloatArray) -> FloatArray:
     """The vector with the noise model of what it leaves of PV, of the same order."""
-    models, _, _ = autoregressions(problem.coloured_residual(theta), problem.structure.noise_order)
-    if models[-1].size != problem.structure.noise_order:
+    order = problem.structure.noise_order
+    found = autoregressions(problem.coloured_residual(theta), order)
+    if found.most != order:
         return theta
     moved = theta.copy()
-    moved[problem.noise_at : problem.initial_at] = models[-1]
+    moved[problem.noise_at : problem.initial_at] = found.model(order)
     return moved
 
 

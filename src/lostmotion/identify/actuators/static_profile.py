@@ -28,6 +28,8 @@ NARROW_KNOTS = 60
 SMALLEST_SPACING = 1e-12  # OP may rest nearly always
 MOST_NARROW = 2  # of them, four spacings apart: noise makes the others
 NARROW_ROWS = 8192  # enough to place a narrow zone; the likelihood then takes all rows
+# spacings of the grid that a narrower zone is near, and log-likelihood by which a wider one leaves these behind
+FEW_KNOTS, BEYOND_DOUBT = 2, 100.0
 START_MARGIN = 12.0  # grid minima this much worse in log-likelihood are not worth a start
 
 
@@ -55,7 +57,8 @@ def profile(data: ScaledData, lags: Lags, low: float, high: float) -> list[Candi
     places = [(surface.rss[place], *place) for surface in coarse for place in _minima(surface.rss, samples)]
     best = list(dict.fromkeys((row, column) for _, row, column in sorted(places)))[: MOST_STARTS + 1]
     centres = [(knots[row], knots[column], spacing) for row, column in best]
-    centres += narrow_zones(data, lags, low, high)
+    if not _is_wide(np.minimum(*(surface.rss for surface in coarse)), samples):
+        centres += narrow_zones(data, lags, low, high)
     found: list[Candidate] = []
     for left_centre, right_centre, reach in centres:
         left = _around(left_centre, reach, low, high)
@@ -69,6 +72,13 @@ def profile(data: ScaledData, lags: Lags, low: float, high: float) -> list[Candi
     return _apart([candidate for candidate in found if candidate.rss <= limit], max(0.5 * spacing, SMALLEST_SPACING))[
         :MOST_STARTS
     ]
+
+
+def _is_wide(rss: FloatArray, samples: int) -> bool:
+    """Whether a zone wider than a few knots is beyond doubt: a narrow one is nearly one of those on the grid."""
+    left, right = np.indices(rss.shape)
+    best, narrow = float(rss.min()), float(rss[right - left <= FEW_KNOTS].min())
+    return bool(0.5 * samples * np.log(max(narrow, 1e-300) / max(best, 1e-300)) > BEYOND_DOUBT)
 
 
 def _apart(candidates: list[Candidate], distance: float) -> list[Candidate]:

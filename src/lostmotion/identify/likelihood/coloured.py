@@ -22,7 +22,7 @@ from lostmotion.identify.likelihood.noise_order import (
     share_of_errors,
 )
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine, settled, with_states
+from lostmotion.identify.likelihood.refinement import is_hopeless, refine, settled, with_states
 from lostmotion.models import NoiseModel
 
 MOST_LAGS, SHARE = 100, 8  # of a zero as an autoregression: its order in lags, and in rows of a segment
@@ -67,7 +67,7 @@ def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
 def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitted) -> Fitted | None:
     """Refined with this zero, and the order that the residual `left` asks for; None: it is the noise that it has.
 
-    Given up where it is plain that it does not come near `best`.
+    Also where it is plain that it does not come near `best`.
     """
     d = autoregression_behind(left, zero)
     problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
@@ -77,11 +77,14 @@ def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitte
     early = share_of_errors(left, zero, d) if zero else 0.0
     coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, early)
     basis = None if fitted.basis is None else _basis(fitted, coloured)
-    start = settled(coloured, coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset), basis)
+    packed = coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset)
+    start = settled(coloured, packed, basis)
     tied = coloured.family.needles  # whose place is sought elsewhere
     free = coloured.free_but(coloured.own, basis) if tied else basis
     begun = Fitted(coloured, replace(fitted.fit, theta=start), basis, fitted.rivals)
     bound = cost_of_equal(begun, per_row(best))
+    if is_hopeless(coloured, packed, basis, bound):
+        return None
     return replace(begun, fit=refine(coloured, start, free, tied=tied, bound=bound))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,8 +14,6 @@ from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
 from lostmotion.kernels.zeros import add_products_behind
 
-Autoregressions: TypeAlias = tuple[list[FloatArray], FloatArray, int]  # coefficients and variances by order, and rows
-
 MOST_NOISE_LAGS = 20  # AIC may choose up to this (docs/method.md, "noise order")
 ROUNDING = 1e-18  # variance of scaled residuals that are nothing but rounding: there is no noise to model
 # c of (1 - c q^-1): slow drift behind fast noise has one, which an AR of any order that a record carries cuts off
@@ -24,11 +22,47 @@ ZEROS = (0.0, 0.5, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985)
 PENALTY = 2.0  # Akaike: an order too many costs nothing in open loop, one too few biases a closed one
 
 
+@dataclass(frozen=True)
+class Autoregressions:
+    """AR models of order 0 to n on common rows.
+
+    Attributes
+    ----------
+    gains : ndarray, shape (n, n)
+        Coefficients of order i + 1 on the past in row i, then zeros.
+    variances : ndarray, shape (n + 1,)
+        Of what each leaves over.
+    rows : int
+    """
+
+    gains: FloatArray
+    variances: FloatArray
+    rows: int
+
+    @property
+    def most(self) -> int:
+        """Largest order."""
+        return self.variances.size - 1
+
+    def model(self, order: int) -> FloatArray:
+        """Coefficients d of D(q) v = e, (order,)."""
+        return -self.gains[order - 1, :order] if order else np.zeros(0)
+
+    def best(self, penalty: float = PENALTY) -> tuple[float, FloatArray]:
+        """Information criterion and coefficients of the best of them."""
+        if self.variances[0] < ROUNDING:
+            return -np.inf, self.model(0)
+        score = self.rows * np.log(np.maximum(self.variances, 1e-300)) + penalty * np.arange(self.most + 1)
+        order = int(np.argmin(score))
+        return float(score[order]), self.model(order)
+
+
 def autoregressions(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> Autoregressions:
-    """AR(0) .. AR(most) of the segments v on common rows: coefficients d, residual variances, rows."""
+    """AR(0) .. AR(most) of the segments v; where they are shorter than that takes, AR(0) alone."""
     usable = _usable(v, most)
     if not usable:
-        return [np.zeros(0)], np.array([float(np.mean(np.concatenate(v) ** 2))]), sum(p.size for p in v)
+        plain = np.array([float(np.mean(np.concatenate(v) ** 2))])
+        return Autoregressions(np.zeros((0, 0)), plain, sum(p.size for p in v))
     gram = np.zeros((most + 1, most + 1))
     for part in usable:
         add_products(part, 0, most + 1, part, 0, most + 1, most, part.size, gram)
@@ -45,9 +79,12 @@ def _of_products(gram: FloatArray, rows: int) -> Autoregressions:
     most = len(gram) - 1
     largest = float(gram[0, 0] if gram[0, 0] > 1e-12 * gram.max() else gram.max())  # 0 behind a single step
     ridge = max(1e-12 * largest, float(np.finfo(float).tiny))
-    gains, explained = _of_all_orders(gram[1:, 1:] + ridge * np.eye(most), gram[1:, 0])
-    models = [np.zeros(0), *(-row[:order] for order, row in enumerate(gains, 1))]
-    return models, np.append(gram[0, 0] / rows, np.maximum((gram[0, 0] - explained) / rows, 1e-300)), rows
+    past = gram[1:, 1:].copy()
+    past.flat[:: most + 1] += ridge
+    gains, explained = _of_all_orders(past, gram[1:, 0])
+    variances = np.empty(most + 1)
+    variances[0], variances[1:] = gram[0, 0] / rows, np.maximum((gram[0, 0] - explained) / rows, 1e-300)
+    return Autoregressions(gains, variances, rows)
 
 
 def _of_all_orders(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -62,7 +99,7 @@ def _of_all_orders(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, Flo
 
 def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: float = PENALTY) -> FloatArray:
     """Coefficients d of the AR model that an information criterion prefers; empty for white noise."""
-    return _best(*autoregressions(v, most), penalty)[1]
+    return autoregressions(v, most).best(penalty)[1]
 
 
 def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
@@ -84,9 +121,7 @@ def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
 def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
     """The c of ZEROS that an information criterion prefers; 0 where none pays."""
     cost = float(np.log(sum(part.size for part in v)))  # beside a pole of D that it nearly cancels it tells nothing
-    scores = [
-        _best(*found)[0] + cost * (zero != 0.0) for zero, found in zip(ZEROS, _behind_zeros(v, most), strict=True)
-    ]
+    scores = [found.best()[0] + cost * (zero != 0.0) for zero, found in zip(ZEROS, _behind_zeros(v, most), strict=True)]
     return ZEROS[int(np.argmin(scores))]
 
 
@@ -104,17 +139,6 @@ def _behind_zeros(v: list[FloatArray], most: int) -> list[Autoregressions]:
     return found
 
 
-def _best(
-    models: list[FloatArray], variances: FloatArray, rows: int, penalty: float = PENALTY
-) -> tuple[float, FloatArray]:
-    """Information criterion and coefficients of the best of these autoregressions."""
-    if variances[0] < ROUNDING:
-        return -np.inf, models[0]
-    score = rows * np.log(np.maximum(variances, 1e-300)) + penalty * np.arange(len(models))
-    best = int(np.argmin(score))
-    return float(score[best]), models[best]
-
-
 def _through(v: FloatArray, zero: float) -> FloatArray:
     """One over the zero, 1 / (1 - c q^-1), as if the first value had always been there."""
     if zero == 0.0 or not v.size:
@@ -126,5 +150,8 @@ def _through(v: FloatArray, zero: float) -> FloatArray:
 
 def without_mode(v: FloatArray, decay: float) -> FloatArray:
     """Residual without its mean and the decay of the slowest mode: an unknown initial state is no noise."""
-    columns = np.column_stack([np.ones(v.size), decay ** np.arange(v.size)])
-    return np.asarray(v - columns @ np.linalg.lstsq(columns, v, rcond=1e-10)[0])
+    mode = np.full(v.size, decay)
+    mode[:1] = 1.0
+    np.multiply.accumulate(mode, out=mode)
+    columns = np.stack([np.ones(v.size), mode])
+    return np.asarray(v - np.linalg.pinv(columns @ columns.T, 1e-14, hermitian=True) @ (columns @ v) @ columns)

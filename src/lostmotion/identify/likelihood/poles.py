@@ -116,6 +116,7 @@ def grid_starts(
     integrating: bool | None = None,
     held: Held = FREE,
     only: list[FloatArray] | None = None,
+    limit: float | None = np.inf,
 ) -> list[GridStart]:
     """Best start of every structure of the ladder, over delays low .. high, best first.
 
@@ -135,6 +136,8 @@ def grid_starts(
         What else is known of the process.
     only : list of ndarray, optional
         Polynomials A instead of the patterns of the grid; of these B is exact, of patterns nearly (``exact_starts``).
+    limit : float or None
+        What is worse is left out; None: all but the best of every na.
     """
     low, high = delays
     rows = excerpt(data, MOST_ROWS)
@@ -153,6 +156,7 @@ def grid_starts(
         n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None)
         if n <= 0:
             continue
+        kept: list[GridStart] = []
         for nb in {nb for order, nb in ladder if order == na}:
             for kind in (decays < 1.0, decays == 1.0):
                 chosen = np.flatnonzero(kind)
@@ -162,13 +166,19 @@ def grid_starts(
                 columns = np.flatnonzero(best >= 0)
                 best = best[columns]
                 misfits = n * np.log(np.maximum(rss[best, nb, columns], 1e-300) / n)
-                scores = (misfits + (na + nb + 2) * np.log(n)).tolist()
-                gains = b[best, nb, columns, : nb + 1]
-                found = zip(
-                    (low + columns).tolist(), polynomials[best], gains, scores, decays[best].tolist(), strict=True
-                )
-                starts += [GridStart(na, nb, *each) for each in found]
-    return sorted(starts, key=lambda start: start.score)
+                scores = misfits + (na + nb + 2) * np.log(n)
+                good = scores < limit if limit is not None else scores == scores.min(initial=np.inf)
+                for i in np.flatnonzero(good).tolist():
+                    row, column = best[i], columns[i]
+                    gains = b[row, nb, column, : nb + 1].copy()
+                    place = na, nb, int(low + column), polynomials[row], gains
+                    kept.append(GridStart(*place, float(scores[i]), float(decays[row])))
+        starts += [min(kept, key=_score)] if limit is None and kept else kept
+    return sorted(starts, key=_score)
+
+
+def _score(start: GridStart) -> float:
+    return start.score
 
 
 def _first_look(

@@ -17,6 +17,8 @@ from lostmotion.kernels.products import damped_step
 MOST_STEPS = 100
 FIRST_DAMPING = 1e-4  # relative; the starts are good, so the first step is nearly a Newton step
 LINEAR_DAMPING = 1e-10  # of parameters in which the errors are linear: a ridge
+# times what the first step promises: of 512 refinements (of 2,341) that ended below their bound one was so far off
+PLAINLY = 100.0
 ROUNDING = 1e-28  # relative sum of squares below which the data are reproduced to rounding
 _ADVANCE: Any = kernel.advance
 
@@ -92,6 +94,20 @@ def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None
     _, gradient, hessian = problem.evaluate(theta)
     moved = theta + linear_step(hessian, gradient, columns)
     return moved if problem.admissible(moved) else theta
+
+
+def is_hopeless(problem: Problem, theta: FloatArray, basis: FloatArray | None, bound: float) -> bool:
+    """Whether it is plain that a refinement from ``settled`` does not end below a sum of squares `bound`.
+
+    The linear part of the way is known; what the rest promises is not near what is missing.
+    """
+    cost, gradient, hessian = problem.evaluate(theta)
+    normal, basis = np.vstack([hessian, gradient]), problem.basis if basis is None else basis
+    model = kernel.projected(normal, np.empty((theta.size, 0)) if basis is None else np.ascontiguousarray(basis))
+    linear = kernel.projected(normal, linear_columns(problem, basis)[1])
+    known = damped_step(linear[:-1], linear[-1], LINEAR_DAMPING)[1]
+    promised = damped_step(model[:-1], model[-1], kernel.UNDAMPED)[1] - known
+    return bool(cost - known - bound > PLAINLY * promised > 0.0)
 
 
 def with_states(problem: Problem, theta: FloatArray, also: Sequence[int] = ()) -> FloatArray:

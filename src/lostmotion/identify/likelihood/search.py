@@ -11,7 +11,7 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.coloured import autoregression_like, with_best_zero
-from lostmotion.identify.likelihood.criterion import per_row
+from lostmotion.identify.likelihood.criterion import cost_of_equal, per_row
 from lostmotion.identify.likelihood.excerpt import excerpt
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
@@ -21,7 +21,7 @@ from lostmotion.identify.likelihood.noise_order import autoregressions, choose_n
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
@@ -127,13 +127,17 @@ class _Search:
         """Orders (na, nb) that are tried."""
         return LADDER if self.asked.orders is None else (self.asked.orders[:2],)
 
-    def over(self, attempts: list[_Attempt]) -> Fitted | None:
-        """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up."""
-        fits = [self._rough(*attempt) for attempt in attempts]
-        limit = min((self.score(fitted) for fitted in fits), default=0.0) + BEHIND
+    def over(self, attempts: list[_Attempt], ahead: Fitted | None = None) -> Fitted | None:
+        """Best of the attempts; all are remembered. After a few steps those far behind a plausible fit are given up.
+
+        Those far behind a fit `ahead` at once, where that is plain: not behind one another, of which too much is open.
+        """
+        known = np.inf if ahead is None else self.score(ahead)
+        fits = [self._rough(*attempt, known + BEHIND) for attempt in attempts]
+        limit = min([known, *(self.score(fitted) for fitted in fits)]) + BEHIND
         fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
         for _ in range(PATIENCE):
-            limit, before = min((self.score(fitted) for fitted in fits), default=0.0) + UNDECIDED, fits
+            limit, before = min([known, *(self.score(fitted) for fitted in fits)]) + UNDECIDED, fits
             fits = [_further(fitted) if self._misfit(fitted) < limit else fitted for fitted in fits]
             if all(fitted is one for fitted, one in zip(fits, before, strict=True)):
                 break
@@ -193,7 +197,7 @@ class _Search:
             tried.add((s.na, s.nb, s.delay, s.integrating))
             attempts = self._others(best, tried, everywhere=gained > WORTH_A_GRID)
             tried.update(start.key for _, start, _ in attempts)
-            challenger = self.over(attempts)
+            challenger = self.over(attempts, best)
             gained = 0.0 if challenger is None else self.score(best) - self.score(challenger)
             if challenger is None or gained < 1.0:
                 break
@@ -209,7 +213,7 @@ class _Search:
         x, here = self._internal(final.actuator), (s.delay, s.delay)
         starts = self._grid(x, d, here, simpler(final.parts.a, s.integrating))
         fewer = distinct([start for start in starts if start.na < s.na], s.na - 1)
-        found = self.over([(final.actuator, start, d) for start in fewer])
+        found = self.over([(final.actuator, start, d) for start in fewer], final)
         if found is None or self.score(found) > self.score(final):
             return final
         return min(final, finished(self.data, found, self.asked), key=self.score)
@@ -224,7 +228,8 @@ class _Search:
         if everywhere:
             known = {start.key for start in starts} | tried
             about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
-            grid = [one for one in self._grid(x, d, about) if one.score < here + HOPELESS and one.key not in known]
+            limit = here + HOPELESS
+            grid = [one for one in self._grid(x, d, about, limit=limit) if one.score < limit and one.key not in known]
             starts += exact_starts(self.data, x, d, self.ladder, about, grid[:MOST_STRUCTURES])
         return [(eta, start, d) for start in starts]
 
@@ -271,15 +276,20 @@ class _Search:
         return x
 
     def _grid(
-        self, x: FloatArray, d: FloatArray, delays: tuple[int, int], only: list[FloatArray] | None = None
+        self,
+        x: FloatArray,
+        d: FloatArray,
+        delays: tuple[int, int],
+        only: list[FloatArray] | None = None,
+        limit: float | None = np.inf,
     ) -> list[GridStart]:
-        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.integrating, self.held, only)
+        starts = grid_starts(self.data, x, d, self.ladder, delays, self.asked.integrating, self.held, only, limit)
         na, nb = self.ladder[0]
         return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
 
     def _best_of_grid(self, x: FloatArray, d: FloatArray) -> list[GridStart]:
         """The best starts of different orders over all delays."""
-        starts = distinct(self._grid(x, d, self.delays), MOST_STRUCTURES)
+        starts = distinct(self._grid(x, d, self.delays, limit=None), MOST_STRUCTURES)
         return exact_starts(self.data, x, d, self.ladder, self.delays, starts)
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
@@ -290,8 +300,8 @@ class _Search:
             residuals.append(without_mode(self.data.y[begin:stop] - z, start.decay))
         order = self.asked.noise
         if order is not None:
-            models, _, _ = autoregressions(residuals, order)
-            return np.asarray(models[-1]) if models[-1].size == order else np.zeros(order)
+            found = autoregressions(residuals, order)
+            return found.model(order) if found.most == order else np.zeros(order)
         return choose_noise(residuals, self._noise_lags)
 
     @property
@@ -299,7 +309,7 @@ class _Search:
         """Lags of a noise model that the record carries."""
         return max(min(START_NOISE_LAGS, self.data.shortest // 20), 0)
 
-    def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray) -> Fitted:
+    def _rough(self, eta: FloatArray, start: GridStart, d: FloatArray, limit: float = np.inf) -> Fitted:
         rows = self.delays[1] + (START_NOISE_LAGS if self.asked.noise is None else self.asked.noise)
         rows = max(min(rows, int(np.diff(self.segments).min()) // 5), start.delay + d.size)
         integrating = start.decay == 1.0
@@ -308,8 +318,10 @@ class _Search:
         problem = Problem(self.data.u, self.data.y, self.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         begun = settled(problem, theta)
-        first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles)
-        return Fitted(problem, first, problem.basis)
+        unfitted = Fitted(problem, LocalFit(begun, np.inf, np.zeros((0, 0)), 0, False), problem.basis)
+        bound = cost_of_equal(unfitted, limit / self.rows) if limit < 0.5 * IMPLAUSIBLE else np.inf
+        first = refine(problem, begun, _held(problem), most_steps=FIRST_STEPS, tied=family.needles, bound=bound)
+        return replace(unfitted, fit=first)
 
 
 def _key(fitted: Fitted) -> _Key:
