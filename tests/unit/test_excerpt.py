@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lostmotion.identify.likelihood.excerpt import MOST_ROWS, excerpt
+from lostmotion.identify.likelihood.excerpt import MOST_ROWS, alone, excerpt
 from lostmotion.identify.scaled import ScaledData
 
 
@@ -37,3 +37,13 @@ def test_pieces_lie_inside_their_segments(lengths):
     assert np.all(kept[1:, 0] >= kept[:-1, 1])
     for start, stop in kept:
         assert any(first <= start < stop <= last for first, last in data.segments)
+
+
+def test_rows_alone_are_the_same_rows():
+    data = record([9_000, 40_000], slice(12_300, 13_700))
+    kept = excerpt(data)
+    seen = alone(data, kept)
+    assert seen.u.size == int((kept[:, 1] - kept[:, 0]).sum()) == seen.segments[-1, 1]
+    for (start, stop), (first, last) in zip(kept.tolist(), seen.segments.tolist(), strict=True):
+        np.testing.assert_array_equal(seen.u[first:last], data.u[start:stop])
+    assert alone(data, data.segments) is data

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from lostmotion.identify.likelihood.poles import grid_starts
+from lostmotion.identify.likelihood.structure import LADDER, distinct
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import pole_grid
 
 SEGMENTS = {"one": [[0, 300]], "three": [[0, 120], [130, 140], [150, 300]]}
@@ -86,3 +89,18 @@ def test_a_command_at_rest_moves_nothing():
     pole_grid.scan(np.zeros(100), y, np.array([[0, 100]]), np.zeros(0), *grid_of_one, 1, 1, 1, rss, b)
     assert b[0, 0, 0, 0] == 0.0
     assert 0.0 < rss[0, 0, 0] < np.sum(y**2)
+
+
+def test_starts_left_out_are_worse_than_the_limit_or_than_another_of_their_order():
+    rng = np.random.default_rng(0)
+    x, y = rng.normal(size=400), np.zeros(400)
+    for k in range(3, 400):
+        y[k] = 1.5 * y[k - 1] - 0.6 * y[k - 2] + x[k - 3] + 0.1 * rng.normal()
+    data = ScaledData(x, y, np.array([[0, 400]]))
+    found = grid_starts(data, x, np.zeros(0), LADDER, (1, 5))
+    limit = found[len(found) // 2].score
+    fewer = grid_starts(data, x, np.zeros(0), LADDER, (1, 5), limit=limit)
+    assert [(one.key, one.score) for one in fewer] == [(one.key, one.score) for one in found if one.score < limit]
+    best = grid_starts(data, x, np.zeros(0), LADDER, (1, 5), limit=None)
+    assert [one.key for one in best] == [one.key for one in distinct(found, 3)]
+    assert best[0].delay == 3

@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.backlash import BacklashFamily
 from lostmotion.identify.likelihood.problem import Problem, Structure
-from lostmotion.identify.likelihood.refinement import MOST_STEPS, refine
+from lostmotion.identify.likelihood.refinement import MOST_STEPS, is_hopeless, refine, settled
 from lostmotion.kernels.products import damped_step
 from lostmotion.kernels.refinement import STALL, STALL_GAIN, STEP_GAIN, projected
 
@@ -89,3 +89,12 @@ def test_normal_equations_of_directions() -> None:
     np.testing.assert_allclose(model[-1], basis.T @ gradient, rtol=1e-12, atol=1e-12)
     every = projected(np.vstack([hessian, gradient]), np.empty((6, 0)))
     np.testing.assert_array_equal(every, np.vstack([hessian, gradient]))
+
+
+def test_hopeless_is_what_ends_far_above_its_bound() -> None:
+    problem, theta = begun(Structure(1, 1, 1, 1, 2))
+    end = refine(problem, settled(problem, theta))
+    near = problem.evaluate(end.theta)
+    assert not is_hopeless(problem, theta, None, 1.01 * end.cost)
+    assert is_hopeless(problem, end.theta, None, 0.5 * near[0])
+    assert not is_hopeless(problem, end.theta, None, np.inf)

@@ -6,6 +6,9 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import Status
 from lostmotion.evaluate import random_loop
+from lostmotion.identify.actuators import static_profile
+from lostmotion.identify.likelihood.arx_gram import Lags
+from lostmotion.identify.scaled import ScaledData
 
 STEP = 0.5
 TANK = lm.platforms.level_tank()
@@ -68,3 +71,24 @@ def test_a_break_point_known_to_no_better_than_half_the_width_is_no_number_to_bu
     assert fit.shown_size is None
     with pytest.raises(lm.ParameterError, match="interval of a break point"):
         fit.block()
+
+
+@pytest.mark.parametrize(("width", "looked"), [(6.0, 0), (0.3, 1)])
+def test_narrow_zones_are_sought_where_no_wide_one_is_beyond_doubt(width, looked, monkeypatch):
+    calls = []
+    sought = static_profile.narrow_zones
+
+    def counted(*arguments):
+        calls.append(arguments)
+        return sought(*arguments)
+
+    monkeypatch.setattr(static_profile, "narrow_zones", counted)
+    u = lm.signals.prs(3000, -5, 5, hold=10, seed=1)
+    x = np.sign(u) * np.maximum(np.abs(u) - 0.5 * width, 0.0)
+    y = np.zeros(3000)
+    for k in range(1, 3000):
+        y[k] = 0.9 * y[k - 1] + 0.1 * x[k - 1]
+    y += np.random.default_rng(0).normal(scale=0.02, size=3000)
+    best = static_profile.profile(ScaledData(u, y, np.array([[0, 3000]])), Lags(15, 12, 1), -5.0, 5.0)[0]
+    assert len(calls) == looked
+    assert (best.left, best.right) == (pytest.approx(-0.5 * width, abs=0.1), pytest.approx(0.5 * width, abs=0.1))

@@ -224,8 +224,8 @@ class _Past:
 
     @classmethod
     def of(cls, tables: Tables, ends: _Ends, sums: Sums, drive: FloatArray) -> _Past:
-        block, target, total = past_products(tables.signals, tables.lags)
-        block += RIDGE * np.diag(np.diag(block) + np.finfo(float).tiny)
+        products, cross, total = past_products(tables.signals, tables.lags)
+        block, target = products + RIDGE * np.diag(np.diag(products) + np.finfo(float).tiny), cross.copy()
         with_past, with_output = _past_inputs(ends, sums, drive)
         known = factorise(block, target)
         for table in with_past:

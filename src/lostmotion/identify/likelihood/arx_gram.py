@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import Signals
 from lostmotion.kernels.products import add_lagged_table, add_products
 
@@ -52,6 +53,7 @@ def arx_products(x: FloatArray, signals: Signals, lags: Lags) -> tuple[FloatArra
     return gram, np.concatenate([known, table[-1]]), total, int(own[0, 0])
 
 
+@remembered
 def past_products(signals: Signals, lags: Lags) -> tuple[FloatArray, FloatArray, float]:
     """Gram matrix of 1 and past outputs (first element: rows), their products with y, and sum of squares of y."""
     y, most = signals.y, lags.outputs + 1

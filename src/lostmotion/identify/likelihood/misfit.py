@@ -69,11 +69,11 @@ def whiteness(errors: list[FloatArray], fitted_orders: int) -> float:
     return chi2_tail(statistic, max(lags - fitted_orders, 1))
 
 
-def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
+def shape(fitted: Fitted, knots: list[float], prewhitened: bool = True) -> tuple[float, float]:
     """Score test against other static shapes: p-value, and share of the residual variance explained.
 
-    The alternatives are hinges at quantiles of u and jumps at the break points, each seen through the fitted
-    dynamics (Rao's score test; the model is not fitted again).
+    The alternatives are hinges at `knots` and jumps at the break points, each seen through the fitted dynamics (Rao's
+    score test; the model is not fitted again).
     """
     problem, theta = fitted.problem, fitted.fit.theta
     s = problem.structure
@@ -81,7 +81,7 @@ def shape(fitted: Fitted, prewhitened: bool = True) -> tuple[float, float]:
     if not prewhitened:
         theta = _without_noise(problem, theta)
     eta = theta[problem.eta_at : problem.noise_at]
-    knots, jumps = _knots(problem.u), problem.family.edges(fitted.actuator)
+    jumps = problem.family.edges(fitted.actuator)
     added, first_new = len(knots) + len(jumps), len(problem.family.own) + problem.family.load
     dx, x = np.empty((first_new + added, problem.u.size)), np.empty(problem.u.size)
     problem.family.respond(eta, problem.u, x, dx[:first_new])
@@ -138,6 +138,7 @@ def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
     if fitted.fit.cost <= 1e-20 * float(fitted.problem.y @ fitted.problem.y):
         return ResidualTests(1.0, 1.0, 0.0, 0.0)  # noise-free: nothing is left to test
     s = fitted.problem.structure
-    p_shape, share = shape(fitted)
+    knots = _knots(fitted.problem.u)
+    p_shape, share = shape(fitted, knots)
     white = whiteness(errors, s.noise_order + (s.zero != 0.0))
-    return ResidualTests(white, p_shape, share, shape(fitted, prewhitened=False)[1])
+    return ResidualTests(white, p_shape, share, shape(fitted, knots, prewhitened=False)[1])

@@ -12,7 +12,7 @@ from lostmotion.identify.likelihood.arx import fit_arx, linear_start
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.coloured import autoregression_like, with_best_zero
 from lostmotion.identify.likelihood.criterion import cost_of_equal, per_row
-from lostmotion.identify.likelihood.excerpt import excerpt
+from lostmotion.identify.likelihood.excerpt import alone, excerpt
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.finished import finished, without_load
@@ -22,6 +22,7 @@ from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
+from lostmotion.identify.likelihood.rivals import rivals
 from lostmotion.identify.likelihood.structure import LADDER, distinct, null_space_starts
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
@@ -32,8 +33,6 @@ _Key = tuple[int, int, int, bool]
 START_NOISE_LAGS = 15  # of a start; the order is chosen afterwards (noise_order.py, 0 to 20)
 MOST_ROUNDS = 4  # of looking at other structures; it ends by itself where a round does not help
 IMPLAUSIBLE = 1e12  # added to BIC: behind anything plausible, and still in order among themselves
-RIVAL = 20.0  # BIC of rough fits: less than this apart is told to the reader
-APART = 0.3  # deviations of OP between the break points of two rivals
 FIRST_STEPS, ROUGH_STEPS = 6, 20
 PATIENCE, UNDECIDED = 3, 12.0  # as many steps again for fits that have not converged, so near to the best (BIC)
 MOST_FINISHED = 3  # structures that are refined to the end and only then compared
@@ -89,7 +88,7 @@ def best_fit(
     finals = [finished(data, one, asked) for one in search.close_to(best)]
     final = search.simplest(best, min(finals, key=search.score))
     best = with_best_zero(final, asked)
-    return replace(without_load(best), rivals=search.rivals())
+    return replace(without_load(best), rivals=rivals(search.seen))
 
 
 @dataclass(frozen=True)
@@ -116,6 +115,12 @@ class _Search:
         loop = feedback(data)
         first = 1 if loop.closed else 0
         return cls(data, family, asked, rows, (first, latest), Held(loop.closed, loop.direction))
+
+    @cached_property
+    def looked_at(self) -> ScaledData:
+        """What the rough fits see: their rows alone, where the valve remembers no others."""
+        whole = self.family.resting or self.family.loads is not None
+        return replace(self.data, segments=self.segments) if whole else alone(self.data, self.segments)
 
     @cached_property
     def rows(self) -> int:
@@ -242,20 +247,6 @@ class _Search:
             kept.setdefault(_key(fitted), fitted)
         return list(kept.values())[:MOST_FINISHED]
 
-    def rivals(self) -> tuple[tuple[FloatArray, float], ...]:
-        """Actuators other than the best that came within RIVAL of it, best first, one for each place."""
-        if not self.seen or not self.seen[0][0].size:
-            return ()
-        (first, best), *others = sorted(self.seen, key=lambda item: item[1])
-        kept, found = [first], []
-        for eta, score in others:
-            if score - best > RIVAL:
-                break
-            if all(np.abs(eta[:2] - other[:2]).max() > APART for other in kept):
-                kept.append(eta)
-                found.append((eta, score - best))
-        return tuple(found)
-
     def score(self, fitted: Fitted) -> float:
         """Information criterion; orders that were chosen here, not given, must also be plausible.
 
@@ -315,7 +306,8 @@ class _Search:
         integrating = start.decay == 1.0
         structure = Structure(start.na, start.nb, start.delay, d.size, rows, integrating)
         family = self.family.with_load(integrating)
-        problem = Problem(self.data.u, self.data.y, self.segments, family, structure, self.held)
+        seen = self.looked_at
+        problem = Problem(seen.u, seen.y, seen.segments, family, structure, self.held)
         theta = problem.pack(start.a, start.b, np.append(eta, 0.0) if integrating else eta, d, 0.0)
         begun = settled(problem, theta)
         unfitted = Fitted(problem, LocalFit(begun, np.inf, np.zeros((0, 0)), 0, False), problem.basis)
