@@ -19,6 +19,8 @@ OUTLIER = 6.0  # median deviations beyond which a residual of the first window i
 MEDIAN = 1.4826  # standard deviation of normal noise over its median absolute deviation
 GOOD = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE, Status.FEW_CROSSINGS)
 CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
+# the same of the static gain: a start with 0.28 (16.7 for 6.7) ended at the bound of the slope ratio and stayed there
+CLEAR_GAIN = 0.25
 CLEAR_WINDOW = 2  # times the first window: from then on a dead zone that is known less well may begin
 UNSEEN_WINDOW = 4  # times the first window: that there is no dead zone is believed later than a dead zone
 LARGEST_WINDOW = 8  # times the first window: how long a start may wait for information
@@ -95,11 +97,11 @@ def is_clear(fit: HammersteinFit) -> bool:
 
 
 def is_anchored(fit: HammersteinFit) -> bool:
-    """Whether the static gain is known at all.
+    """Whether the static gain is known.
 
     Where it is not, poles stand next to 1, and what was linearised there counts as certainty for good.
     """
-    return bool(fit.standard_errors["gain"] < abs(fit.parameters["gain"]))
+    return bool(fit.standard_errors["gain"] < CLEAR_GAIN * abs(fit.parameters["gain"]))
 
 
 def _drawn_in(fit: HammersteinFit, y: FloatArray, segments: IntArray) -> FloatArray | None:
