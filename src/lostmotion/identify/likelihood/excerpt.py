@@ -56,7 +56,7 @@ def _deviations(u: FloatArray, pieces: IntArray) -> FloatArray:
     first, second = (np.append(0.0, np.cumsum(values)) for values in (u, u * u))
     lengths = stops - starts
     means = (first[stops] - first[starts]) / lengths
-    return np.sqrt(np.maximum((second[stops] - second[starts]) / lengths - means * means, 0.0))
+    return np.asarray(np.sqrt(np.maximum((second[stops] - second[starts]) / lengths - means * means, 0.0)))
 
 
 def _until_full(order: list[int], pieces: list[tuple[int, int]], most: int) -> list[int]:
