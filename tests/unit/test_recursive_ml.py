@@ -466,3 +466,14 @@ def test_memory_gives_views():
     rml = started()
     rml._recursion.memory.theta[0] = 0.123
     assert rml._recursion.state[rml._recursion.layout[ml.THETA]] == 0.123
+
+
+def test_a_slope_ratio_at_its_bound_is_no_estimate():
+    """The number is that of the bound, whatever the standard error says."""
+    u, y = experiment(1, 800, QUICK)
+    rml = quick()
+    rml.run(u[:600], y[:600])
+    assert rml.estimate.status is Status.OK
+    rml._recursion.state[ml.RATIO_LIMIT] = 0.1  # the true logarithm is -0.4
+    rml.run(u[600:], y[600:])
+    assert rml.estimate.status is Status.NOT_CONVERGED

@@ -8,7 +8,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import COMMANDED, FOLLOWED, SILENT, Features, Measured, _command
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import NOT_SHOWN
+from lostmotion.diagnose.shown import NOT_SHOWN, SEEN_TO_MISLEAD
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
@@ -271,3 +271,14 @@ def test_pv_that_follows_sp_swings_by_command_and_one_that_is_disturbed_does_not
     assert _command(sp, disturbed, 50.0)[1] < FOLLOWED
     assert _command(sp, follows, np.nan) == (0.0, 0.0)
     assert _command(np.zeros(2000), follows, 50.0) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("features", [Features(), SWING], ids=["none", "other oscillation"])
+@pytest.mark.parametrize("status", [lm.Status.COLOURED, lm.Status.MISFIT])
+def test_a_large_gain_that_is_no_evidence_is_not_denied(features, status):
+    def found(gain):
+        return verdict(features, fit_of(ZONE, {"dead zone": gain, "none": 0.0}, status))
+
+    assert found(SEEN_TO_MISLEAD - 1.0).verdict in ("none", "other oscillation")
+    assert (found(SEEN_TO_MISLEAD + 1.0).verdict, found(SEEN_TO_MISLEAD + 1.0).kind) == ("cannot tell", "unknown")
+    assert found(112.0).why.startswith("a dead zone predicts PV far better (+112), too much to deny it")

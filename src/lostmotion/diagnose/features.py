@@ -13,9 +13,9 @@ from lostmotion.diagnose.ellipse import apparent_stiction
 from lostmotion.diagnose.oscillation import BAND, FEWEST_CYCLES, LEAST_SHARE, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
-from lostmotion.diagnose.shown import not_shown
+from lostmotion.diagnose.shown import DOUBTFUL, not_shown
 from lostmotion.diagnose.waveform import waveform_index
-from lostmotion.errors import DataError, Status
+from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
@@ -26,7 +26,6 @@ COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which o
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
 SINE = 0.1  # below 0.5: He's published limit of a sine
-DOUBTFUL = (Status.MISFIT, Status.COLOURED)  # of the model
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.diagnose.features import Features, Measured
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import not_shown
+from lostmotion.diagnose.shown import not_shown, set_aside
 from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
@@ -116,6 +116,8 @@ def decide(
     clears = verdict == NO_FAULT and fit.status is not Status.WIDE  # of that one the largest size is known
     if doubt and (clears or verdict == fit.kind.name):
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters.get("width", carried)
+    elif verdict in (NO_FAULT, "other oscillation") and set_aside(fit):
+        verdict, kind, why, limit = "cannot tell", "unknown", set_aside(fit), fit.parameters.get("width", carried)
     elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"

@@ -24,6 +24,7 @@ KNOWN = 0.25  # of the range of u: a break point with a larger standard error is
 COLOURED = 0.15  # correlation of the errors at a lag; with less the intervals are at most 16 % too narrow (AR(1))
 ROUNDING = 1e-12  # variance of the errors of scaled data below which their colour is that of rounding
 SURE = 5.0  # standard errors of a correlation: it is looked at at eight lags, again and again
+AT_BOUND = 1.0 - 1e-6  # of the logarithm of the slope ratio: the estimate stands at its bound
 TOUCHED = 1e-6  # of the largest share in a direction without information: less is rounding
 
 
@@ -94,6 +95,8 @@ def _status(recursion: Recursion, values: dict[str, float], covariance: FloatArr
         return Status.CANNOT_TELL
     if not all(known):
         return Status.ONE_SIDED
+    if abs(recursion.memory.parts["shown"][recursion.memory.eta + 2]) > AT_BOUND * recursion.state[ml.RATIO_LIMIT]:
+        return Status.NOT_CONVERGED
     # BIC of the one parameter: an estimate is looked at a thousand times, and 1.96 would claim a width by chance
     remembered = min(float(recursion.samples), recursion.settings.remembered)
     if values["width"] ** 2 <= np.log(remembered) * errors["width"] ** 2:
