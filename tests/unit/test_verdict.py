@@ -282,3 +282,34 @@ def test_a_large_gain_that_is_no_evidence_is_not_denied(features, status):
     assert found(SEEN_TO_MISLEAD - 1.0).verdict in ("none", "other oscillation")
     assert (found(SEEN_TO_MISLEAD + 1.0).verdict, found(SEEN_TO_MISLEAD + 1.0).kind) == ("cannot tell", "unknown")
     assert found(112.0).why.startswith("a dead zone predicts PV far better (+112), too much to deny it")
+
+
+def test_a_limit_is_seen_but_not_whose_fault_it_is():
+    found = verdict(Features(waveform=-4.0), limited=2 * LIMITED)
+    assert found.verdict == "saturation"
+    assert found.confidence == SURE > found.probabilities["actuator"]
+
+
+def test_a_swing_from_outside_does_not_deny_a_valve_that_sticks():
+    weak = Features(memory=0.9)
+    for actuator, said in ((BAND, "cannot tell"), (lm.Identity(), "other oscillation")):
+        fit = fit_of(actuator, {actuator.kind: 7.3, "none": 0.0})
+        found = decide(fit, measured(weak, driven=True), OWN, False, 0.0)
+        assert found.probabilities["actuator"] < 1.0 - CLEARED
+        assert found.verdict == said
+
+
+@pytest.mark.parametrize(
+    ("name", "excluded", "cleared"),
+    [
+        ("none", 0.5, True),
+        ("other oscillation", 0.5, True),
+        ("other oscillation", 1.5, False),
+        ("cannot tell", 0.5, False),
+        ("backlash", 0.5, False),
+    ],
+)
+def test_cleared_is_what_leaves_nothing_open_that_matters(name, excluded, cleared):
+    found = replace(example(), verdict=name, excluded={"backlash": excluded, "stiction": 0.1}, tolerance=1.0)
+    assert found.cleared is cleared
+    assert not replace(found, excluded={}).cleared

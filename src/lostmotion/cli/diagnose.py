@@ -15,7 +15,6 @@ from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
 from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.cli.sources import sources
-from lostmotion.store.rows import CLEARED
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -95,7 +94,7 @@ def diagnose(
         _write_report(reports.get(file), found, str(file), output)
 
     found = each(files, work, diagnosis_line, output.json, output.keeper(out), write)
-    raise tell(found, diagnosis_table, output, lambda one: one.verdict in CLEARED, named=True)
+    raise tell(found, diagnosis_table, output, lambda one: one.cleared, named=True)
 
 
 def _together(
@@ -119,7 +118,7 @@ def _together(
     output.write_json(out, data)
     output.write_figure(figure, found)
     _write_report(report, found, str(files[0]), output)
-    return typer.Exit(0 if found.verdict in CLEARED else 1)
+    return typer.Exit(0 if found.cleared else 1)
 
 
 def _write_report(path: Path | None, found: Diagnosis, source: str, output: OutputOptions) -> None:

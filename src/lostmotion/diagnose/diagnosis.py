@@ -102,6 +102,12 @@ class Diagnosis:
     tolerance: float = float("nan")
     why: str = ""
 
+    @property
+    def cleared(self) -> bool:
+        """Whether no lost motion that matters is left open: `excluded` is known and all of it within `tolerance`."""
+        named = self.verdict in ("none", "other oscillation")
+        return named and bool(self.excluded) and max(self.excluded.values()) <= self.tolerance
+
     def summary(self) -> str:
         """Report as text: verdict, evidence, advice."""
         return _verbs.summary(self)

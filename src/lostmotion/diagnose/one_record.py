@@ -181,8 +181,8 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         between = BETWEEN.format(fit.evidence.unseen_moves)
         return fit.parameters[name], fit.interval(name), (between,) if fit.evidence.unseen_moves > 0.0 else ()
     width = measured.indices.get("ellipse_width", np.nan)
-    note = "The size is the apparent one of the PV-OP ellipse: the likelihood does not give it here."
-    return width, (np.nan, np.nan), (note,) if np.isfinite(width) else ()
+    note = f"How large it is the likelihood does not tell; the ellipse of PV over OP is {width:.2g} of OP wide, a hint."
+    return *unknown[:2], (note,) if np.isfinite(width) else ()
 
 
 def _items(verdict: Verdict, commanded: bool) -> tuple[Item, ...]:

@@ -118,6 +118,9 @@ def decide(
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters.get("width", carried)
     elif verdict in (NO_FAULT, "other oscillation") and set_aside(fit):
         verdict, kind, why, limit = "cannot tell", "unknown", set_aside(fit), fit.parameters.get("width", carried)
+    elif verdict == "other oscillation" and measured.driven and fit.kind.sticks:
+        verdict, kind, limit = "cannot tell", "unknown", carried
+        why = f"the swing comes from outside, but beside it a {fit.kind.name} fits best, by too little to be named"
     elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
         why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
@@ -128,10 +131,11 @@ def decide(
         why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
         verdict, kind = "cannot tell", "unknown"
         limit = carried
+    sure = max(chance, 1.0 - chance) * (_among_kinds(fit) if verdict == fit.kind.name else 1.0)
     if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
+        sure = max(chance, SURE)  # that it stands there is seen; whose fault that is, is not
     probabilities = {"none": 1.0 - chance, "actuator": chance}
-    sure = max(chance, 1.0 - chance) * (_among_kinds(fit) if verdict == fit.kind.name else 1.0)
     return Verdict(verdict, kind, sure, probabilities, parts, why, limit)
 
 

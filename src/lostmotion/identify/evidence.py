@@ -22,7 +22,8 @@ class Evidence:
     Attributes
     ----------
     gain_over_linear : float
-        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit.
+        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit. Of a dead zone
+        over the likeliest healthy characteristic, which may bend (``without_gap``).
     gain_over_no_input : float
         BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
     samples_left, samples_right : int

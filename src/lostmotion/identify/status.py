@@ -38,7 +38,7 @@ def weigh(
         crossed = crossings(data.u, np.asarray(scaled.segments), below, above)
     loop = feedback(scaled)
     return Evidence(
-        gain_over_linear=gain_over_linear(fitted, linear),
+        gain_over_linear=gain_over_linear(fitted, kind.healthy(fitted, linear)),
         gain_over_no_input=n * (alone - per_row(linear)),
         samples_left=beyond[0],
         samples_right=beyond[1],

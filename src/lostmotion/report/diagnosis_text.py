@@ -46,7 +46,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     if verdict == NO_FAULT:
         return f"NOTHING WRONG with the actuator: no lost motion over {_cleared(diagnosis)}, confidence {sure}."
     if verdict == "other oscillation":
-        return f"OTHER OSCILLATION: the loop swings, but not because of the actuator, confidence {sure}."
+        said = f"OTHER OSCILLATION: the loop swings, but not because of the actuator, confidence {sure}."
+        return said + _open(diagnosis)
     if verdict == "cannot tell":
         if diagnosis.why:
             return f"CANNOT TELL: {diagnosis.why}."
@@ -54,6 +55,15 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return "CANNOT TELL: the record does not show how OP moves PV."
         return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
     return f"{verdict.upper()}{_size(diagnosis)}, severity {diagnosis.severity}, confidence {sure}."
+
+
+def _open(diagnosis: Diagnosis) -> str:
+    """What stays open of an actuator that does not make the swing."""
+    if diagnosis.cleared or not diagnosis.excluded:
+        return ""
+    largest = max(diagnosis.excluded.values())
+    size = f"up to {_cleared(diagnosis)}" if math.isfinite(largest) else "of any size"
+    return f" Lost motion {size} is not excluded."
 
 
 def _cleared(diagnosis: Diagnosis) -> str:

@@ -39,12 +39,13 @@ class KindChoice:
         Kind with the largest likelihood; "none" unless a fault beats the linear model firmly by 3, and by 12 or in what
         was left out.
     gains : dict of float
-        What was left out: log predictive density of each kind minus that of the linear model, all rows together.
+        What was left out: log predictive density of each kind minus that of the linear model, all rows together. Of a
+        dead zone minus that of a healthy characteristic that bends, where that is likelier than a straight line.
     likelihoods : dict of float
         Gain in log-likelihood of each kind over the linear model, all rows that both predict, less what its parameters
         cost (information criterion).
     firm : dict of float
-        The same, less where it rests on a few rows.
+        The same, less where it rests on a few rows; of a dead zone over the healthy characteristic, as `gains`.
     confidence : float
         Probability that `best` is right rather than the runner-up.
     runner_up : str
@@ -85,14 +86,20 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     linear = candidates[NO_FAULT]
     compared = {kind: likelihood_gain(fitted, linear) for kind, fitted in candidates.items()}
     likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == NO_FAULT or gain > 0.0}
-    firm = {kind: compared[kind][1] for kind in likelihoods}
+    seen = {kind: compared[kind] for kind in likelihoods}
     start = max(candidates[kind].problem.structure.start for kind in likelihoods)
     densities = {kind: _left_out(data, candidates[kind], start) for kind in likelihoods}
     gains = {kind: float((values - densities[NO_FAULT]).sum()) for kind, values in densities.items()}
+    for kind in [kind for kind in likelihoods if seen[kind][1] > NEEDED]:
+        healthy = kind_of(kind).healthy(candidates[kind], linear)
+        if healthy is not linear:
+            seen[kind] = likelihood_gain(candidates[kind], healthy)
+            gains[kind] = float((densities[kind] - _left_out(data, healthy, start)).sum())
+    firm = {kind: gain for kind, (_, gain) in seen.items()}
     scores = {
-        kind: gain
-        for kind, gain in likelihoods.items()
-        if firm[kind] > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
+        kind: likelihoods[kind]
+        for kind, (gain, sure) in seen.items()
+        if sure > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
     }
     scores[NO_FAULT] = NEEDED
     scores = {kind: kind_of(kind).handicapped(scores, candidates) for kind in scores}

@@ -18,6 +18,7 @@ from lostmotion.identify.actuators.slopes import with_equal_slopes
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.actuators.static_profile import profile
 from lostmotion.identify.actuators.width_bound import width_bound
+from lostmotion.identify.actuators.without_gap import without_gap
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
@@ -194,6 +195,10 @@ class DeadZoneKind(Kind):
     def simplest(self, fitted: Fitted) -> Fitted:
         """With equal slopes, where they explain as much."""
         return with_equal_slopes(fitted)
+
+    def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:
+        """A characteristic without the gap, which may bend."""
+        return without_gap(fitted, linear)
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:
         """A dead zone that OP hardly leaves on one of its sides is the limit of a saturation."""

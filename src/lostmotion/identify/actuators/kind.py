@@ -191,6 +191,13 @@ class Kind(ABC):
         """The fit with the fewest parameters that explains as much, for comparison with other kinds."""
         return fitted
 
+    def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:  # noqa: ARG002
+        """The likeliest model of a valve without this fault; the linear one, unless a fit of the kind is more than it.
+
+        For kinds that a healthy characteristic which is no straight line would look like.
+        """
+        return linear
+
     def simplified(self, fitted: Fitted) -> Fitted:
         """The nested kind, begun at a fit of this one."""
         raise NotImplementedError(f"{self.name} nests {self.nests!r} but does not say how to begin it")
