@@ -39,13 +39,13 @@ class KindChoice:
         Kind with the largest likelihood; "none" unless a fault beats the linear model firmly by 3, and by 12 or in what
         was left out.
     gains : dict of float
-        What was left out: log predictive density of each kind minus that of the linear model, all rows together. Of a
-        dead zone minus that of a healthy characteristic that bends, where that is likelier than a straight line.
+        What was left out: log predictive density of each kind minus that of the linear model, all rows together.
     likelihoods : dict of float
         Gain in log-likelihood of each kind over the linear model, all rows that both predict, less what its parameters
         cost (information criterion).
     firm : dict of float
-        The same, less where it rests on a few rows; of a dead zone over the healthy characteristic, as `gains`.
+        The same, less where it rests on a few rows; of a dead zone over a healthy characteristic that bends, where that
+        is likelier than a straight line.
     confidence : float
         Probability that `best` is right rather than the runner-up.
     runner_up : str
@@ -86,26 +86,28 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     linear = candidates[NO_FAULT]
     compared = {kind: likelihood_gain(fitted, linear) for kind, fitted in candidates.items()}
     likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == NO_FAULT or gain > 0.0}
-    seen = {kind: compared[kind] for kind in likelihoods}
     start = max(candidates[kind].problem.structure.start for kind in likelihoods)
     densities = {kind: _left_out(data, candidates[kind], start) for kind in likelihoods}
     gains = {kind: float((values - densities[NO_FAULT]).sum()) for kind, values in densities.items()}
-    for kind in [kind for kind in likelihoods if seen[kind][1] > NEEDED]:
-        healthy = kind_of(kind).healthy(candidates[kind], linear)
-        if healthy is not linear:
-            seen[kind] = likelihood_gain(candidates[kind], healthy)
-            gains[kind] = float((densities[kind] - _left_out(data, healthy, start)).sum())
-    firm = {kind: gain for kind, (_, gain) in seen.items()}
+    firm = {kind: _firm(candidates[kind], linear, compared[kind][1]) for kind in likelihoods}
     scores = {
-        kind: likelihoods[kind]
-        for kind, (gain, sure) in seen.items()
-        if sure > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
+        kind: gain
+        for kind, gain in likelihoods.items()
+        if firm[kind] > NEEDED and (gain > CONFIRMED or gains[kind] > 0.0)
     }
     scores[NO_FAULT] = NEEDED
     scores = {kind: kind_of(kind).handicapped(scores, candidates) for kind in scores}
     best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)
     runner_up = others[0] if others else best
     return KindChoice(best, gains, likelihoods, firm, _confidence(scores[best] - scores[runner_up]), runner_up)
+
+
+def _firm(fitted: Fitted, linear: Fitted, gain: float) -> float:
+    """The firm gain of a fit; of one that is seen over the healthy characteristic that it may be mistaken for."""
+    if gain <= NEEDED:
+        return gain
+    healthy = kind_of(fitted.problem.family.kind).healthy(fitted, linear)
+    return gain if healthy is linear else likelihood_gain(fitted, healthy)[1]
 
 
 def likelihood_gain(fitted: Fitted, linear: Fitted) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
 
 STEEPEST = 5.0  # logarithm of the ratio of the slopes at both ends; a valve with a rangeability of 50 has 3.9
 STRAIGHT = 1e-4  # curvature times OP below which the series is exact
+BROKEN = float(np.log(3.0))  # logarithm of the ratio of two slopes: more is no healthy valve, with or without a gap
 BENDS_AT = (0.25, 0.5, 0.75)  # quantiles of OP at which two slopes may meet, beside the middle of the gap
 
 
@@ -70,7 +71,12 @@ def _two_slopes(fitted: Fitted, score: float) -> Iterator[Fitted]:
     for middle in (0.5 * (left + right), *np.quantile(problem.u, BENDS_AT).tolist()):
         theta = fitted.fit.theta.copy()
         theta[at : at + 2] = middle
-        yield _refined(problem, theta, basis, score)
+        found = _refined(problem, theta, basis, score)
+        theta, steep = found.fit.theta.copy(), float(found.actuator[2])
+        if abs(steep) > BROKEN:
+            theta[at + 2] = np.copysign(BROKEN, steep)
+            found = replace(_refined(problem, theta, basis[:, :-1], score), basis=basis)  # the ratio is paid for
+        yield found
 
 
 def _curved(base: Fitted, score: float) -> Fitted:
