@@ -12,6 +12,7 @@ from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.choice import CONFIRMED
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
@@ -97,11 +98,21 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
         why = ONLY_PV
     elif not fit.evidence.answered:
         why = NO_ANSWER
+    elif set_aside := _for_a_healthy_valve(fit, excluded):
+        why = f"a {set_aside} predicts PV better, but so does a healthy valve that bends or is slow; which, is not told"
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
         excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
     return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
+
+
+def _for_a_healthy_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:
+    """The fault that was set aside for a healthy valve that is not linear, because of which nothing is excluded."""
+    if fit.kinds is None or fit.kinds.best != NO_FAULT or not excluded or np.isfinite(list(excluded.values())).any():
+        return ""
+    gains = {kind: gain for kind, gain in fit.kinds.likelihoods.items() if gain > CONFIRMED >= fit.kinds.firm[kind]}
+    return max(gains, key=lambda kind: gains[kind], default="")
 
 
 def _is_not_described(fit: HammersteinFit) -> bool:

@@ -14,7 +14,7 @@ from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
-from lostmotion.identify.actuators.choice import choose_kind
+from lostmotion.identify.actuators.choice import choose_kind, no_straight_line
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -254,6 +254,7 @@ class _Identification:
             if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
                 bounds[kinds.best] = chosen.widest
         seen = linear_result.status is not Status.CANNOT_TELL and linear_result.evidence.answered
+        seen = seen and not (kinds.best == NO_FAULT and no_straight_line(kinds, simplest, linear))
         sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
         sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))

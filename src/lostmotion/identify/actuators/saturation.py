@@ -9,7 +9,9 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.kind import Kind, Words, register
+from lostmotion.identify.actuators.rate_limited import slow_valve
 from lostmotion.identify.likelihood.family import Family, Grid
+from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels import saturation as kernel
 from lostmotion.models import Saturation
@@ -68,6 +70,10 @@ class SaturationKind(Kind):
     def forms(self, data: ScaledData) -> list[Family]:
         """One, within the range of OP."""
         return [SaturationFamily((float(data.u.min()), float(data.u.max())))]
+
+    def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:
+        """A valve that is slow and meets no stop."""
+        return slow_valve(fitted, linear)
 
     def meets(self, own: FloatArray, u: FloatArray) -> bool:
         """OP goes beyond one of the limits more than once."""

@@ -13,16 +13,15 @@ from typing import ClassVar
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.likelihood.criterion import cost_of_equal, gain_over_linear, per_row
+from lostmotion.identify.actuators.in_place import in_place_of, refined
+from lostmotion.identify.likelihood.criterion import gain_over_linear, per_row
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.problem import Problem
-from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
 
 STEEPEST = 5.0  # logarithm of the ratio of the slopes at both ends; a valve with a rangeability of 50 has 3.9
 STRAIGHT = 1e-4  # curvature times OP below which the series is exact
 BROKEN = float(np.log(3.0))  # logarithm of the ratio of two slopes: more is no healthy valve, with or without a gap
-BENDS_AT = (0.25, 0.5, 0.75)  # quantiles of OP at which two slopes may meet, beside the middle of the gap
+BENDS_AT = (0.25, 0.75)  # quantiles of OP at which two slopes may meet, beside the middle of the gap
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,8 @@ def without_gap(fitted: Fitted, linear: Fitted) -> Fitted:
 
     Where it is plain that one is far behind the dead zone it is not refined to its end.
     """
-    score = per_row(fitted)
-    rivals = [linear, *_two_slopes(fitted, score), _curved(fitted, score), _curved(linear, score)]
+    score, curve = per_row(fitted), CurvedFamily(STEEPEST / float(np.ptp(fitted.problem.u)))
+    rivals = [linear, *_two_slopes(fitted, score), in_place_of(fitted, curve, np.zeros(1), score)]
     return max(rivals, key=lambda one: gain_over_linear(one, linear))
 
 
@@ -71,31 +70,11 @@ def _two_slopes(fitted: Fitted, score: float) -> Iterator[Fitted]:
     for middle in (0.5 * (left + right), *np.quantile(problem.u, BENDS_AT).tolist()):
         theta = fitted.fit.theta.copy()
         theta[at : at + 2] = middle
-        found = _refined(problem, theta, basis, score)
+        found = refined(problem, theta, basis, score, tied=True)
         theta, steep = found.fit.theta.copy(), float(found.actuator[2])
         if abs(steep) > BROKEN:
             theta[at + 2] = np.copysign(BROKEN, steep)
-            found = replace(_refined(problem, theta, basis[:, :-1], score), basis=basis)  # the ratio is paid for
+            found = replace(
+                refined(problem, theta, basis[:, :-1], score, tied=True), basis=basis
+            )  # the ratio is paid for
         yield found
-
-
-def _curved(base: Fitted, score: float) -> Fitted:
-    """A curve in the place of the actuator of a fit."""
-    problem, mine, at = base.problem, list(base.problem.own), base.problem.eta_at
-    beside, u = problem.family, problem.u
-    family = CurvedFamily(STEEPEST / float(np.ptp(u)), load=beside.load, loads=beside.loads)
-    theta = np.insert(np.delete(base.fit.theta, mine), at, 0.0)
-    basis = None
-    if base.basis is not None:
-        others = np.delete(base.basis[:, ~np.any(base.basis[mine] != 0.0, axis=0)], mine, axis=0)
-        basis = np.insert(np.insert(others, at, 0.0, axis=0), 0, 0.0, axis=1)
-        basis[at, 0] = 1.0
-    problem = replace(problem, family=family)
-    return _refined(problem, settled(problem, theta, basis), basis, score)
-
-
-def _refined(problem: Problem, theta: FloatArray, basis: FloatArray | None, score: float) -> Fitted:
-    """Refined, but not where it stays far above a criterion for each row."""
-    begun = Fitted(problem, LocalFit(theta, np.inf, np.zeros((0, 0)), 0, False), basis)
-    tied = basis is not None
-    return replace(begun, fit=refine(problem, theta, basis, tied=tied, bound=cost_of_equal(begun, score)))
