@@ -1,0 +1,51 @@
+"""May the form of a swing name a valve? Not where a load of that form would have left the same record."""
+
+from __future__ import annotations
+
+import math
+
+from lostmotion.diagnose.features import Measured
+from lostmotion.identify.actuators.kind import faults
+
+# of memory = log(1 + gain / 3), below which no valve that sticks foretells PV better by what a fault needs
+BETTER = math.log(2.0)
+# of `lopsided_index` of OP, the mean of a saw tooth and none; a triangle that falls twice as long as it rises has it.
+# Named by form alone: two real valves that stuck 0.16 and 0.21, seven simulated ones 0.02 to 0.21; twelve healthy ones
+# behind saw teeth of load 0.29 to 0.73. With a fixed set point 28 other valves rightly accused were below it as well
+LOPSIDED = 0.25
+NOTHING_SWINGS = (
+    "no valve that sticks foretells PV better by what counts, and nothing swings regularly, so that there is no form"
+    " of a swing to go by"
+)
+AS_A_LOAD = "one half of the swing of OP is not the other upside down, as a saw tooth of load or a pump makes it"
+NO_BETTER = "no valve that sticks foretells PV better"
+ONLY_FED_BACK = "nothing but PV moves OP, so that the record does not tell process and valve from the load"
+
+
+def without_proof(verdict: str, measured: Measured, level: bool, fed_back: bool) -> str:
+    """Why a verdict rests on a form that a load has as well, in words; empty where it does not.
+
+    A valve that sticks alike both ways under a steady load makes a cycle whose second half is the first upside down:
+    integral action moves its mean until it is. A saw tooth of load, or a pump that runs a third of the time, does not,
+    and behind a level the controller follows it in triangles.
+
+    Parameters
+    ----------
+    verdict : str
+        As it would be.
+    measured : Measured
+    level : bool
+        Whether the process answers as a level.
+    fed_back : bool
+        Whether nothing but PV moves OP.
+    """
+    kind = next((one for one in faults() if one.name == verdict), None)
+    if kind is None or kind.size is None:
+        return ""
+    by_form = kind.sticks and measured.features.memory < BETTER
+    if by_form and not measured.swings:
+        return NOTHING_SWINGS
+    lopsided = measured.indices.get("lopsided_op", 0.0) > LOPSIDED
+    if level and lopsided and (by_form or fed_back):
+        return f"{AS_A_LOAD}; {NO_BETTER if by_form else ONLY_FED_BACK}"
+    return ""
