@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from lostmotion.diagnose.features import SILENT, Features, Measured, measure
+import lostmotion as lm
+from lostmotion.diagnose.features import SILENT, Features, Measured, _indices
 from lostmotion.diagnose.form_alone import BETTER, LOPSIDED, NO_BETTER, NOTHING_SWINGS, ONLY_FED_BACK, without_proof
 from lostmotion.diagnose.lopsided import lopsided_index
 from lostmotion.errors import DataError
-from tests.diagnoses import example
+from lostmotion.models import Hammerstein, LinearModel
+from lostmotion.simulate import PI, simulate_loop
 
 TIME = np.arange(2000.0)
 FORM = Features(shape=0.4, waveform=4.0)
@@ -73,6 +75,35 @@ def test_where_nothing_swings_there_is_no_form(level):
     assert without_proof("stiction", measured(FORETOLD, period=np.nan), level, False) == ""
 
 
-def test_a_record_that_swings_is_measured():
-    index = measure(example().fit).indices.get("lopsided_op", 0.0)
-    assert 0.0 <= index < LOPSIDED
+def test_the_index_is_measured_where_op_swings():
+    assert _indices(TIME % 60.0, TIME % 60.0, 60.0)["lopsided_op"] == pytest.approx(0.5, abs=0.02)
+
+
+def level_loop(valve, load):
+    """2000 rows of a level held by a PI controller at a set point that does not move."""
+    rate, pace = 0.03, 6.0
+    tank = LinearModel.from_continuous([rate], [1.0, 0.0], 1.0, 1.0)
+    kp = (2.0 * pace + 1.0) / (rate * (pace + 1.0) ** 2)
+    noise = 0.01 * np.random.default_rng(1).normal(size=TIME.size)
+    loop = simulate_loop(
+        Hammerstein(valve, tank), PI(kp, kp / (2.0 * pace + 1.0), -50.0, 50.0), np.zeros(TIME.size),
+        disturbance=tank.simulate(load), noise=noise, allow_unstable=True,
+    )  # fmt: skip
+    return lm.LoopRecord(50.0 + loop.control, 50.0 + loop.measured, dt=1.0, op_span=(0.0, 100.0))
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("period", [90.0, 130.0])
+def test_a_saw_tooth_of_load_on_a_level_is_no_valve_that_sticks(period):
+    """It was named stiction by the form of the wave, with 0.69."""
+    found = lm.diagnose(level_loop(lm.Identity(), 4.0 * (TIME / period % 1.0 - 0.5)), loop_type="level")
+    assert (found.verdict, found.kind) == ("cannot tell", "unknown")
+    assert "saw tooth" in found.why
+    assert found.probabilities["actuator"] > 0.5
+
+
+@pytest.mark.statistics
+def test_a_valve_that_sticks_behind_a_level_is_named_and_swings_evenly():
+    found = lm.diagnose(level_loop(lm.Stiction(4.0, 2.0), 0.7 + 1e-3 * TIME), loop_type="level")
+    assert found.verdict in ("stiction", "backlash")
+    assert found.measured.indices["lopsided_op"] < LOPSIDED
