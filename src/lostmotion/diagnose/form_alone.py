@@ -10,8 +10,8 @@ from lostmotion.identify.actuators.kind import faults
 # of memory = log(1 + gain / 3), below which no valve that sticks foretells PV better by what a fault needs
 BETTER = math.log(2.0)
 # of `lopsided_index` of OP, the mean of a saw tooth and none; a triangle that falls twice as long as it rises has it.
-# Named by form alone: two real valves that stuck 0.16 and 0.21, seven simulated ones 0.02 to 0.21; twelve healthy ones
-# behind saw teeth of load 0.29 to 0.73. With a fixed set point 28 other valves rightly accused were below it as well
+# Named by form alone: two real valves that stuck 0.16 and 0.21, seven simulated ones 0.02 to 0.21; eleven healthy ones
+# behind saw teeth of load 0.29 to 0.56. With a fixed set point 28 other valves rightly accused were below it as well
 LOPSIDED = 0.25
 NOTHING_SWINGS = (
     "no valve that sticks foretells PV better by what counts, and nothing swings regularly, so that there is no form"
