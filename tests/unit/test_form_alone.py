@@ -5,7 +5,15 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.diagnose.features import SILENT, Features, Measured, _indices
-from lostmotion.diagnose.form_alone import BETTER, LOPSIDED, NO_BETTER, NOTHING_SWINGS, ONLY_FED_BACK, without_proof
+from lostmotion.diagnose.form_alone import (
+    BETTER,
+    FORETOLD,
+    LOPSIDED,
+    NO_BETTER,
+    NOTHING_SWINGS,
+    ONLY_FED_BACK,
+    without_proof,
+)
 from lostmotion.diagnose.lopsided import lopsided_index
 from lostmotion.errors import DataError
 from lostmotion.models import Hammerstein, LinearModel
@@ -13,7 +21,7 @@ from lostmotion.simulate import PI, simulate_loop
 
 TIME = np.arange(2000.0)
 FORM = Features(shape=0.4, waveform=4.0)
-FORETOLD = Features(memory=2.0 * BETTER, shape=0.4)
+BETTER_A_LITTLE = Features(memory=2.0 * BETTER, shape=0.4)
 
 
 def measured(features, lopsided=2.0 * LOPSIDED, period=50.0):
@@ -55,13 +63,19 @@ def test_form_alone_names_no_valve_behind_a_level_where_the_swing_is_lopsided(ve
     assert NO_BETTER in without_proof(verdict, measured(FORM), True, False)
     assert without_proof(verdict, measured(FORM, 0.9 * LOPSIDED), True, True) == ""
     assert without_proof(verdict, measured(FORM), False, True) == ""
-    assert without_proof(verdict, measured(FORETOLD), True, False) == ""
+    assert without_proof(verdict, measured(BETTER_A_LITTLE), True, False) == ""
 
 
 @pytest.mark.parametrize("verdict", ["stiction", "backlash", "dead zone"])
 def test_where_only_pv_moves_op_a_lopsided_swing_names_nothing_behind_a_level(verdict):
-    assert ONLY_FED_BACK in without_proof(verdict, measured(FORETOLD), True, True)
-    assert without_proof(verdict, measured(FORETOLD, 0.9 * LOPSIDED), True, True) == ""
+    assert ONLY_FED_BACK in without_proof(verdict, measured(BETTER_A_LITTLE), True, True)
+    assert without_proof(verdict, measured(BETTER_A_LITTLE, 0.9 * LOPSIDED), True, True) == ""
+
+
+def test_what_a_valve_that_sticks_foretells_clearly_is_named_however_lopsided():
+    clearly = measured(Features(memory=1.1 * FORETOLD, shape=0.4))
+    assert without_proof("stiction", clearly, True, True) == ""
+    assert ONLY_FED_BACK in without_proof("dead zone", clearly, True, True)
 
 
 @pytest.mark.parametrize("verdict", ["none", "other oscillation", "saturation", "cannot tell"])
@@ -72,7 +86,7 @@ def test_other_verdicts_do_not_rest_on_the_form(verdict):
 @pytest.mark.parametrize("level", [False, True])
 def test_where_nothing_swings_there_is_no_form(level):
     assert without_proof("stiction", measured(FORM, period=np.nan), level, False) == NOTHING_SWINGS
-    assert without_proof("stiction", measured(FORETOLD, period=np.nan), level, False) == ""
+    assert without_proof("stiction", measured(BETTER_A_LITTLE, period=np.nan), level, False) == ""
 
 
 def test_the_index_is_measured_where_op_swings():
