@@ -10,6 +10,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.bicoherence import bicoherence_indices
 from lostmotion.diagnose.cross_correlation import cross_correlation_index
 from lostmotion.diagnose.ellipse import apparent_stiction
+from lostmotion.diagnose.lopsided import lopsided_index
 from lostmotion.diagnose.oscillation import BAND, FEWEST_CYCLES, LEAST_SHARE, Oscillation, find_oscillation
 from lostmotion.diagnose.relay import relay_index
 from lostmotion.diagnose.shape import shape_index
@@ -184,7 +185,7 @@ def _indices(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
     def add(measurement: dict[str, float]) -> None:
         found.update({name: value for name, value in measurement.items() if np.isfinite(value)})
 
-    for work in (_shapes, _correlation, _relay, _ellipse, _bicoherence):
+    for work in (_shapes, _lopsided, _correlation, _relay, _ellipse, _bicoherence):
         try:
             add(work(op, pv, period))
         except DataError:  # too few cycles for this one
@@ -201,6 +202,11 @@ def _waveform(op: FloatArray, pv: FloatArray, integrating: bool) -> dict[str, fl
 
 def _shapes(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
     return {"shape_op": shape_index(op, period).index, "shape_pv": shape_index(pv, period).index}
+
+
+def _lopsided(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:
+    del pv
+    return {"lopsided_op": lopsided_index(op, period)}
 
 
 def _correlation(op: FloatArray, pv: FloatArray, period: float) -> dict[str, float]:

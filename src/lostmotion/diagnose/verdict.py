@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.diagnose.features import Features, Measured
+from lostmotion.diagnose.form_alone import without_proof
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.shown import not_shown, set_aside
 from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
@@ -123,10 +124,11 @@ def decide(
         why = f"the swing comes from outside, but beside it a {fit.kind.name} fits best, by too little to be named"
     elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
         verdict, kind = "cannot tell", "unknown"
-        why = "the wave looks as if the valve stuck, but no valve that sticks foretells PV better"
-        if sticking < 0.0:
-            why = f"a {fit.kind.name} fits best, which makes no such wave, and no valve that sticks foretells PV better"
-        limit = carried
+        other_kind = f"a {fit.kind.name} fits best, which makes no such wave, and"
+        seems = "the wave looks as if the valve stuck, but" if sticking >= 0.0 else other_kind
+        why, limit = f"{seems} no valve that sticks foretells PV better", carried
+    elif doubt := without_proof(verdict, measured, _answers_as_a_level(fit, measured), fed_back):
+        verdict, kind, why, limit = "cannot tell", "unknown", doubt, carried
     elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
         why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
         verdict, kind = "cannot tell", "unknown"
