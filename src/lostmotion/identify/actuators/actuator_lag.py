@@ -20,7 +20,8 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.distributions import chi2_quantile
 from lostmotion.identify.likelihood.criterion import FLOOR
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.refinement import refine, settled
 
 LEVEL = 0.95  # of the intervals
 FALL = 0.5 * chi2_quantile(LEVEL, 1)  # of log-likelihood, from the maximum to the ends of an interval
@@ -28,6 +29,7 @@ FALL = 0.5 * chi2_quantile(LEVEL, 1)  # of log-likelihood, from the maximum to t
 # without it is rejected from a gain of 3.84 on, which is log(n) / 2 of 2,000 rows (BIC)
 PRICE = FALL
 SEEN = PRICE + FALL  # gain by which it is rejected
+DEVIATION = 1.4826  # of Gaussian noise over its median
 SLOWEST = 0.95  # pole: with 20 rows of lag it is the process that is slow
 
 Ends = dict[str, tuple[float, float]]
@@ -93,6 +95,20 @@ def lagged(u: FloatArray, segments: IntArray, pole: float) -> FloatArray:
     for start, stop in segments.tolist():
         found[start:stop] = u[start] + lfilter([1.0 - pole], [1.0, -pole], u[start:stop] - u[start])
     return found
+
+
+def behind_pole(fitted: Fitted, pole: float) -> Fitted:
+    """The same kind of model with OP behind a pole, refined."""
+    problem = fitted.problem
+    problem = replace(problem, u=lagged(problem.u, problem.segments, pole))
+    theta = settled(problem, fitted.fit.theta, fitted.basis)
+    return replace(fitted, problem=problem, fit=refine(problem, theta, fitted.basis))
+
+
+def op_noise(problem: Problem) -> float:
+    """Deviation of what a lag of half a row or more takes away from OP, scaled; moves of set points count little."""
+    fast = problem.u - lagged(problem.u, problem.segments, 0.5)
+    return DEVIATION * float(np.median(np.abs(fast - np.median(fast))))
 
 
 def gain_by_lag(without: Fitted, behind: Fitted) -> float:
