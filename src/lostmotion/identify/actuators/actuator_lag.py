@@ -98,11 +98,19 @@ def lagged(u: FloatArray, segments: IntArray, pole: float) -> FloatArray:
 
 
 def behind_pole(fitted: Fitted, pole: float) -> Fitted:
-    """The same kind of model with OP behind a pole, refined."""
-    problem = fitted.problem
-    problem = replace(problem, u=lagged(problem.u, problem.segments, pole))
-    theta = settled(problem, fitted.fit.theta, fitted.basis)
-    return replace(fitted, problem=problem, fit=refine(problem, theta, fitted.basis))
+    """The same kind of model with OP behind a pole, refined with the likelier delay."""
+    found = []
+    for problem in (fitted.problem, earlier(fitted.problem)):
+        behind = replace(problem, u=lagged(problem.u, problem.segments, pole))
+        theta = settled(behind, fitted.fit.theta, fitted.basis)
+        found.append(replace(fitted, problem=behind, fit=refine(behind, theta, fitted.basis)))
+    return min(found, key=lambda one: one.fit.cost)
+
+
+def earlier(problem: Problem) -> Problem:
+    """With a delay that is shorter by a row, where it can be: without a lag a part of it was taken for delay."""
+    s = problem.structure
+    return replace(problem, structure=replace(s, delay=s.delay - 1)) if s.delay > 1 else problem
 
 
 def op_noise(problem: Problem) -> float:

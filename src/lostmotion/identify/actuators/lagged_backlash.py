@@ -9,13 +9,23 @@ import numpy as np
 from scipy.signal import lfilter
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.actuator_lag import NO_LAG, SEEN, SLOWEST, Lag, gain_by_lag, lagged, rise_behind
+from lostmotion.identify.actuators.actuator_lag import (
+    NO_LAG,
+    SEEN,
+    SLOWEST,
+    Lag,
+    earlier,
+    gain_by_lag,
+    lagged,
+    rise_behind,
+)
 from lostmotion.identify.actuators.backlash_family import BacklashFamily
 from lostmotion.identify.actuators.polish import profile_end
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
 
-STARTS = ((0.2, 0.95), (0.5, 0.75), (0.7, 0.55))  # pole, and share of the width that is found without one
+# pole, share of the width that is found without one, and whether the delay is shorter
+STARTS = ((0.2, 0.95, False), (0.5, 0.75, False), (0.4, 0.85, True), (0.7, 0.55, True))
 STEPS = 8  # of everything else at a width
 
 
@@ -55,18 +65,19 @@ def behind_lag(fitted: Fitted) -> Fitted:
     if not isinstance(family, BacklashFamily):
         raise TypeError(f"expected a fit of a backlash, got one of {family.kind}; ask its own kind")
     behind = LaggedBacklash(family.widest, family.segments, rests=family.rests, load=family.load, loads=family.loads)
-    problem = replace(fitted.problem, family=behind)
-    at, basis = problem.eta_at + 1, fitted.basis
+    whole = replace(fitted.problem, family=behind)
+    at, basis = whole.eta_at + 1, fitted.basis
     if basis is not None:
         basis = np.insert(np.insert(basis, at, 0.0, axis=0), basis.shape[1], 0.0, axis=1)
         basis[at, -1] = 1.0
     fits = []
-    for pole, share in STARTS:
+    for pole, share, shorter in STARTS:
+        problem = earlier(whole) if shorter else whole
         theta = np.insert(fitted.fit.theta, at, pole)
         theta[problem.eta_at] *= share
         theta = settled(problem, theta, problem.free_but(problem.own, basis))
-        fits.append(refine(problem, theta, basis))
-    return Fitted(problem, min(fits, key=lambda fit: fit.cost), basis)
+        fits.append(Fitted(problem, refine(problem, theta, basis), basis))
+    return min(fits, key=lambda one: one.fit.cost)
 
 
 def backlash_lag(fitted: Fitted) -> Lag:
