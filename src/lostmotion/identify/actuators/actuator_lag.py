@@ -26,7 +26,7 @@ from lostmotion.identify.likelihood.refinement import refine, settled
 LEVEL = 0.95  # of the intervals
 FALL = 0.5 * chi2_quantile(LEVEL, 1)  # of log-likelihood, from the maximum to the ends of an interval
 PRICE = FALL  # of log-likelihood, for the pole: in half of the loops without a lag the interval is then not wider
-# gain from which on a lag is said: log(n) / 2 of 2,000 rows (BIC), and 20 to 1 as for a fault. One of 37 simulated loops
+# gain from which on a lag is said: log(n) / 2 of 2,000 rows (BIC), and 20 to 1 as for a fault. One of 37 loops
 # without a lag gains 3.9 by one, eleven of 14 with one gain 7 or more
 SEEN = PRICE + FALL + 3.0
 DEVIATION = 1.4826  # of Gaussian noise over its median
