@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lostmotion.identify.actuators.backlash import BacklashFamily
+from lostmotion.identify.actuators.backlash_family import BacklashFamily
 from lostmotion.identify.likelihood.beside import Beside
 from lostmotion.identify.likelihood.courses import Loads, Step, Swing
 from lostmotion.identify.likelihood.problem import Problem, Structure

@@ -5,7 +5,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion import _verbs
-from lostmotion.identify.actuators.backlash import BacklashFamily
+from lostmotion.identify.actuators.backlash_family import BacklashFamily
 from lostmotion.identify.actuators.saturation import SaturationFamily
 from lostmotion.identify.actuators.stiction import StictionFamily
 from lostmotion.identify.likelihood.courses import Loads, Step, Swing

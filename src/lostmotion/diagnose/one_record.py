@@ -32,6 +32,7 @@ BETWEEN = (
     "The controller acts more often than it is recorded: OP moves by about {:.2g} between the rows, which makes the "
     "interval of the size so wide. Record every scan of the controller."
 )
+LAGS = "The actuator lags by about {:.2g} s before it sticks; the size is that behind this lag."
 
 
 @one_thread
@@ -178,8 +179,9 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         hidden = hidden_size(fit)
         if hidden:
             return *unknown[:2], (f"How large it is the record does not tell: {hidden}.",)
-        between = BETWEEN.format(fit.evidence.unseen_moves)
-        return fit.parameters[name], fit.interval(name), (between,) if fit.evidence.unseen_moves > 0.0 else ()
+        about = [BETWEEN.format(fit.evidence.unseen_moves)] if fit.evidence.unseen_moves > 0.0 else []
+        about += [LAGS.format(fit.evidence.actuator_lag)] if fit.evidence.actuator_lag > 0.0 else []
+        return fit.parameters[name], fit.interval(name), tuple(about)
     width = measured.indices.get("ellipse_width", np.nan)
     note = f"How large it is the likelihood does not tell; the ellipse of PV over OP is {width:.2g} of OP wide, a hint."
     return *unknown[:2], (note,) if np.isfinite(width) else ()

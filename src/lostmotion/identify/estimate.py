@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError, Status
+from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind, no_straight_line
 from lostmotion.identify.actuators.every_kind import EveryKind, further
@@ -263,11 +264,13 @@ class _Identification:
         """Result in engineering units with status."""
         data, scaled, family = self.data, self.scaled, fitted.problem.family
         scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
-        named = name_parameters(fitted, scaling, self.settings["gain"] if kind.has_slopes else None)
-        profiled = kind.intervals(fitted, scaling)
+        lag = kind.lag(fitted) if self.compared else NO_LAG  # who is not compared goes on without one
+        named = name_parameters(lag.shown(fitted), scaling, self.settings["gain"] if kind.has_slopes else None)
+        profiled = lag.joined(kind.intervals(fitted, scaling), scaling.u_scale)
         covariance = with_profiled(named, profiled)
         simulated, errors = simulated_output(fitted), fitted.problem.predict(fitted.fit.theta)[1]
         evidence = weigh(scaled, fitted, linear, named.values, data, self.asked)
+        evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
         tests = residual_tests(fitted, errors)
         rows, percent = _on_rows(simulated, scaled, s.first), _fit_percent(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)

@@ -41,6 +41,8 @@ class Evidence:
         saved before they were counted.
     unseen_moves : float
         Deviation of OP between the rows, of a valve with a memory, see ``unseen_moves``; 0: the rows show all.
+    actuator_lag : float
+        Seconds by which the actuator lags before its lost motion, where the record shows it; 0: it shows none.
     answered : bool
         Whether PV answers what is new in OP, see ``pv_answers``; True in an open loop, and of a fit saved before it was
         asked. Where it is not, a valve that stands still would have left the same record.
@@ -57,6 +59,7 @@ class Evidence:
     crossings: int | None = None
     unseen_moves: float = 0.0
     answered: bool = True
+    actuator_lag: float = 0.0
 
     @property
     def only_fed_back(self) -> bool:

@@ -158,6 +158,8 @@ def _evidence(saved: Fields) -> Evidence:
         given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
     if "unseen_moves" in saved:
         given["unseen_moves"] = saved.made("unseen_moves", "a deviation", _deviation)
+    if "actuator_lag" in saved:
+        given["actuator_lag"] = saved.made("actuator_lag", "a time", _deviation)
     if "crossings" in saved:
         given["crossings"] = saved.made("crossings", "how often the dead zone was crossed", _crossings)
     return replace(found, **given)

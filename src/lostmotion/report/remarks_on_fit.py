@@ -29,7 +29,7 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     ----------
     fit : HammersteinFit
     """
-    about = (about_pv_step, about_op_step, about_unseen_moves, about_sampling, about_loads, in_percent)
+    about = (about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads, in_percent)
     return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
 
@@ -59,6 +59,14 @@ def about_unseen_moves(fit: HammersteinFit) -> str:
         return ""
     why = f"The controller acts more often than it is recorded: OP moves by about {moves:.2g} between the rows"
     return f"{why}, which makes the interval of the {fit.kind.size} so wide. Record every scan of the controller."
+
+
+def about_lag(fit: HammersteinFit) -> str:
+    """Lag in front of the lost motion."""
+    lag = fit.evidence.actuator_lag
+    if lag <= 0.0:
+        return ""
+    return f"The actuator lags by about {lag:.2g} s before it sticks; its {fit.kind.size} is that behind this lag."
 
 
 def about_loads(fit: HammersteinFit) -> str:

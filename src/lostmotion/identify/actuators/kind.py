@@ -15,6 +15,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
+from lostmotion.identify.actuators.actuator_lag import NO_LAG, Lag
 from lostmotion.identify.actuators.operator_profile import seek
 from lostmotion.identify.actuators.polish import polished, profile_intervals
 from lostmotion.identify.actuators.sought import Sought
@@ -170,6 +171,10 @@ class Kind(ABC):
         """95 % intervals of parameters in units of OP by their profile, where curvature does not tell."""
         found = profile_intervals(fitted) if self.family.kinks else {}
         return {name: (scaling.u_scale * low, scaling.u_scale * high) for name, (low, high) in found.items()}
+
+    def lag(self, fitted: Fitted) -> Lag:  # noqa: ARG002
+        """What a lag in front of the actuator leaves of its parameters."""
+        return NO_LAG
 
     def met(self, fitted: Fitted) -> bool:
         """Whether the record meets the actuator often enough for a fit of it to mean anything."""

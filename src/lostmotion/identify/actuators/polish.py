@@ -7,6 +7,7 @@ the profile likelihood falls by 1.92 (Wilks), over a mesh of a tenth of it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -79,20 +80,36 @@ def profile_intervals(fitted: Fitted) -> dict[str, tuple[float, float]]:
     """95 % intervals of the actuator parameters (scaled units); an end that is never rejected is infinite."""
     rise = chi2_quantile(LEVEL, 1) * fitted.variance
     return {
-        name: (_end(fitted, index, -1.0, rise), _end(fitted, index, 1.0, rise))
+        name: (profile_end(fitted, index, -1.0, rise, _held), profile_end(fitted, index, 1.0, rise, _held))
         for index, name in enumerate(_own(fitted))
     }
 
 
-def _end(fitted: Fitted, index: int, sign: float, rise: float) -> float:
-    """Where the profile has risen for good, on one side."""
+Held = Callable[[Fitted, LocalFit, int, float], LocalFit | None]
+
+
+def profile_end(fitted: Fitted, index: int, sign: float, rise: float, held: Held) -> float:
+    """Where the profile has risen for good, on one side.
+
+    Parameters
+    ----------
+    fitted : Fitted
+    index : int
+        Of the actuator's parameter.
+    sign : float
+        -1 or 1: which side.
+    rise : float
+        Of the sum of squares.
+    held : callable
+        Best fit with this parameter at a value, begun at a fit near it; None outside the valid set.
+    """
     best, limit = fitted.fit, fitted.fit.cost + rise
     here = float(_eta(fitted, best)[index])
     span = float(np.ptp(fitted.problem.u))
     inside, outside, reach, misses = 0.0, 0.0, FIRST_REACH * span, 0
     last = start = best
     while misses < MISSES:  # with jumps the first rejection need not be the last
-        trial = _held(fitted, last, index, here + sign * reach)
+        trial = held(fitted, last, index, here + sign * reach)
         if trial is None or reach > span:
             if misses == 0:
                 return 0.0 if sign < 0 else float(np.inf)
@@ -106,7 +123,7 @@ def _end(fitted: Fitted, index: int, sign: float, rise: float) -> float:
     last = start
     for _ in range(BISECTIONS):
         middle = 0.5 * (inside + outside)
-        trial = _held(fitted, last, index, here + sign * middle)
+        trial = held(fitted, last, index, here + sign * middle)
         if trial is None or trial.cost > limit:
             outside = middle
         else:

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.backlash import BACKLASH, BacklashFamily
+from lostmotion.identify.actuators.backlash import BACKLASH
+from lostmotion.identify.actuators.backlash_family import BacklashFamily
 from lostmotion.identify.actuators.kind import GLANCES, Kind, Words, register
 from lostmotion.identify.actuators.memory_family import LARGEST, rests_of
 from lostmotion.identify.actuators.operator_profile import MOST_STARTS, lags_of
