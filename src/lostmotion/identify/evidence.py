@@ -22,8 +22,7 @@ class Evidence:
     Attributes
     ----------
     gain_over_linear : float
-        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit. Of a dead zone
-        over the likeliest healthy characteristic, which may bend (``without_gap``).
+        BIC(linear) - BIC(this model): above 0 favours this model, above 10 strongly. 0 for a linear fit.
     gain_over_no_input : float
         BIC(autoregression of PV alone) - BIC(linear): below 0 OP hardly moves PV.
     samples_left, samples_right : int
@@ -41,6 +40,9 @@ class Evidence:
         saved before they were counted.
     unseen_moves : float
         Deviation of OP between the rows, of a valve with a memory, see ``unseen_moves``; 0: the rows show all.
+    gain_over_healthy : float or None
+        The same of a dead zone or a saturation over the likeliest healthy valve, which may bend or be slow
+        (``Kind.healthy``); None: a straight line is the likeliest, or a fit saved before it was asked.
     actuator_lag : float
         Seconds by which the actuator lags before its lost motion, where the record shows it; 0: it shows none.
     answered : bool
@@ -60,6 +62,12 @@ class Evidence:
     unseen_moves: float = 0.0
     answered: bool = True
     actuator_lag: float = 0.0
+    gain_over_healthy: float | None = None
+
+    @property
+    def gain(self) -> float:
+        """Over whatever explains the record without this fault."""
+        return self.gain_over_linear if self.gain_over_healthy is None else self.gain_over_healthy
 
     @property
     def only_fed_back(self) -> bool:

@@ -160,9 +160,15 @@ def _evidence(saved: Fields) -> Evidence:
         given["unseen_moves"] = saved.made("unseen_moves", "a deviation", _deviation)
     if "actuator_lag" in saved:
         given["actuator_lag"] = saved.made("actuator_lag", "a time", _deviation)
+    if "gain_over_healthy" in saved:
+        given["gain_over_healthy"] = saved.made("gain_over_healthy", "a gain", _gain)
     if "crossings" in saved:
         given["crossings"] = saved.made("crossings", "how often the dead zone was crossed", _crossings)
     return replace(found, **given)
+
+
+def _gain(value: object) -> float | None:
+    return None if value is None else as_number(value)
 
 
 def _other_kind(pair: object) -> tuple[str, float]:

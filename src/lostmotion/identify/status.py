@@ -36,9 +36,10 @@ def weigh(
         below, above = (values[name] for name in kind.break_points)
         beyond = int(np.sum(data.u < below)), int(np.sum(data.u > above))
         crossed = crossings(data.u, np.asarray(scaled.segments), below, above)
-    loop = feedback(scaled)
+    loop, healthy = feedback(scaled), kind.healthy(fitted, linear)
     return Evidence(
-        gain_over_linear=gain_over_linear(fitted, kind.healthy(fitted, linear)),
+        gain_over_linear=gain_over_linear(fitted, linear),
+        gain_over_healthy=None if healthy is linear else gain_over_linear(fitted, healthy),
         gain_over_no_input=n * (alone - per_row(linear)),
         samples_left=beyond[0],
         samples_right=beyond[1],
@@ -99,11 +100,11 @@ def decide(
         at = list(values).index(kind.size)
         size, error = values[kind.size], float(np.sqrt(covariance[at, at]))
         reach = 1.96 * error if np.isfinite(error) else 1e-9 * abs(values.get("right", size))  # collapsed
-        if evidence.gain_over_linear <= 0 or size <= reach:
+        if evidence.gain <= 0 or size <= reach:
             return Status.NOT_SEEN
         if not np.isfinite(error):
             return Status.CANNOT_TELL
-    elif kind.name != NO_FAULT and evidence.gain_over_linear <= 0:
+    elif kind.name != NO_FAULT and evidence.gain <= 0:
         return Status.NOT_SEEN
     if not fitted.fit.converged:
         return Status.NOT_CONVERGED
