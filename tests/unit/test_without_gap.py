@@ -55,9 +55,7 @@ BENDS = {
 @pytest.mark.parametrize("bend", BENDS)
 def test_a_healthy_valve_that_bends_has_no_dead_zone(bend):
     y = answered(BENDS[bend](U))
-    fit = lm.identify(U, y, 1.0)
-    assert fit.kind.name == "none"
-    assert all(np.isinf(size) for size in fit.kinds.excluded.values()), "beside a straight line, which it is not"
+    assert lm.identify(U, y, 1.0).kind.name == "none"
     explicit = lm.identify(U, y, 1.0, nonlinearity="dead zone")
     assert explicit.status not in (Status.OK, Status.WIDE)
 

@@ -12,8 +12,7 @@ from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.choice import CONFIRMED
-from lostmotion.identify.actuators.kind import NO_FAULT, faults
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
 # the likelihood leaves open: of such claims on real loops left out seven in eight were right (docs/diagnosis.md)
@@ -98,8 +97,8 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
         why = ONLY_PV
     elif not fit.evidence.answered:
         why = NO_ANSWER
-    elif set_aside := _for_a_healthy_valve(fit, excluded):
-        why = f"a {set_aside} predicts PV better, but so does a healthy valve that bends or is slow; which, is not told"
+    elif set_aside := _for_a_slow_valve(fit, excluded):
+        why = f"a {set_aside} predicts PV better, but so does a valve that is slow, beside which no size is excluded"
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
@@ -107,11 +106,12 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
     return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
 
 
-def _for_a_healthy_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:
-    """The fault that was set aside for a healthy valve that is not linear, because of which nothing is excluded."""
+def _for_a_slow_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:
+    """The fault that was set aside for a valve that is slow, because of which nothing is excluded."""
     if fit.kinds is None or fit.kinds.best != NO_FAULT or not excluded or np.isfinite(list(excluded.values())).any():
         return ""
-    gains = {kind: gain for kind, gain in fit.kinds.likelihoods.items() if gain > CONFIRMED >= fit.kinds.firm[kind]}
+    sizeless = [kind.name for kind in faults() if kind.size is None]
+    gains = {kind: gain for kind, gain in fit.kinds.likelihoods.items() if kind in sizeless and gain > NEEDED}
     return max(gains, key=lambda kind: gains[kind], default="")
 
 

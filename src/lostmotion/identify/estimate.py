@@ -15,7 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
-from lostmotion.identify.actuators.choice import choose_kind, no_straight_line
+from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -247,15 +247,17 @@ class _Identification:
         linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
-        bounds: dict[str, float] = {}
+        aside = set_aside(kinds, simplest, linear)
         if kinds.best != NO_FAULT:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
-            if chosen.widest is not None:  # beside its own other parameters, not beside the linear model
-                bounds[kinds.best] = chosen.widest
+            aside = [kinds.best]
+        sized = [self._packed(fits[kind], linear) for kind in aside if kind_of(kind).size]
+        # beside their own other parameters, not beside the linear model
+        bounds = {fit.kind.name: fit.widest for fit in sized if fit.widest is not None}
         seen = linear_result.status is not Status.CANNOT_TELL and linear_result.evidence.answered
-        seen = seen and not (kinds.best == NO_FAULT and no_straight_line(kinds, simplest, linear))
+        seen = seen and len(sized) == len(aside)  # a slow valve is no linear one
         sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
         sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))

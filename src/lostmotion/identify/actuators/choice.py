@@ -102,13 +102,10 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     return KindChoice(best, gains, likelihoods, firm, _confidence(scores[best] - scores[runner_up]), runner_up)
 
 
-def no_straight_line(choice: KindChoice, candidates: dict[str, Fitted], linear: Fitted) -> bool:
-    """Whether a fault was set aside for a healthy valve that bends or is slow.
-
-    Then a linear one is none to exclude sizes beside.
-    """
+def set_aside(choice: KindChoice, candidates: dict[str, Fitted], linear: Fitted) -> list[str]:
+    """Faults that are seen beside a straight line, but not beside a healthy valve that bends or is slow."""
     aside = [kind for kind, gain in choice.firm.items() if kind != NO_FAULT and gain <= NEEDED]
-    return any(likelihood_gain(candidates[kind], linear)[1] > CONFIRMED for kind in aside)
+    return [kind for kind in aside if likelihood_gain(candidates[kind], linear)[1] > NEEDED]
 
 
 def _firm(fitted: Fitted, linear: Fitted, gain: float) -> float:
