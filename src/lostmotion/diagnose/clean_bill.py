@@ -97,8 +97,8 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
         why = ONLY_PV
     elif not fit.evidence.answered:
         why = NO_ANSWER
-    elif set_aside := _for_a_slow_valve(fit, excluded):
-        why = f"a {set_aside} predicts PV better, but so does a valve that is slow, beside which no size is excluded"
+    elif stops := _for_a_slow_valve(fit, excluded):
+        why = f"a {stops} predicts PV better, but so does a valve that is slow, beside which no size is excluded"
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
@@ -110,8 +110,11 @@ def _for_a_slow_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:
     """The fault that was set aside for a valve that is slow, because of which nothing is excluded."""
     if fit.kinds is None or fit.kinds.best != NO_FAULT or not excluded or np.isfinite(list(excluded.values())).any():
         return ""
+    firm = fit.kinds.firm
     sizeless = [kind.name for kind in faults() if kind.size is None]
-    gains = {kind: gain for kind, gain in fit.kinds.likelihoods.items() if kind in sizeless and gain > NEEDED}
+    gains = {
+        kind: gain for kind, gain in fit.kinds.likelihoods.items() if kind in sizeless and gain > NEEDED >= firm[kind]
+    }
     return max(gains, key=lambda kind: gains[kind], default="")
 
 

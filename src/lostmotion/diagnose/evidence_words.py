@@ -21,8 +21,8 @@ LABEL = MappingProxyType(  # of each feature: short name, meaning of the value
         "memory": ("sticking predicts", "log(1 + gain / 3), in likelihood over a linear process"),
         "shape": ("wave shape", "above 0 triangle, below sine (He)"),
         "waveform": ("trend looks stuck", "log-odds by networks that saw simulated loops"),
-        "dead_zone": ("dead zone predicts", "log(1 + gain), in likelihood over a linear process"),
-        "saturation": ("limit predicts", "log(1 + gain), in likelihood over a linear process"),
+        "dead_zone": ("dead zone predicts", "log(1 + gain), in likelihood over a healthy valve"),
+        "saturation": ("limit predicts", "log(1 + gain), in likelihood over a healthy valve"),
         "sine": ("swings as a sine", "below 0: moved from outside, or badly tuned"),
     }
 )

@@ -45,7 +45,7 @@ def not_shown(fit: HammersteinFit) -> str:
     return ""
 
 
-def set_aside(fit: HammersteinFit) -> str:
+def not_deniable(fit: HammersteinFit) -> str:
     """Why a large gain of this fit neither names its fault nor lets deny it, in words; empty where it names it."""
     gain = fit.kinds.firm.get(fit.kind.name, 0.0) if fit.kinds is not None else 0.0
     if fit.status not in DOUBTFUL or gain < SEEN_TO_MISLEAD:

@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.diagnose.features import Features, Measured
 from lostmotion.diagnose.form_alone import without_proof
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import not_shown, set_aside
+from lostmotion.diagnose.shown import not_deniable, not_shown
 from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
@@ -117,8 +117,8 @@ def decide(
     clears = verdict == NO_FAULT and fit.status is not Status.WIDE  # of that one the largest size is known
     if doubt and (clears or verdict == fit.kind.name):
         verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters.get("width", carried)
-    elif verdict in (NO_FAULT, "other oscillation") and set_aside(fit):
-        verdict, kind, why, limit = "cannot tell", "unknown", set_aside(fit), fit.parameters.get("width", carried)
+    elif verdict in (NO_FAULT, "other oscillation") and not_deniable(fit):
+        verdict, kind, why, limit = "cannot tell", "unknown", not_deniable(fit), fit.parameters.get("width", carried)
     elif verdict == "other oscillation" and measured.driven and fit.kind.sticks:
         verdict, kind, limit = "cannot tell", "unknown", carried
         why = f"the swing comes from outside, but beside it a {fit.kind.name} fits best, by too little to be named"

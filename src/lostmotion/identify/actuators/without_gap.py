@@ -74,7 +74,6 @@ def _two_slopes(fitted: Fitted, score: float) -> Iterator[Fitted]:
         theta, steep = found.fit.theta.copy(), float(found.actuator[2])
         if abs(steep) > BROKEN:
             theta[at + 2] = np.copysign(BROKEN, steep)
-            found = replace(
-                refined(problem, theta, basis[:, :-1], score, tied=True), basis=basis
-            )  # the ratio is paid for
+            broken = refined(problem, theta, basis[:, :-1], score, tied=True)
+            found = replace(broken, basis=basis)  # the ratio is paid for
         yield found
