@@ -11,7 +11,7 @@ from typing import Any
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.diagnose.pooled.trend_of_size import NORMAL, SizeTrend, size_trend
 from lostmotion.errors import ParameterError
-from lostmotion.store.rows import CLEARED, FAULTS, UNDATED, AssessmentRow, EstimateRow, Stage
+from lostmotion.store.rows import DENIED, FAULTS, UNDATED, AssessmentRow, EstimateRow, Stage
 
 DAY = 86400.0
 HORIZON = 3650.0  # days: later nobody plans
@@ -97,8 +97,8 @@ class LoopHistory:
         Windows count that name the fault of the last one and do not overlap a later one: no data twice. Sizes that
         are excluded are not joined: 95 % limits of several windows have no joint level.
         """
-        told = [row for row in self.rows if row.verdict in FAULTS + CLEARED]
-        if not self.sized or told[-1].verdict in CLEARED or self.trend.seen:
+        told = [row for row in self.rows if row.verdict in FAULTS or row.cleared]
+        if not self.sized or told[-1].cleared or self.trend.seen:
             return None
         apart: list[AssessmentRow] = []
         for row in reversed(self.sized):
@@ -146,8 +146,8 @@ class LoopHistory:
         before = [row for row in self.rows if row.window_end <= moment]
         after = [row for row in self.rows if row.window_start >= moment]
         was, now = _together(before), _together(after)
-        cleared = [row.excluded_percent for row in after if row.verdict in CLEARED]
-        excluded = min((one for one in cleared if one is not None and math.isfinite(one)), default=None)
+        denied = [row.excluded_percent for row in after if row.verdict in DENIED]
+        excluded = min((one for one in denied if one is not None and math.isfinite(one)), default=None)
         return Change(was, now, excluded, _verdict(was, now, excluded))
 
     def to_dict(self) -> dict[str, Any]:

@@ -8,9 +8,9 @@ from datetime import datetime
 from functools import cached_property
 
 from lostmotion.plant import PlantLoop, Unread
-from lostmotion.store.rows import CLEARED, FAULTS, AssessmentRow, GroupRow, Stage, TraceRow
+from lostmotion.store.rows import DENIED, FAULTS, AssessmentRow, GroupRow, Stage, TraceRow
 
-__all__ = ["CLEARED", "FAULTS", "LoopView", "PlantView", "RunFacts", "SizePoint", "leading_rows"]
+__all__ = ["DENIED", "FAULTS", "LoopView", "PlantView", "RunFacts", "SizePoint", "leading_rows"]
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ def _says(row: AssessmentRow) -> tuple[float, bool, bool, datetime]:
 
 
 def _last(row: AssessmentRow) -> tuple[float, int, float]:
-    """Order of a ranking: by priority, else faults before what cannot be told before what is cleared, by size."""
+    """Order of a ranking: by priority, else faults before what cannot be told before what is none, by size."""
     priority = -1.0 if row.priority is None else row.priority
-    place = 0 if row.verdict in FAULTS else 2 if row.verdict in CLEARED else 1
+    place = 0 if row.verdict in FAULTS else 2 if row.verdict in DENIED else 1
     return -priority, place + 3 * (row.stage is Stage.FAILED), -(row.size_percent or 0.0)

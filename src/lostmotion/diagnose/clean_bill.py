@@ -8,8 +8,9 @@ import numpy as np
 
 from lostmotion.diagnose.excitation import NO_ANSWER, ONLY_PV
 from lostmotion.diagnose.features import Measured
+from lostmotion.diagnose.objections import CARRIES
 from lostmotion.diagnose.op_span import OpSpan
-from lostmotion.diagnose.verdict import CARRIES, OUTSIDE, Verdict
+from lostmotion.diagnose.verdict import OUTSIDE, Verdict
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.diagnose.features import Features, Measured
-from lostmotion.diagnose.form_alone import without_proof
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import not_deniable, not_shown
+from lostmotion.diagnose.objections import SWINGS, Case, objection, sticks
 from lostmotion.diagnose.weights import CONSTANTS, NAMES, OF_STICKING, WEIGHTS
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
@@ -21,9 +20,6 @@ CLEAR = 3.0  # of log-likelihood, by which backlash must beat stiction in a loop
 TRIANGLE = 0.1  # He's index above 0.6, the published limit
 LIMITED = 0.1  # share of the time with OP at a limit, from which on that is what is wrong
 MOSTLY = 0.5  # of the time with OP at a limit: what is left does not show a valve that sticks
-# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
-# so what is much smaller does not carry the swing
-CARRIES = 0.2
 OUTSIDE = 0.5  # share of the moves of OP that PV does not explain, from which on PV is not what OP controls
 
 
@@ -112,27 +108,11 @@ def decide(
         verdict, kind = _no_fault(fit, measured, stability, quantised, fed_back)
     else:
         verdict, kind = "cannot tell", "unknown"
-    why, limit, carried = "", float("nan"), CARRIES * float(np.ptp(fit.data.u))
-    doubt = not_shown(fit)
-    clears = verdict == NO_FAULT and fit.status is not Status.WIDE  # of that one the largest size is known
-    if doubt and (clears or verdict == fit.kind.name):
-        verdict, kind, why, limit = "cannot tell", "unknown", doubt, fit.parameters.get("width", carried)
-    elif verdict in (NO_FAULT, "other oscillation") and not_deniable(fit):
-        verdict, kind, why, limit = "cannot tell", "unknown", not_deniable(fit), fit.parameters.get("width", carried)
-    elif verdict == "other oscillation" and measured.driven and fit.kind.sticks:
-        verdict, kind, limit = "cannot tell", "unknown", carried
-        why = f"the swing comes from outside, but beside it a {fit.kind.name} fits best, by too little to be named"
-    elif _sticks(verdict) and features.memory == 0.0 and (sticking < 0.0 or not _answers_as_a_level(fit, measured)):
-        verdict, kind = "cannot tell", "unknown"
-        other_kind = f"a {fit.kind.name} fits best, which makes no such wave, and"
-        seems = "the wave looks as if the valve stuck, but" if sticking >= 0.0 else other_kind
-        why, limit = f"{seems} no valve that sticks foretells PV better", carried
-    elif doubt := without_proof(verdict, measured, _answers_as_a_level(fit, measured), fed_back):
-        verdict, kind, why, limit = "cannot tell", "unknown", doubt, carried
-    elif chance > SURE and sticking > 0.0 and features.memory == 0.0 and not _sticks(verdict):
-        why = f"the likelihood is for a {verdict}, the wave for a valve that sticks, and each would do by itself"
-        verdict, kind = "cannot tell", "unknown"
-        limit = carried
+    level = _answers_as_a_level(fit, measured)
+    found = objection(Case(verdict, fit, measured, chance > SURE, sticking, level, fed_back))
+    why, limit = "", float("nan")
+    if found is not None:
+        verdict, kind, why, limit = "cannot tell", "unknown", found.why, found.limit
     sure = max(chance, 1.0 - chance) * (_among_kinds(fit) if verdict == fit.kind.name else 1.0)
     if limits_decide(verdict, limited):
         verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
@@ -143,7 +123,7 @@ def decide(
 
 def limits_decide(verdict: str, limited: float) -> bool:
     """Whether OP is at a limit for so large a share of the time that this is what is wrong, whatever else was said."""
-    return limited > (MOSTLY if _sticks(verdict) else LIMITED)
+    return limited > (MOSTLY if sticks(verdict) else LIMITED)
 
 
 def _no_fault(
@@ -151,15 +131,15 @@ def _no_fault(
 ) -> tuple[str, str]:
     own = stability is not None and stability.unexplained < OUTSIDE  # else OP is moved from outside, not by this loop
     if measured.swings and measured.driven:
-        return "other oscillation", "set point" if measured.commanded else "disturbance"
+        return SWINGS, "set point" if measured.commanded else "disturbance"
     if not measured.swings or stability is None or not own:
         silent = fit.status in (Status.CANNOT_TELL, Status.SAME_SIGNAL)
         return ("cannot tell", "unknown") if silent else ("none", "none")
     if quantised:
-        return "other oscillation", "sensor"
+        return SWINGS, "sensor"
     if fed_back:
-        return "other oscillation", "unknown"
-    return "other oscillation", "tuning" if stability.explains(measured.period) else "disturbance"
+        return SWINGS, "unknown"
+    return SWINGS, "tuning" if stability.explains(measured.period) else "disturbance"
 
 
 def _fault(fit: HammersteinFit, measured: Measured, sticking_likelier: bool) -> str:
@@ -196,11 +176,6 @@ def _among_kinds(fit: HammersteinFit) -> float:
     if compared is None or fit.kind.sticks or NO_FAULT in (compared.best, compared.runner_up):
         return 1.0
     return compared.confidence if compared.best == fit.kind.name else 1.0
-
-
-def _sticks(verdict: str) -> bool:
-    """Whether the verdict is a kind with a memory."""
-    return any(kind.sticks for kind in faults() if kind.name == verdict)
 
 
 def _answers_as_a_level(fit: HammersteinFit, measured: Measured) -> bool:

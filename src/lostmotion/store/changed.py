@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from lostmotion.store.rows import CLEARED, FAULTS, AssessmentRow, Stage
+from lostmotion.store.rows import FAULTS, AssessmentRow, Stage
 
 ORDER = ("new finding", "grew", "another fault", "no longer found", "shrank", "new loop", "not seen any more")
 
@@ -35,7 +35,7 @@ class New:
 def changed(before: AssessmentRow | None, now: AssessmentRow | None) -> str:
     """What has changed, of ORDER; empty: nothing that matters. Of a size only what the intervals show.
 
-    That a verdict can no longer be reached is no news of the valve.
+    That a verdict can no longer be reached, or a swing is no longer blamed on it, is no news of the valve.
     """
     if before is None or now is None:
         return "new loop" if before is None else "not seen any more"
@@ -43,8 +43,7 @@ def changed(before: AssessmentRow | None, now: AssessmentRow | None) -> str:
     if is_ and not was:
         return "new finding"
     if not is_:
-        cleared = was and now.stage is Stage.ASSESSED and now.verdict in CLEARED
-        return "no longer found" if cleared else ""
+        return "no longer found" if was and now.stage is Stage.ASSESSED and now.cleared else ""
     if before.verdict != now.verdict:
         return "another fault"
     old, new = ends_percent(before), ends_percent(now)

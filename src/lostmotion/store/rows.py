@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -9,7 +10,8 @@ from enum import StrEnum
 
 UNDATED = datetime(1970, 1, 1, tzinfo=UTC)  # first row of a record that does not say when it began
 FAULTS = ("dead zone", "backlash", "stiction", "saturation")  # verdicts that name a fault of the actuator
-CLEARED = ("none", "other oscillation")  # verdicts that clear it
+DENIED = ("none", "other oscillation")  # verdicts that name none; whether it is cleared is another question
+USUAL_TOLERANCE = 1.0  # % of span, of a row that does not say which
 
 
 class Stage(StrEnum):
@@ -147,6 +149,23 @@ class AssessmentRow:
     indices: Mapping[str, float] = field(default_factory=dict)
     seconds: float = 0.0
     error: str = ""
+
+    @property
+    def cleared(self) -> bool:
+        """Whether no lost motion over the tolerance is left open; "none" is said only where that is so.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> swings = AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="other oscillation", excluded_percent=2.5)
+        >>> swings.cleared, replace(swings, excluded_percent=0.5).cleared, replace(swings, verdict="none").cleared
+        (False, True, True)
+        """
+        tolerance, span = self.indices.get("tolerance", math.nan), self.indices.get("op_span", math.nan)
+        limit = 100.0 * tolerance / span if span > 0.0 else math.nan
+        left = math.inf if self.excluded_percent is None else self.excluded_percent
+        within = left <= (limit if math.isfinite(limit) else USUAL_TOLERANCE)
+        return self.verdict == "none" or (self.verdict in DENIED and within)
 
 
 @dataclass(frozen=True)

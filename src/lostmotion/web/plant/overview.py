@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.health import Health, health_of_rows
-from lostmotion.audit.plant_view import CLEARED, FAULTS, RunFacts
+from lostmotion.audit.plant_view import DENIED, FAULTS, RunFacts
 from lostmotion.audit.run_view import run_facts
 from lostmotion.report.plant.pages import NARROW, NEW
 from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
@@ -209,9 +209,9 @@ def _moment(start: str | datetime) -> datetime:
 
 
 def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
-    """In the order of the report: by priority, else faults before what cannot be told before what is cleared."""
+    """In the order of the report: by priority, else faults before what cannot be told before what is none."""
     assessed, failed = pl.col("stage") == Stage.ASSESSED, pl.col("stage") == Stage.FAILED
-    kind = pl.when(pl.col("verdict").is_in(FAULTS)).then(0).when(pl.col("verdict").is_in(CLEARED)).then(2).otherwise(1)
+    kind = pl.when(pl.col("verdict").is_in(FAULTS)).then(0).when(pl.col("verdict").is_in(DENIED)).then(2).otherwise(1)
     said = pl.when(assessed).then("verdict").when(failed).then(pl.lit("failed")).otherwise(pl.lit("not assessed"))
     added = frame.with_columns(
         said.alias("said"), (kind + 3 * failed.cast(pl.Int32)).alias("place"),
