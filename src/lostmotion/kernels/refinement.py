@@ -20,6 +20,8 @@ STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the
 # times the promise of an undamped step: a bound further off is not reached. Of 2,111 refinements that had a bound those
 # given up so would all have ended above it, also with 5 times; with 3 times one would not
 HOPELESS = 10.0
+# and times what the last ten steps gained: of 8,281 refinements of held sizes one would have got there
+TOO_SLOW = 10.0
 UNDAMPED = 1e-10  # relative, against singular equations
 COST, DAMPING, PROMISED, ERRORS, FLOOR, BOUND = 0, 1, 2, 3, 4, 5  # floats of a refinement
 STEPS, MOST, UPHILL, CONVERGED, TRYING, STILL = 0, 1, 2, 3, 4, 5  # integers of one
@@ -88,9 +90,10 @@ def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray,
         done = numbers[DAMPING] > 1e10
     steps = counts[STEPS]
     history[steps] = numbers[COST]
-    stalled = steps > STALL and history[steps - STALL] - numbers[COST] <= STALL_GAIN * variance
-    counts[CONVERGED] = done or stalled
-    counts[TRYING] = not counts[CONVERGED] and steps < counts[MOST]
+    lately = history[steps - STALL] - numbers[COST] if steps > STALL else np.inf
+    counts[CONVERGED] = done or lately <= STALL_GAIN * variance
+    slow = numbers[COST] - numbers[BOUND] > TOO_SLOW * lately
+    counts[TRYING] = not counts[CONVERGED] and not slow and steps < counts[MOST]
 
 
 @njit(cache=True, nogil=True)
