@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.diagnose.excitation import NO_ANSWER, ONLY_PV
-from lostmotion.diagnose.features import Measured
-from lostmotion.diagnose.objections import CARRIES
-from lostmotion.diagnose.op_span import OpSpan
+from lostmotion.diagnose.excitation import FOREKNOWN, NO_ANSWER, ONLY_PV
+from lostmotion.diagnose.features import CARRIES, Measured, swing_of
+from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
 from lostmotion.diagnose.verdict import OUTSIDE, Verdict
-from lostmotion.errors import ParameterError, Status
+from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 
@@ -66,7 +65,7 @@ class CleanBill:
         unit = self.span.percent
         limit, what = self.tolerance, f"the tolerance is {self.tolerance / unit:.2g} %"
         if verdict.verdict != NO_FAULT:
-            swing = 2.0 * op * float(np.sqrt(2.0 * max(measured.op.share, 0.0)))
+            swing = swing_of(measured.op, op)
             limit = CARRIES * swing
             what = f"one of {limit / unit:.2g} % could carry this swing"
         if size < limit:
@@ -91,20 +90,20 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
     ParameterError
         A tolerance outside (0, 1).
     """
-    if not 0.0 < tolerance < 1.0:
-        raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
     excluded, why = _excluded(fit), ""
     if fed_back:
         why = ONLY_PV
     elif not fit.evidence.answered:
         why = NO_ANSWER
+    elif fit.evidence.foreknown:
+        why = FOREKNOWN
     elif stops := _for_a_slow_valve(fit, excluded):
         why = f"a {stops} predicts PV better, but so does a valve that is slow, beside which no size is excluded"
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
         excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
-    return CleanBill(excluded, 100.0 * tolerance * span.percent, span, why)
+    return CleanBill(excluded, 100.0 * checked_tolerance(tolerance) * span.percent, span, why)
 
 
 def _for_a_slow_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:

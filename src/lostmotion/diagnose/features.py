@@ -26,6 +26,9 @@ FOLLOWED = 0.97  # coherence of SP and PV near the period: of a swing that comes
 COMMANDED = 0.5  # amplitude of SP over that of PV near the period, from which on the swing is commanded
 MOST_ROWS = 10_000  # of the indices: they need cycles, not samples
 MOST_ODDS = 4.0  # of the waveform index: beyond them its simulated loops do not speak for real ones
+# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
+# so what is much smaller does not carry the swing
+CARRIES = 0.2
 SINE = 0.1  # below 0.5: He's published limit of a sine
 SILENT = Oscillation(np.nan, 0.0, 0.0, 0.0)
 
@@ -88,6 +91,9 @@ class Measured:
         it.
     commanded : bool
         Whether SP swings so, and that is all of the swing: PV follows it.
+    negligible : bool
+        Whether the lost motion that fits best is one that a sound valve has, and too small to make OP swing as it does.
+        Its gain is no evidence then.
     """
 
     features: Features
@@ -98,6 +104,7 @@ class Measured:
     indices: dict[str, float]
     driven: bool = False
     commanded: bool = False
+    negligible: bool = False
 
     @property
     def swings(self) -> bool:
@@ -105,7 +112,9 @@ class Measured:
         return bool(np.isfinite(self.period))
 
 
-def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray | None = None) -> Measured:
+def measure(
+    fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray | None = None, sound: float = 0.0
+) -> Measured:
     """Measure everything on the longest piece of what was identified.
 
     Parameters
@@ -116,6 +125,8 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
         Whether the process integrates (a level); None: as identified.
     sp : ndarray, optional
         Set point on the rows of the data.
+    sound : float
+        Lost motion that a sound valve has, in units of OP.
     """
     data = fit.data
     start, stop = max(data.segments.tolist(), key=lambda pair: pair[1] - pair[0])
@@ -134,8 +145,23 @@ def measure(fit: HammersteinFit, integrating: bool | None = None, sp: FloatArray
     odds = float(np.clip(indices.get("waveform", 0.0), -MOST_ODDS, MOST_ODDS))
     if commanded:  # PV has the form of the command, whatever the valve does
         shape = odds = 0.0
-    features = Features(**_gains(fit), shape=shape, waveform=odds, sine=float(np.clip(shape, -SINE, 0.0)))
-    return Measured(features, of_op, of_pv, float(period), levels, indices, driven, commanded)
+    negligible = _is_negligible(fit, sound, swing_of(of_op, float(np.std(op))) if swinging else 0.0)
+    gains = {} if negligible else _gains(fit)
+    features = Features(**gains, shape=shape, waveform=odds, sine=float(np.clip(shape, -SINE, 0.0)))
+    return Measured(features, of_op, of_pv, float(period), levels, indices, driven, commanded, negligible)
+
+
+def swing_of(found: Oscillation, deviation: float) -> float:
+    """Swing of a signal from end to end, from its deviation and the share that swings."""
+    return 2.0 * deviation * float(np.sqrt(2.0 * max(found.share, 0.0)))
+
+
+def _is_negligible(fit: HammersteinFit, sound: float, swing: float) -> bool:
+    """Whether the whole interval of the size lies below what a sound valve has and what would carry the swing."""
+    if fit.kind.size is None:
+        return False
+    largest = fit.interval(fit.kind.size)[1]
+    return largest < sound and (swing == 0.0 or largest < CARRIES * swing)
 
 
 def _driven(fit: HammersteinFit, period: float) -> bool:

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.features import Measured
+from lostmotion.diagnose.features import CARRIES, Measured
 from lostmotion.diagnose.form_alone import without_proof
 from lostmotion.diagnose.shown import not_deniable, not_shown
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 
-# of the swing of OP from end to end: where a lost motion makes a loop swing, OP moves by about its size or twice that,
-# so what is much smaller does not carry the swing
-CARRIES = 0.2
 SWINGS = "other oscillation"
 
 
@@ -82,16 +79,20 @@ def sticks(verdict: str) -> bool:
 
 def _half_shown(case: Case) -> str:
     """Neither named nor denied; of a dead zone whose ends are vague the largest size is known, which may clear it."""
+    if case.measured.negligible:
+        return ""
     clears = case.verdict == NO_FAULT and case.fit.status is not Status.WIDE
     return not_shown(case.fit) if clears or case.verdict == case.fit.kind.name else ""
 
 
 def _too_likely(case: Case) -> str:
-    return not_deniable(case.fit) if case.verdict in (NO_FAULT, SWINGS) else ""
+    denied = case.verdict in (NO_FAULT, SWINGS) and not case.measured.negligible
+    return not_deniable(case.fit) if denied else ""
 
 
 def _beside_a_swing(case: Case) -> str:
-    if case.verdict != SWINGS or not case.measured.driven or not case.fit.kind.sticks:
+    sticks_so = case.fit.kind.sticks and not case.measured.negligible
+    if case.verdict != SWINGS or not case.measured.driven or not sticks_so:
         return ""
     return f"the swing comes from outside, but beside it a {case.fit.kind.name} fits best, by too little to be named"
 

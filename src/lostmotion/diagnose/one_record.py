@@ -16,12 +16,13 @@ from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
 from lostmotion.diagnose.excitation import only_fed_back
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
-from lostmotion.diagnose.op_span import TOLERANCE, op_span
+from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
 from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
-from lostmotion.identify import HammersteinFit, identify
+from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import faults
+from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
@@ -87,14 +88,15 @@ def diagnose(
     if loop_type is not None and loop_type not in kinds:
         raise ParameterError.expected(f"loop_type as one of {kinds}", repr(loop_type), "or leave it out")
     record = replace(record, loop_type=loop_type or "")  # as said, whatever its tag looks like
-    fit = identify(prepare(record), nonlinearity="auto", integrating=integrating)
+    span = op_span(record)
+    sound = SOUND * 100.0 * checked_tolerance(tolerance) * span.percent
+    fit = identify_for_verdict(prepare(record), integrating, sound)
     if integrating is None:
         integrating = usually_integrates(record.loop_type)
     sp = fit.data.sp
-    measured = measure(fit, integrating, sp)
+    measured = measure(fit, integrating, sp, sound)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
-    span = op_span(record)
     fed_back = only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp)
     bill = clean_bill(fit, tolerance, span, fed_back)
     report = check(record)
@@ -134,7 +136,7 @@ def _package(
         probabilities=verdict.probabilities,
         evidence=_items(verdict, measured.commanded),
         advice=_advice(verdict, severity, measured, bill, sp),
-        notes=(*notes, *([span.note] if span.note else []), *about_size),
+        notes=(*notes, *([span.note] if span.note else []), *about_size, *_negligible(fit, measured, span)),
         measured=measured,
         stability=stability,
         performance=performance,
@@ -185,6 +187,13 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
     width = measured.indices.get("ellipse_width", np.nan)
     note = f"How large it is the likelihood does not tell; the ellipse of PV over OP is {width:.2g} of OP wide, a hint."
     return *unknown[:2], (note,) if np.isfinite(width) else ()
+
+
+def _negligible(fit: HammersteinFit, measured: Measured, span: OpSpan) -> tuple[str, ...]:
+    if not measured.negligible or fit.kind.size is None:
+        return ()
+    largest = fit.interval(fit.kind.size)[1] / span.percent
+    return (f"A {fit.kind.name} of at most {largest:.2g} % {span.words} fits best: a sound valve has as much.",)
 
 
 def _items(verdict: Verdict, commanded: bool) -> tuple[Item, ...]:

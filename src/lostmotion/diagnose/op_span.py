@@ -6,12 +6,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
 from lostmotion.records.movement import PERCENT
 from lostmotion.records.pieces import with_own_span
 
+# of the tolerance: lost motion of a sound valve, as positioners resolve 0.1 to 0.2 % of span. Of 20 sound valves that
+# were accused in an independent simulation ten had less by their fit, of the valves rightly accused none
+SOUND = 0.25
 TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
 FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
+
+
+def checked_tolerance(tolerance: float) -> float:
+    """A share of the span between 0 and 1.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if not 0.0 < tolerance < 1.0:
+        raise ParameterError.expected("a tolerance between 0 and 1, a share of the span", tolerance, "e.g. 0.01")
+    return tolerance
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.distributions import f_tail
-from lostmotion.kernels.triangular import STRETCH, triangular
+from lostmotion.identify.news import FEWEST, longest, news, standard
+from lostmotion.kernels.triangular import triangular
 
 LEVEL = 1e-4  # of the test, as of whether OP answers PV
 OF_SP_LEVEL = 1e-3  # where SP is the news: no act between the rows is taken for a move of it
@@ -19,9 +20,7 @@ SPANS = ((1, 1), (2, 2), (3, 4), (5, 8), (9, 16), (17, 32), (33, 64), (65, 128))
 # row. Of 450 simulated valves that never move, behind controllers of 2 to 20 acts a row, 53 % seem to answer at some
 # lag, 12 % beyond two rows and 7 % beyond four; of 150 with one act a row none, at any (benchmarks/answered.py).
 OWN = 4
-FEWEST = 10  # rows for every regressor
 LONGEST = 8  # spans of lags end within this part of the rows
-MOST_ROWS = 20_000  # that are looked at: more than enough where anything but PV moves OP
 
 
 def pv_answers(u: FloatArray, y: FloatArray, segments: IntArray, sp: FloatArray | None = None) -> bool:
@@ -64,59 +63,23 @@ def pv_answers(u: FloatArray, y: FloatArray, segments: IntArray, sp: FloatArray 
     >>> pv_answers(op, pv, whole, sp), pv_answers(op, pv + np.append(0.0, op[:-1]), whole, sp)
     (False, True)
     """
-    spans = _longest(segments)
-    u, y = _standard(u), _standard(y)
+    spans = longest(segments)
+    u, y = standard(u), standard(y)
     if sp is not None and float(np.ptp(sp)) > 0.0:
-        moves = _news(_standard(sp), None, spans, OF_SP)
+        moves = news(standard(sp), (), spans, OF_SP)
         if _chance(moves, y, spans, 0) < OF_SP_LEVEL:
             return True
-    return _chance(_news(u, y, spans, OF_CONTROLLER), y, spans, OWN) < LEVEL
+    return _chance(news(u, (y,), spans, OF_CONTROLLER), y, spans, OWN) < LEVEL
 
 
-def _longest(segments: IntArray) -> list[tuple[int, int]]:
-    """The longest segments, of so many rows in all."""
-    found, left = [], MOST_ROWS
-    for start, stop in sorted(segments.tolist(), key=lambda ends: ends[0] - ends[1]):
-        if left > 0:
-            found.append((start, min(stop, start + left)))
-            left -= stop - start
-    return found
-
-
-def _standard(x: FloatArray) -> FloatArray:
-    return np.asarray((x - x.mean()) / max(float(x.std()), 1e-300))
-
-
-def _news(x: FloatArray, y: FloatArray | None, spans: list[tuple[int, int]], lags: int) -> FloatArray:
-    """What past x, and y up to now, do not tell of x; 0 where there is no past."""
-
-    def rows(start: int, stop: int) -> FloatArray:
-        now = np.arange(start, stop)[:, None]
-        past = [np.ones(now.shape), x[now - np.arange(1, lags + 1)]]
-        return np.hstack([*past, *([] if y is None else [y[now - np.arange(lags + 1)]]), x[now]])
-
-    inner = [(start + lags, stop) for start, stop in spans if stop - start > lags]
-    columns = lags + 2 if y is None else 2 * lags + 3
-    news = np.zeros(x.size)
-    if sum(stop - start for start, stop in inner) < FEWEST * columns:
-        return news
-    root = triangular(rows, inner, columns)
-    weights = np.linalg.lstsq(root[:, :-1], root[:, -1], rcond=None)[0]
-    for start, stop in inner:
-        for first in range(start, stop, STRETCH):
-            part = rows(first, min(first + STRETCH, stop))
-            news[first : first + len(part)] = part[:, -1] - part[:, :-1] @ weights
-    return news
-
-
-def _chance(news: FloatArray, y: FloatArray, spans: list[tuple[int, int]], own: int) -> float:
+def _chance(new: FloatArray, y: FloatArray, spans: list[tuple[int, int]], own: int) -> float:
     """That news beyond the lag `own` would tell so much of y, beside its own past and news up to there, by chance."""
     longest = max(stop - start for start, stop in spans)
     used = [span for span in SPANS if LONGEST * span[1] <= longest]
     if not used or used[-1][1] <= own:
         return 1.0
     first = max(OF_CONTROLLER + used[-1][1], OF_PV)
-    total = np.append(0.0, np.cumsum(news))
+    total = np.append(0.0, np.cumsum(new))
 
     def rows(start: int, stop: int) -> FloatArray:
         now = np.arange(start, stop)

@@ -15,6 +15,7 @@ from lostmotion.arguments import positive, signal
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.answered import pv_answers
+from lostmotion.identify.foreknown import Foretold, foretold
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
@@ -86,6 +87,11 @@ class IdentificationData:
     def answered(self) -> bool:
         """Whether PV answers what is new in OP, see ``pv_answers``."""
         return pv_answers(self.u, self.y, self.segments, self.sp)
+
+    @cached_property
+    def foretold(self) -> Foretold:
+        """What OP says of PV beyond its past, see ``foretold``."""
+        return foretold(self.u, self.y, self.segments, self.sp)
 
     @property
     def u_centre(self) -> float:

@@ -17,7 +17,6 @@ from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
-from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
@@ -26,6 +25,7 @@ from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.earned import earned
 from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.left_open import left_open, may_be_denied, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -34,7 +34,7 @@ from lostmotion.identify.likelihood.parameters import name_parameters, with_prof
 from lostmotion.identify.likelihood.simulated import simulated_output
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
-from lostmotion.identify.status import decide, excluded_above, excluded_sizes, weigh
+from lostmotion.identify.status import decide, excluded_above, weigh
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel
 from lostmotion.records import LoopRecord, Prepared
@@ -127,6 +127,16 @@ def identify(
 
 
 @one_thread
+def identify_for_verdict(record: Prepared, integrating: bool | None, sound: float) -> HammersteinFit:
+    """All kinds; sizes are excluded as well where the fault that was found may be denied.
+
+    That is where it is no larger than a sound valve has, `sound` in units of OP, or its gain is small.
+    """
+    asked_for = _asked_for(record, None, None, "auto", "auto", "auto", None, "auto", False, integrating)
+    return replace(asked_for, sound=sound).run()
+
+
+@one_thread
 def identify_alone(
     records: Sequence[LoopRecord], nonlinearity: str, orders: tuple[int, int, int], noise: str | int, offset: str
 ) -> HammersteinFit:
@@ -187,12 +197,16 @@ def _known_to_integrate(u: object) -> bool | None:
 
 @dataclass(frozen=True)
 class _Identification:
-    """One call of ``identify``: checked data, what is asked, settings as given, and whether kinds are compared."""
+    """One call of ``identify``: checked data, what is asked, settings as given, and whether kinds are compared.
+
+    `sound`: lost motion in units of OP that is no fault; None: nobody asks.
+    """
 
     data: IdentificationData
     asked: Asked
     settings: dict[str, Any]
     compared: bool = True
+    sound: float | None = None
 
     @cached_property
     def scaled(self) -> ScaledData:
@@ -251,15 +265,16 @@ class _Identification:
         if kinds.best != NO_FAULT:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
+                if self.sound is not None and may_be_denied(chosen, kinds, self.sound):
+                    sizes = left_open(linear, fits, linear_result, self.scaled.scaling)
+                    kinds = replace(kinds, excluded=with_found(sizes, chosen))
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
             aside = [kinds.best]
         sized = [self._packed(fits[kind], linear) for kind in aside if kind_of(kind).size]
         # beside their own other parameters, not beside the linear model
         bounds = {fit.kind.name: fit.widest for fit in sized if fit.widest is not None}
-        seen = linear_result.status is not Status.CANNOT_TELL and linear_result.evidence.answered
-        seen = seen and len(sized) == len(aside)  # a slow valve is no linear one
-        sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
-        sizes = excluded_sizes(sizes, self.data, self.scaled.scaling)
+        slow = len(sized) < len(aside)  # which is no linear one
+        sizes = left_open(linear, fits, linear_result, self.scaled.scaling, slow)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
     def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:

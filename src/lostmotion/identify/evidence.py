@@ -48,6 +48,9 @@ class Evidence:
     answered : bool
         Whether PV answers what is new in OP, see ``pv_answers``; True in an open loop, and of a fit saved before it was
         asked. Where it is not, a valve that stands still would have left the same record.
+    foreknown : bool
+        Whether OP foretells PV against the way in which the valve moves it, see ``foretold``: the controller knows more
+        than the rows, which answer moves of OP however small.
     """
 
     gain_over_linear: float
@@ -63,11 +66,17 @@ class Evidence:
     answered: bool = True
     actuator_lag: float = 0.0
     gain_over_healthy: float | None = None
+    foreknown: bool = False
 
     @property
     def gain(self) -> float:
         """Over whatever explains the record without this fault."""
         return self.gain_over_linear if self.gain_over_healthy is None else self.gain_over_healthy
+
+    @property
+    def can_exclude(self) -> bool:
+        """Whether a lost motion that the record does not show can be excluded by it."""
+        return self.answered and not self.foreknown
 
     @property
     def only_fed_back(self) -> bool:

@@ -55,11 +55,11 @@ class RatedEstimate(NamedEstimate, ABC):
         """What the record supports: this kind or a likelier one, "none" (linear does as well), or "cannot tell".
 
         A linear model whose errors depend on OP has not shown that there is no fault, nor one of a record in which PV
-        answers nothing that is new in OP.
+        answers nothing that is new in OP, or OP foretells PV (`evidence.can_exclude`).
         """
         if self.status is Status.NOT_SEEN:
-            return "none" if self.evidence.answered else "cannot tell"
-        if self.kind.name == NO_FAULT and (self.status is Status.MISFIT or not self.evidence.answered):
+            return "none" if self.evidence.can_exclude else "cannot tell"
+        if self.kind.name == NO_FAULT and (self.status is Status.MISFIT or not self.evidence.can_exclude):
             return "cannot tell"
         if self.status is Status.OTHER_KIND and self.evidence.other_kind is not None:
             return self.evidence.other_kind[0]
@@ -85,7 +85,7 @@ class RatedEstimate(NamedEstimate, ABC):
         (float, float)
             Lower and upper end, on a logarithmic scale for slopes. Where no dead zone is seen its break points
             and slope ratio can be anywhere, so their interval is the whole line; that of the width begins at 0, and has
-            no end where PV answers nothing that is new in OP (`evidence.answered`).
+            no end where the record excludes none (`evidence.can_exclude`).
             Other dead zones that fit about as well (`evidence.rivals`, less than 6 of BIC behind) lie inside.
             That of a size is wider by what OP does between the rows (`evidence.unseen_moves`).
 
@@ -111,7 +111,7 @@ class RatedEstimate(NamedEstimate, ABC):
             low, high = self.parameters[name] / factor, self.parameters[name] * factor
         if self.status in HIDDEN:
             if name == self.kind.size:
-                if not self.evidence.answered:
+                if not self.evidence.can_exclude:
                     return 0.0, np.inf
                 return 0.0, max(high, 0.0) if self.widest is None else self.widest
             if name in self.kind.anywhere:

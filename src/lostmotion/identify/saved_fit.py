@@ -147,11 +147,10 @@ def _evidence(saved: Fields) -> Evidence:
         saved.count("samples_left"),
         saved.count("samples_right"),
     )
-    given: dict[str, Any] = {
-        name: read(name)
-        for name, read in (("closed_loop", saved.flag), ("free_moves", saved.number), ("answered", saved.flag))
-        if name in saved
-    }
+    flags = ("closed_loop", "answered", "foreknown")
+    given: dict[str, Any] = {name: saved.flag(name) for name in flags if name in saved}
+    if "free_moves" in saved:
+        given["free_moves"] = saved.number("free_moves")
     if "rivals" in saved:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
     if "other_kind" in saved:

@@ -49,6 +49,7 @@ def weigh(
         crossings=crossed,
         unseen_moves=unseen_moves(data) if kind.sticks else 0.0,
         answered=data.answered if loop.closed else True,
+        foreknown=loop.closed and data.foretold.against(float(fitted.parts.b.sum())),
     )
 
 
@@ -72,7 +73,7 @@ def excluded_above(
 ) -> float | None:
     """Largest size that the record does not exclude; None where there is none, or a process of any kind would do."""
     kind = kind_of(fitted.problem.family.kind)
-    hidden = evidence.only_fed_back or not evidence.answered
+    hidden = evidence.only_fed_back or not evidence.can_exclude
     widest = None if hidden else kind.widest(fitted, profiled, scaling)
     return None if widest is None else beyond_unseen(widest, evidence.unseen_moves)
 

@@ -13,6 +13,7 @@ from lostmotion.records import limits
 from lostmotion.records.clipping import clipped
 from lostmotion.records.compression import compression, made_up, scan_factor
 from lostmotion.records.findings_words import about_compression, about_drift, about_limits, about_operation, refusal
+from lostmotion.records.late_pv import moved, rows_late
 from lostmotion.records.modes import rows_of
 from lostmotion.records.outliers import wild
 from lostmotion.records.pieces import Rows, bridge, clip_to_span, longest_side, pieces
@@ -33,7 +34,8 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     Left out are missing rows, stretches in which the recording had stopped, PV stuck or was at the end of its range,
     OP was held for long or did not reach the actuator (mode column), single wild samples of PV, another recording
     glued on, and pieces too short. Set-point moves, manual moves and OP at its limits stay: they are what happened.
-    Nothing is interpolated; missing OP is filled only between equal neighbours, for at most two rows.
+    Nothing is interpolated; missing OP is filled only between equal neighbours, for at most two rows. PV that
+    was plainly recorded some rows later than the controller saw it is moved there (`lostmotion.records.late_pv`).
 
     Parameters
     ----------
@@ -64,6 +66,16 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     factor, phase = scan_factor(record)
     if factor > 1:
         return _of_slower_scan(record, factor, phase, shortest, words)
+    found = _as_recorded(record, shortest, words)
+    late, told = rows_late(found.stretches)
+    if late == 0:
+        return found
+    again = _as_recorded(moved(record, late), shortest, words)
+    return replace(again, record=record, notes=(told, *again.notes)) if again.usable else found
+
+
+def _as_recorded(record: LoopRecord, shortest: int, words: Mapping[str, str] | None) -> Prepared:
+    """Prepare the rows as they are."""
     mended, said = bridge(record)
     mended, more = clip_to_span(mended)
     kinds, joints = _reasons(mended, words)

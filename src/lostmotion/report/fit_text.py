@@ -113,6 +113,8 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
         return kind.words.unseen
     if fit.evidence.only_fed_back:
         return f"Nothing but PV moves OP in this record, which then does not bound the {kind.size}."
+    if fit.evidence.foreknown:
+        return f"OP foretells PV in this record, against the valve, which then does not bound the {kind.size}."
     if not fit.evidence.answered:
         return f"PV answers nothing that is new in OP in this record, which then does not bound the {kind.size}."
     if fit.widest is None or not np.isfinite(fit.widest):

@@ -183,7 +183,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
     loop = feedback(scaled)
-    fed_back = only_fed_back(loop.closed, loop.free, data.sp) or (loop.closed and not data.answered)
+    foreknown = data.foretold.against(float(linear.parts.b.sum()))
+    fed_back = only_fed_back(loop.closed, loop.free, data.sp) or (loop.closed and (foreknown or not data.answered))
     return RecordProfile(curves, gains, span, data.u.size, models, fed_back, unseen_moves(data))
 
 

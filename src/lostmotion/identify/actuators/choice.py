@@ -50,8 +50,8 @@ class KindChoice:
         Probability that `best` is right rather than the runner-up.
     runner_up : str
     excluded : dict of float
-        Where the linear model is best: the largest size of every kind that the record does not exclude (95 %), in units
-        of OP; inf where a valve that never moves is as likely.
+        Where the linear model is best, or a verdict may deny what is: the largest size of every kind that the record
+        does not exclude (95 %), in units of OP; inf where a valve that never moves is as likely.
     """
 
     best: str

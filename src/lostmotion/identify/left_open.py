@@ -1,0 +1,45 @@
+"""Lost motion that a record leaves open, beside what was found in it."""
+
+from __future__ import annotations
+
+from lostmotion.errors import Status
+from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
+from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.scaled import Scaling
+from lostmotion.identify.status import excluded_sizes
+
+DENIED = 30.0  # firm gain in log-likelihood: a fault with less may be denied, by what else is known of the loop
+
+
+def left_open(
+    linear: Fitted, fits: dict[str, Fitted], beside: HammersteinFit, scaling: Scaling, slow: bool = False
+) -> dict[str, float]:
+    """Largest size of every kind that the record does not exclude (95 %), in units of OP.
+
+    Parameters
+    ----------
+    linear : Fitted
+    fits : dict of Fitted
+        Of the kinds.
+    beside : HammersteinFit
+        The linear model as a result.
+    slow : bool
+        Whether the valve may be slow, which is no linear model.
+    """
+    seen = beside.status is not Status.CANNOT_TELL and beside.evidence.can_exclude and not slow
+    sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
+    return excluded_sizes(sizes, beside.data, scaling)
+
+
+def may_be_denied(found: HammersteinFit, kinds: KindChoice, sound: float) -> bool:
+    """Whether a fault is so small, or gains so little, that a verdict may go without it; `sound` is in units of OP."""
+    size = found.kind.size
+    return (size is not None and found.interval(size)[1] < sound) or kinds.firm[kinds.best] < DENIED
+
+
+def with_found(sizes: dict[str, float], found: HammersteinFit) -> dict[str, float]:
+    """Sizes with that of the fault that was found: not less than the upper end of its interval."""
+    name = found.kind.size
+    return sizes if name is None else sizes | {found.kind.name: max(sizes[found.kind.name], found.interval(name)[1])}
