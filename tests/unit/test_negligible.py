@@ -39,10 +39,10 @@ def test_a_small_part_of_a_percent_is_seen_and_is_no_fault() -> None:
 
 
 @pytest.mark.statistics
-def test_who_tolerates_less_is_told() -> None:
+def test_who_tolerates_less_is_not_told_so() -> None:
     one = found(0.2, noise=0.003, tolerance=0.001)
-    assert one.verdict in ("backlash", "stiction")
     assert not one.measured.negligible
+    assert not one.cleared
 
 
 @pytest.mark.statistics

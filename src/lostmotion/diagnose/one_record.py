@@ -13,7 +13,7 @@ from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
-from lostmotion.diagnose.excitation import only_fed_back
+from lostmotion.diagnose.excitation import moved_freely, only_fed_back
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
@@ -97,7 +97,7 @@ def diagnose(
     measured = measure(fit, integrating, sp, sound)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
-    fed_back = only_fed_back(fit.evidence.closed_loop, fit.evidence.free_moves, sp)
+    fed_back = only_fed_back(fit.evidence.closed_loop, moved_freely(fit.data, fit.evidence.free_moves), sp)
     bill = clean_bill(fit, tolerance, span, fed_back)
     report = check(record)
     verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)

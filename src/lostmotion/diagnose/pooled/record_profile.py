@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.excitation import only_fed_back
+from lostmotion.diagnose.excitation import moved_freely, only_fed_back
 from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
 from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
@@ -184,7 +184,9 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
     loop = feedback(scaled)
     foreknown = data.foretold.against(float(linear.parts.b.sum()))
-    fed_back = only_fed_back(loop.closed, loop.free, data.sp) or (loop.closed and (foreknown or not data.answered))
+    fed_back = only_fed_back(loop.closed, moved_freely(data, loop.free), data.sp) or (
+        loop.closed and (foreknown or not data.answered)
+    )
     return RecordProfile(curves, gains, span, data.u.size, models, fed_back, unseen_moves(data))
 
 
