@@ -59,7 +59,8 @@ class Diagnosis:
     size : float
         Width or band of the lost motion in units of OP; NaN where there is none or it is not known.
     interval : (float, float)
-        95 % interval of it.
+        95 % interval of it; of a valve that sticks with 5 % of the size to either side for what friction is and the
+        model is not.
     size_percent : float
         Of the OP span.
     confidence : float
