@@ -1,9 +1,11 @@
-"""The loops of `benchmarks/other_simulation.py`: 66 valves without a fault, 66 with one.
+"""The loops of `benchmarks/other_simulation.py`: 86 valves without a fault, 106 with one.
 
 A loop's number is its place in `LOOPS`, and part of its seed: new ones go to the end.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from verdicts.other_simulation import RecordedLoop, recorded_loop
 from verdicts.other_specification import (
@@ -267,6 +269,26 @@ def _faulty_with_more() -> list[LoopSpec]:
     ]
 
 
+def _ahead_in_each(process: ProcessSpec) -> list[LoopSpec]:
+    """A controller that knows more than the rows of PV, before a sound valve and before two with a fault."""
+    valves = (("none", ValveSpec()), ("backlash", ValveSpec("backlash", 3.0)), ("stiction", ValveSpec("he", 4.0, 1.5)))
+    ahead = replace(NORMAL, feedforward=0.8)
+    pid = replace(NORMAL, derivative_time=4.0)
+    load, seldom = LoadSpec(1.0, steps=1.0), HistorianSpec(scans=4)
+    after = (
+        HistorianSpec(scans=4, pv_late=0.5),
+        HistorianSpec(scans=1, pv_late=1.0),
+        HistorianSpec(scans=2, pv_late=2.0),
+    )
+    found = []
+    for truth, valve in valves:
+        prefix = "" if truth == "none" else f"{truth}, "
+        found.append(LoopSpec(f"{prefix}feedforward", truth, process, valve, ahead, MOVES, load))
+        found.append(LoopSpec(f"{prefix}derivative", truth, process, valve, pid, MOVES, load, QUIET, seldom))
+        found += [LoopSpec(f"{prefix}PV late", truth, process, valve, NORMAL, MOVES, historian=one) for one in after]
+    return found
+
+
 EACH = (FLOW, PRESSURE, TEMPERATURE, LEVEL)
 
 LOOPS: tuple[LoopSpec, ...] = (
@@ -278,6 +300,7 @@ LOOPS: tuple[LoopSpec, ...] = (
     *(spec for process in EACH for spec in _faulty_in_each(process)),
     *_faulty_unequal_or_growing(),
     *_faulty_with_more(),
+    *(spec for process in EACH for spec in _ahead_in_each(process)),
 )
 
 

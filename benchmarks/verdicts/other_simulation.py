@@ -103,7 +103,7 @@ def recorded_loop(spec: LoopSpec, seed: int) -> RecordedLoop:
     noise = _noise(rng, spec.transmitter, count)
     manual, manual_output = _manual(rng, spec.controller.manual_phases, count, rest)
     op, pv, place = closed_loop(
-        Signals(set_point, load, drift, noise, manual, manual_output),
+        Signals(set_point, load, drift, noise, manual, manual_output, -spec.controller.feedforward * load),
         Clock(scan / fine_steps, fine_steps, SECONDS[spec.process.kind]),
         process,
         _controller(spec.controller, tuning),
@@ -111,6 +111,7 @@ def recorded_loop(spec: LoopSpec, seed: int) -> RecordedLoop:
         _valve(spec.valve, valve_lag, rest),
         rest,
     )
+    pv = late(pv, int(historian.pv_late * scans))
     op, pv, sp, place, manual = (signal[scans - 1 :: scans][SETTLING:] for signal in (op, pv, set_point, place, manual))
     if historian.compression:
         pv = compressed(pv, historian.pv_deviation, historian.compression)
@@ -280,6 +281,11 @@ def wandering_sine(rng: Rng, count: int, period: float, amplitude: float, wander
 
 
 # --- historian
+
+
+def late(values: Array, scans: int) -> Array:
+    """Each value so many scans later."""
+    return np.concatenate([values[:scans], values[: len(values) - scans]])
 
 
 def compressed(values: Array, deviation: float, filled: str) -> Array:

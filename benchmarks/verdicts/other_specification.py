@@ -52,6 +52,7 @@ class ControllerSpec:
     output_step: float = 0.0  # of OP, %
     manual_phases: int = 0
     op_at_rest: float | None = None  # drawn where None
+    feedforward: float = 0.0  # share of the load that is measured and taken off OP at once
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,7 @@ class HistorianSpec:
     compression: str = ""  # "hold" or "linear": how it fills rows between stored values
     pv_deviation: float = 0.0  # %: stored is what is off by more
     op_deviation: float = 0.0
+    pv_late: float = 0.0  # rows by which PV is recorded after OP
 
 
 @dataclass(frozen=True)

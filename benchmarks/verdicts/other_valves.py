@@ -36,6 +36,7 @@ class Signals(NamedTuple):
     noise: Array  # of the transmitter
     manual: Array  # whether the operator has the valve
     manual_output: Array
+    feedforward: Array  # adds to OP
 
 
 class Clock(NamedTuple):
@@ -309,7 +310,7 @@ def closed_loop(
             integral = output - controller.gain * error
         else:
             output, integral = controller_output(controller, error, integral, derivative, scan)
-        op[k] = to_step(output, controller.output_step)
+        op[k] = to_step(output + signals.feedforward[k], controller.output_step)
         friction = friction_now(valve, k / scans)
         for fine in range(clock.fine_steps):
             move_valve(valve, friction, state, op[k], fine == 0, clock)
