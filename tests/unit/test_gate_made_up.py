@@ -176,7 +176,9 @@ def test_a_diagnosis_gives_no_size_either(monkeypatch, pv, verdict, told):
     record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0, op_span=(0.0, 100.0))
     fit = lm.identify(record, nonlinearity="auto")
     seen = MadeUp(Compression(0.0, 0.0), Compression(*pv))
-    monkeypatch.setattr(module, "identify", lambda *_, **__: replace(fit, data=replace(fit.data, made_up=seen)))
+    monkeypatch.setattr(
+        module, "identify_for_verdict", lambda *_, **__: replace(fit, data=replace(fit.data, made_up=seen))
+    )
     found = lm.diagnose(record)
     assert found.verdict == verdict
     assert np.isfinite([found.size, *found.interval]).all() == told

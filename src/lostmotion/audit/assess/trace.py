@@ -56,11 +56,13 @@ def model_of(found: Diagnosis) -> str:
     fit, record = found.fit, found.record
     if fit.kind.name != found.verdict or fit.kind.name == "none":
         return ""
-    names = [name for name in ("left", "right", fit.kind.size) if name in fit.parameters]
+    ends = {name: fit.interval(name) for name in ("left", "right") if name in fit.parameters}
+    if fit.kind.size is not None:
+        ends[fit.kind.size] = found.interval
     data: dict[str, Any] = {
         "actuator": fit.nonlinearity.to_dict(),
         "size": fit.kind.size,
-        "intervals": {str(name): [finite(end) for end in fit.interval(str(name))] for name in names},
+        "intervals": {name: [finite(end) for end in both] for name, both in ends.items()},
         "fit_percent": finite(fit.fit_percent),
         "gain": finite(fit.linear.gain),
         "op": [finite(float(np.nanmin(record.op))), finite(float(np.nanmax(record.op)))],
