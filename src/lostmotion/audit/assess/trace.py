@@ -56,7 +56,9 @@ def model_of(found: Diagnosis) -> str:
     fit, record = found.fit, found.record
     if fit.kind.name != found.verdict or fit.kind.name == "none":
         return ""
-    ends = {name: fit.interval(name) for name in ("left", "right") if name in fit.parameters}
+    ends: dict[str, tuple[float, float]] = {
+        name: fit.interval(name) for name in ("left", "right") if name in fit.parameters
+    }
     if fit.kind.size is not None:
         ends[fit.kind.size] = found.interval
     data: dict[str, Any] = {
