@@ -1,0 +1,54 @@
+"""The first objection decides, and what rounding makes of OP is nobody's move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lostmotion.diagnose.excitation import moved_freely
+from lostmotion.diagnose.features import CARRIES, SILENT, Features, Measured
+from lostmotion.diagnose.objections import OBJECTIONS, SWINGS, Case, objection, sticks
+from lostmotion.identify.data import collect
+from tests.diagnoses import example
+
+
+def case(verdict: str, features: Features = Features(), sticking: float = 1.0, level: bool = True) -> Case:  # noqa: B008
+    measured = Measured(features, SILENT, SILENT, 40.0, level, {})
+    return Case(verdict, example().fit, measured, True, sticking, level, False)
+
+
+def test_what_speaks_for_itself_meets_none() -> None:
+    fit = example().fit
+    assert objection(case(fit.kind.name, Features(memory=3.0, dead_zone=3.0))) is None
+    assert objection(case("cannot tell", Features(memory=3.0))) is None
+
+
+def test_a_wave_alone_in_a_flow_is_met_with_its_limit() -> None:
+    found = objection(case("stiction", level=False))
+    assert found is not None
+    assert "no valve that sticks foretells PV better" in found.why
+    assert found.limit == pytest.approx(CARRIES * float(np.ptp(example().fit.data.u)))
+
+
+def test_a_swing_from_outside_names_no_level() -> None:
+    one = case(SWINGS)
+    assert all(not look(one) for _, look in OBJECTIONS[3:5])
+
+
+def test_kinds_that_stick() -> None:
+    assert [sticks(name) for name in ("backlash", "stiction", "dead zone", "saturation", "none", SWINGS)] == [
+        True, True, False, False, False, False,
+    ]  # fmt: skip
+
+
+def test_rounding_of_op_is_no_free_move() -> None:
+    rng = np.random.default_rng(0)
+    op, pv = rng.normal(size=3000).cumsum() * 0.3, rng.normal(size=3000)
+    data = collect(op, pv, 1.0)
+    rounded = replace(data, u=np.round(op, 1))
+    share = 2.0 * 0.01 / 12.0 / float(np.var(np.diff(rounded.u)))
+    assert moved_freely(data, 0.02) == 0.02
+    assert moved_freely(rounded, 0.02) == pytest.approx(0.02 - share, rel=1e-6)
+    assert moved_freely(rounded, 0.5 * share) == 0.0
