@@ -25,7 +25,7 @@ from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
 from lostmotion.identify.earned import earned
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.left_open import left_open, may_be_denied, with_found
+from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -266,7 +266,7 @@ class _Identification:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 if self.sound is not None and may_be_denied(chosen, kinds, self.sound):
-                    sizes = left_open(linear, fits, linear_result, self.scaled.scaling)
+                    sizes = left_open(linear, fits, linear_result, self.scaled.scaling, ahead=surely_ahead(kinds))
                     kinds = replace(kinds, excluded=with_found(sizes, chosen))
                 return replace(chosen, linear_alternative=linear_result, kinds=kinds)
             aside = [kinds.best]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lostmotion.errors import Status
-from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.actuators.choice import CONFIRMED, KindChoice
 from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -14,7 +14,12 @@ DENIED = 30.0  # firm gain in log-likelihood: a fault with less may be denied, b
 
 
 def left_open(
-    linear: Fitted, fits: dict[str, Fitted], beside: HammersteinFit, scaling: Scaling, slow: bool = False
+    linear: Fitted,
+    fits: dict[str, Fitted],
+    beside: HammersteinFit,
+    scaling: Scaling,
+    slow: bool = False,
+    ahead: float = 0.0,
 ) -> dict[str, float]:
     """Largest size of every kind that the record does not exclude (95 %), in units of OP.
 
@@ -27,9 +32,11 @@ def left_open(
         The linear model as a result.
     slow : bool
         Whether the valve may be slow, which is no linear model.
+    ahead : float
+        Log-likelihood by which what was found is surely ahead of the linear model.
     """
     seen = beside.status is not Status.CANNOT_TELL and beside.evidence.can_exclude and not slow
-    sizes = largest_sizes(linear, fits) if seen else nothing_excluded()  # a valve that stands still would do
+    sizes = largest_sizes(linear, fits, ahead) if seen else nothing_excluded()  # a valve that stands still would do
     return excluded_sizes(sizes, beside.data, scaling)
 
 
@@ -37,6 +44,11 @@ def may_be_denied(found: HammersteinFit, kinds: KindChoice, sound: float) -> boo
     """Whether a fault is so small, or gains so little, that a verdict may go without it; `sound` is in units of OP."""
     size = found.kind.size
     return (size is not None and found.interval(size)[1] < sound) or kinds.firm[kinds.best] < DENIED
+
+
+def surely_ahead(kinds: KindChoice) -> float:
+    """Log-likelihood by which the best kind is ahead of the linear model, less what a search gains by chance."""
+    return max(kinds.firm[kinds.best] - CONFIRMED, 0.0)
 
 
 def with_found(sizes: dict[str, float], found: HammersteinFit) -> dict[str, float]:

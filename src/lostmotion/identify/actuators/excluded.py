@@ -29,7 +29,7 @@ REFINED = 2  # forms of a size: the best before the refinement
 Fits = dict[str, Fitted]
 
 
-def largest_sizes(linear: Fitted, fits: Fits) -> dict[str, float]:
+def largest_sizes(linear: Fitted, fits: Fits, ahead: float = 0.0) -> dict[str, float]:
     """Largest size of every kind that has one, in scaled units of OP; inf where a valve that never moves is as likely.
 
     Parameters
@@ -38,15 +38,17 @@ def largest_sizes(linear: Fitted, fits: Fits) -> dict[str, float]:
         The linear model, with its loads.
     fits : dict of Fitted
         Of the kinds, where there are some: the process that belongs to a fault may have another structure.
+    ahead : float
+        Log-likelihood by which what was found is surely ahead of the linear model; sizes are excluded behind that.
     """
     kinds = [kind for kind in faults() if kind.size is not None]
-    found = {kind.name: _Sizes(linear, kind, fits.get(kind.name)).largest() for kind in kinds}
+    found = {kind.name: _Sizes(linear, kind, fits.get(kind.name), ahead=ahead).largest() for kind in kinds}
     noise = op_noise(linear.problem)
     noisy = [kind for kind in kinds if kind.sticks and NOISE * noise > found[kind.name]]
     for behind in (behind_pole(linear, pole) for pole in POLES if noisy):
         for kind in noisy:
             known = found[kind.name]
-            found[kind.name] = _Sizes(linear, kind, None, behind).largest(known, known + REACH * noise)
+            found[kind.name] = _Sizes(linear, kind, None, behind, ahead).largest(known, known + REACH * noise)
     return found
 
 
@@ -58,8 +60,10 @@ def nothing_excluded() -> dict[str, float]:
 class _Sizes:
     """Sizes of one kind."""
 
-    def __init__(self, linear: Fitted, kind: Kind, found: Fitted | None, behind: Fitted | None = None) -> None:
-        self.linear, self.kind = linear, kind
+    def __init__(
+        self, linear: Fitted, kind: Kind, found: Fitted | None, behind: Fitted | None = None, ahead: float = 0.0
+    ) -> None:
+        self.linear, self.kind, self.ahead = linear, kind, ahead
         self.bases = [behind or linear] if found is None else [behind or linear, found]
         self.span = float(np.ptp(linear.problem.u))
 
@@ -99,4 +103,4 @@ class _Sizes:
         linear, n = self.linear, base.problem.errors
         own = len(base.problem.family.own) * float(np.log(n))
         paid = cost_of_parameters(base, n) - own - cost_of_parameters(linear, n)
-        return n * linear.fit.cost / linear.problem.errors * float(np.exp((2.0 * FALL - paid) / n))
+        return n * linear.fit.cost / linear.problem.errors * float(np.exp((2.0 * (FALL - self.ahead) - paid) / n))
