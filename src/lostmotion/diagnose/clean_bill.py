@@ -31,7 +31,7 @@ class CleanBill:
     ----------
     excluded : dict of float
         Largest size of every kind that the record does not exclude (95 %), in units of OP; inf where a valve that never
-        moves would look the same. Of a fault that was found the upper end of its interval, and of no other kind.
+        moves would look the same. Of a fault that is not to be denied the upper end of its interval alone.
     tolerance : float
         Largest size that does not matter, in units of OP.
     span : OpSpan

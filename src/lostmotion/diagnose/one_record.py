@@ -21,7 +21,7 @@ from lostmotion.diagnose.performance import measure_performance
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
-from lostmotion.identify.actuators.kind import Kind, faults
+from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
@@ -186,17 +186,16 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
             return *unknown[:2], (f"How large it is the record does not tell: {hidden}.",)
         about = [BETWEEN.format(fit.evidence.unseen_moves)] if fit.evidence.unseen_moves > 0.0 else []
         about += [LAGS.format(fit.evidence.actuator_lag)] if fit.evidence.actuator_lag > 0.0 else []
-        return fit.parameters[name], _with_model_error(fit, said), tuple(about)
+        return fit.parameters[name], _with_model_error(fit, name), tuple(about)
     width = measured.indices.get("ellipse_width", np.nan)
     note = f"How large it is the likelihood does not tell; the ellipse of PV over OP is {width:.2g} of OP wide, a hint."
     return *unknown[:2], (note,) if np.isfinite(width) else ()
 
 
-def _with_model_error(fit: HammersteinFit, said: Kind) -> tuple[float, float]:
+def _with_model_error(fit: HammersteinFit, name: str) -> tuple[float, float]:
     """Interval of the size; of a valve that sticks it counts that friction is no play with a jump."""
-    name = str(said.size if fit.kind is said else fit.kind.size)
     low, high = fit.interval(name)
-    more = MODEL_ERROR * fit.parameters[name] if said.sticks else 0.0
+    more = MODEL_ERROR * fit.parameters[name] if fit.kind.sticks else 0.0
     return max(low - more, 0.0), high + more
 
 

@@ -74,8 +74,8 @@ def pv_answers(u: FloatArray, y: FloatArray, segments: IntArray, sp: FloatArray 
 
 def _chance(new: FloatArray, y: FloatArray, spans: list[tuple[int, int]], own: int) -> float:
     """That news beyond the lag `own` would tell so much of y, beside its own past and news up to there, by chance."""
-    longest = max(stop - start for start, stop in spans)
-    used = [span for span in SPANS if LONGEST * span[1] <= longest]
+    rows_at_most = max(stop - start for start, stop in spans)
+    used = [span for span in SPANS if LONGEST * span[1] <= rows_at_most]
     if not used or used[-1][1] <= own:
         return 1.0
     first = max(OF_CONTROLLER + used[-1][1], OF_PV)
