@@ -62,3 +62,12 @@ def test_stops_are_found():
     fit = lm.identify(*slow_loop((-3.0, 3.5)), 1.0)
     assert fit.kind.name == "saturation"
     assert abs(fit.parameters["high"] - 3.5) < 0.1
+
+
+@pytest.mark.statistics
+def test_a_slow_valve_is_no_dead_zone_either():
+    """The dead zone that fits best is weighed against the valve that is slow."""
+    fit = lm.identify(*slow_loop(), 1.0, nonlinearity="dead zone")
+    assert not fit.status.ok
+    assert fit.evidence.gain_over_healthy is not None
+    assert fit.evidence.gain_over_healthy < 0.0

@@ -9,7 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identify.data import collect
-from lostmotion.identify.unseen_moves import beyond_unseen, unseen_moves, within_unseen
+from lostmotion.identify.unseen_moves import Unseen, beyond_unseen, unseen_moves, within_unseen
 from tests.fits import made_fit
 
 GAIN, INTEGRAL = 0.8, 0.05  # of the controller, at each of its scans
@@ -38,7 +38,7 @@ def loop(scans, *, band=0.0, rows=1500, noise=0.1, seed=1, sp_known=True, before
 
 
 def moves(record):
-    return unseen_moves(collect(record, None, None))
+    return unseen_moves(collect(record, None, None)).moves
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -69,7 +69,7 @@ def test_nothing_is_said_of_moves_by_hand_nor_of_too_few_rows():
 def test_arrays_and_op_that_something_else_moves_tell_nothing():
     random = np.random.default_rng(4)
     u, y = random.standard_normal((2, 500))
-    assert unseen_moves(collect(u, y, 1.0)) == 0.0
+    assert unseen_moves(collect(u, y, 1.0)).moves == 0.0
 
 
 def test_the_interval_of_a_size_is_wider_by_them(tmp_path):
@@ -118,7 +118,7 @@ def test_no_size_is_excluded_that_unseen_scans_hide(monkeypatch):
     found, more = lm.diagnose(record).excluded, 2.0 * moves(record)
     alone = lm.identify(record, nonlinearity="backlash")
     assert alone.status is lm.Status.NOT_SEEN
-    monkeypatch.setattr(importlib.import_module("lostmotion.identify.status"), "unseen_moves", lambda _: 0.0)
+    monkeypatch.setattr(importlib.import_module("lostmotion.identify.data"), "unseen_moves", lambda _: Unseen())
     plain = lm.identify(record, nonlinearity="auto").kinds.excluded
     assert more > 0.0
     for name, size in found.items():

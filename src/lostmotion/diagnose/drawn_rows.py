@@ -17,7 +17,10 @@ def hidden_size(fit: HammersteinFit) -> str:
     """Why the record of a fit tells no size; empty where it does."""
     made_up = fit.data.made_up
     said = None if made_up is None else made_up.hides_size(fit.evidence.closed_loop)
-    return "" if said is None else said[1]
+    if said is not None:
+        return said[1]
+    between = fit.data.unseen.settled and fit.kind.sticks
+    return "the loop settles between the rows, which do not show how far OP went there" if between else ""
 
 
 def drawn_share(fit: HammersteinFit) -> float:

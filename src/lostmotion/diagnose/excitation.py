@@ -14,8 +14,8 @@ from lostmotion.identify.evidence import NEARLY_EXACT
 FED_BACK = 0.01
 ONLY_PV = "nothing but PV moves OP, so that the record does not tell the process from its controller"
 FOREKNOWN = (
-    "OP foretells PV against the way in which the valve moves it: the controller acts between the rows or on a load, or"
-    " PV is recorded late, so that the record excludes no lost motion"
+    "the controller knows more than the rows show: it acts between them or on a load, or PV is recorded late, so that "
+    "the record excludes no lost motion"
 )
 NO_ANSWER = "PV answers nothing that is new in OP, so that a valve which stands still would have left the same record"
 

@@ -15,7 +15,9 @@ from lostmotion.arguments import positive, signal
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.answered import pv_answers
+from lostmotion.identify.direction import against_pv
 from lostmotion.identify.foreknown import Foretold, foretold
+from lostmotion.identify.unseen_moves import Unseen, unseen_moves
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
@@ -92,6 +94,16 @@ class IdentificationData:
     def foretold(self) -> Foretold:
         """What OP says of PV beyond its past, see ``foretold``."""
         return foretold(self.u, self.y, self.segments, self.sp)
+
+    @cached_property
+    def unseen(self) -> Unseen:
+        """What OP does between the rows, see ``unseen_moves``."""
+        return unseen_moves(self)
+
+    @cached_property
+    def against_pv(self) -> float:
+        """Standard errors of OP against PV by moves of the set point, see ``against_pv``."""
+        return against_pv(self.u, self.segments, self.sp)
 
     @property
     def u_centre(self) -> float:

@@ -49,8 +49,8 @@ class Evidence:
         Whether PV answers what is new in OP, see ``pv_answers``; True in an open loop, and of a fit saved before it was
         asked. Where it is not, a valve that stands still would have left the same record.
     foreknown : bool
-        Whether OP foretells PV against the way in which the valve moves it, see ``foretold``: the controller knows more
-        than the rows, which answer moves of OP however small.
+        Whether the controller knows more than the rows, which answer moves of OP however small: OP foretells PV against
+        the way in which the valve moves it, see ``foretold``, or moves mostly between the rows, see ``Unseen``.
     """
 
     gain_over_linear: float

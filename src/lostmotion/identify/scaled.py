@@ -32,6 +32,14 @@ class Signals(Protocol):
         """Start and stop rows."""
 
 
+class Recorded(Signals, Protocol):
+    """The same with what the set point tells of the controller."""
+
+    @property
+    def against_pv(self) -> float:
+        """Which way the controller moves OP, in standard errors, by moves of the set point; 0: they do not tell."""
+
+
 @dataclass(frozen=True)
 class Scaling:
     """u = u_centre + u_scale * scaled, y likewise."""
@@ -44,21 +52,26 @@ class Scaling:
 
 @dataclass(frozen=True)
 class ScaledData:
-    """u and y near 0 and of deviation 1, the segments, and the scaling that made them so."""
+    """u and y near 0 and of deviation 1, the segments, and the scaling that made them so.
+
+    `against_pv`: which way the controller moves OP, in standard errors, by moves of the set point (``against_pv``).
+    """
 
     u: FloatArray
     y: FloatArray
     segments: IntArray
     scaling: Scaling = field(default_factory=Scaling)
+    against_pv: float = 0.0
 
     @classmethod
-    def of(cls, signals: Signals, scaling: Scaling) -> ScaledData:
+    def of(cls, signals: Recorded, scaling: Scaling) -> ScaledData:
         """Signals in engineering units, scaled."""
         return cls(
             (signals.u - scaling.u_centre) / scaling.u_scale,
             (signals.y - scaling.y_centre) / scaling.y_scale,
             signals.segments,
             scaling,
+            signals.against_pv,
         )
 
     @property

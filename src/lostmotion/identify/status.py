@@ -15,7 +15,7 @@ from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.unseen_moves import beyond_unseen, unseen_moves
+from lostmotion.identify.unseen_moves import beyond_unseen
 
 VAGUE = 0.5  # of the width: an inverse with a break point that is so little known may push more than it takes away
 
@@ -37,6 +37,7 @@ def weigh(
         beyond = int(np.sum(data.u < below)), int(np.sum(data.u > above))
         crossed = crossings(data.u, np.asarray(scaled.segments), below, above)
     loop, healthy = feedback(scaled), kind.healthy(fitted, linear)
+    gain = -float(loop.direction) or float(fitted.parts.b.sum())
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
         gain_over_healthy=None if healthy is linear else gain_over_linear(fitted, healthy),
@@ -47,9 +48,9 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
-        unseen_moves=unseen_moves(data) if kind.sticks else 0.0,
+        unseen_moves=data.unseen.moves if kind.sticks else 0.0,
         answered=data.answered if loop.closed else True,
-        foreknown=loop.closed and data.foretold.against(float(fitted.parts.b.sum())),
+        foreknown=loop.closed and (data.unseen.mostly or data.foretold.against(gain)),
     )
 
 
@@ -80,7 +81,7 @@ def excluded_above(
 
 def excluded_sizes(sizes: dict[str, float], data: IdentificationData, scaling: Scaling) -> dict[str, float]:
     """The same of every kind in units of OP, from scaled ones beside the linear model."""
-    moves, found = unseen_moves(data), {name: scaling.u_scale * size for name, size in sizes.items()}
+    moves, found = data.unseen.moves, {name: scaling.u_scale * size for name, size in sizes.items()}
     return {name: beyond_unseen(size, moves) if kind_of(name).sticks else size for name, size in found.items()}
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.identify.data import IdentificationData
 from lostmotion.records.sampling import Bools
+
+if TYPE_CHECKING:
+    from lostmotion.identify.data import IdentificationData
 
 # rows of a PID with a filter in front of it: past ones of OP, and of PV and SP with the present one
 OF_OP, OF_PV = 3, 4
@@ -16,30 +21,57 @@ TURNS = 5  # of the regression, without the rows of steps and limits
 ORDINARY = 3.0  # standard errors: rows further off are something else
 DEVIATION = 1.4826  # of Gaussian errors over their median
 EXACT = 1e-6  # of the noise of OP: what the controller leaves where every act of it is a row
-OTHERWISE = 0.3  # of the noise of OP, from which on something else moves it, that the rows show
+# of the noise of OP. A controller with an integral leaves less than the first between its rows; one that answers the
+# slope of PV up to twice that, as the noise of every scan moves OP in full: in another simulation 0.26 to 0.44, where
+# no other loop that acts between its rows left more than 0.25. More than that is moved by something that the rows show
+MOSTLY, OTHERWISE = 0.3, 0.5
 # times the rounding of OP and PV when they were stored: what that leaves of an exact controller, 0.70 to 0.97 in 24
 # simulated loops. Less says that PV was rounded before the controller saw it.
 ROUNDED = (0.6, 1.3)
+# of its answer to SP that PV has given a row after the move, from which on the loop has settled between the rows: in
+# another simulation 0.43 to 1 where a row was longer than the time constant of the process, at most 0.34 elsewhere
+SETTLED, ANSWER, FEWEST_MOVES = 0.4, 10, 5
+LEAST_ANSWER = 0.5  # of the move: PV follows SP within these rows
 # times these moves: at either end OP turns round further out than the rows show, and when is not known. In another
 # simulation 27 of 70 sizes were in the interval before this, 58 of 70 are with it (docs/other-simulation.md)
 FURTHER, NEARER = 2.0, 1.0
 
 
-def unseen_moves(data: IdentificationData) -> float:
-    """Deviation of OP's noise where part of it lies between the rows; 0 where the rows show all, or nothing tells.
+@dataclass(frozen=True)
+class Unseen:
+    """What OP does between the rows.
+
+    Attributes
+    ----------
+    moves : float
+        Deviation of OP's noise where part of it lies between the rows, in units of OP; 0 where the rows show all, or
+        nothing tells.
+    rest : float
+        Share of it that the rows of PV and SP do not explain.
+    settled : bool
+        Whether the loop has settled before the next row: how far OP went, and came back, is in none.
+    """
+
+    moves: float = 0.0
+    rest: float = 0.0
+    settled: bool = False
+
+    @property
+    def mostly(self) -> bool:
+        """Whether the valve is moved by what no row shows: then the rows exclude no lost motion."""
+        return self.settled or (self.moves > 0.0 and self.rest >= MOSTLY)
+
+
+def unseen_moves(data: IdentificationData) -> Unseen:
+    """What OP does between the rows, from what its controller leaves of it in the rows.
 
     A controller that acts once a row makes OP an exact function of PV, SP and its own past in the rows. One that acts
     several times leaves a small rest, the integral of a noise of PV that is in no row; then OP turns round between rows
     as well, further out by about its noise, and a valve with a memory has been there.
-
-    Returns
-    -------
-    float
-        In units of OP.
     """
     rows = _rows(data)
     if rows is None:
-        return 0.0
+        return Unseen()
     op, pv, sp, now, inside = rows
     own = _regressed(_lags([op], now, 1, OWN), op[now], inside)[0]
     if sp is None:  # a step of it that is not known is in two rows of these differences
@@ -47,12 +79,39 @@ def unseen_moves(data: IdentificationData) -> float:
     moved_by = [pv] if sp is None or np.ptp(sp) == 0.0 else [pv, sp]
     columns = np.hstack([_lags([op], now, 1, OF_OP), _lags(moved_by, now, 0, OF_PV - 1)])
     left, gains = _regressed(columns, op[now], inside)
+    if left >= OTHERWISE * own > 0.0 and settled_by(data.y, data.sp, data.segments) > SETTLED:
+        return Unseen(own, left / own, settled=True)
     if not EXACT * own < left < OTHERWISE * own:
-        return 0.0
+        return Unseen()
     of_op, of_pv = gains[:OF_OP], gains[OF_OP : OF_OP + OF_PV]
     stored = np.hypot(data.u_step * np.hypot(1.0, np.linalg.norm(of_op)), data.y_step * np.linalg.norm(of_pv))
     rounded = float(stored) / np.sqrt(12.0)
-    return 0.0 if ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded else own
+    return Unseen() if ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded else Unseen(own, left / own)
+
+
+def settled_by(y: FloatArray, sp: FloatArray | None, segments: IntArray) -> float:
+    """Share of its answer to a move of SP that PV has given a row after it; 0 where moves of SP do not tell.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n,)
+        PV, segments one after the other.
+    sp : ndarray, shape (n,), or None
+    segments : ndarray, shape (s, 2)
+        First row and the row behind the last.
+    """
+    if sp is None:
+        return 0.0
+    rows, moves = [], []
+    for start, stop in segments.tolist():
+        now = np.arange(start + ANSWER + 1, stop)
+        rows.append(sp[now[:, None] - np.arange(ANSWER + 1)] - sp[now[:, None] - np.arange(1, ANSWER + 2)])
+        moves.append(y[now] - y[now - 1])
+    columns, moved = np.concatenate(rows), np.concatenate(moves)
+    if np.count_nonzero(columns[:, 0]) < FEWEST_MOVES or len(columns) < 10 * ANSWER:
+        return 0.0
+    answer = np.linalg.lstsq(columns, moved, rcond=None)[0].cumsum()
+    return float(answer[1] / answer[-1]) if answer[-1] > LEAST_ANSWER else 0.0
 
 
 def beyond_unseen(size: float, moves: float) -> float:

@@ -114,7 +114,7 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
     if fit.evidence.only_fed_back:
         return f"Nothing but PV moves OP in this record, which then does not bound the {kind.size}."
     if fit.evidence.foreknown:
-        return f"OP foretells PV in this record, against the valve, which then does not bound the {kind.size}."
+        return f"The controller knows more than the rows of this record, which then does not bound the {kind.size}."
     if not fit.evidence.answered:
         return f"PV answers nothing that is new in OP in this record, which then does not bound the {kind.size}."
     if fit.widest is None or not np.isfinite(fit.widest):

@@ -26,7 +26,6 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.problem import Structure
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.unseen_moves import unseen_moves
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import Prepared
 
@@ -183,11 +182,12 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
     gains = {name: kind_of(name).handicapped(gains, fits) for name in gains}
     loop = feedback(scaled)
-    foreknown = data.foretold.against(float(linear.parts.b.sum()))
+    gain = -float(loop.direction) or float(linear.parts.b.sum())
+    foreknown = data.unseen.mostly or data.foretold.against(gain)
     fed_back = only_fed_back(loop.closed, moved_freely(data, loop.free), data.sp) or (
         loop.closed and (foreknown or not data.answered)
     )
-    return RecordProfile(curves, gains, span, data.u.size, models, fed_back, unseen_moves(data))
+    return RecordProfile(curves, gains, span, data.u.size, models, fed_back, data.unseen.moves)
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:

@@ -14,6 +14,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify.actuators.break_points import about_levels, break_point_intervals
 from lostmotion.identify.actuators.kind import NEEDED, Kind, Words, register
 from lostmotion.identify.actuators.operator_profile import lags_of
+from lostmotion.identify.actuators.rate_limited import slow_valve
 from lostmotion.identify.actuators.slopes import with_equal_slopes
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.actuators.static_profile import profile
@@ -21,6 +22,7 @@ from lostmotion.identify.actuators.width_bound import width_bound
 from lostmotion.identify.actuators.without_gap import without_gap
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.offset import settle_offset
@@ -197,8 +199,9 @@ class DeadZoneKind(Kind):
         return with_equal_slopes(fitted)
 
     def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:
-        """A characteristic without the gap, which may bend."""
-        return without_gap(fitted, linear)
+        """A characteristic without the gap, which may bend, or a valve that is slow."""
+        rivals = without_gap(fitted, linear), slow_valve(fitted, linear)
+        return max(rivals, key=lambda one: gain_over_linear(one, linear))
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:
         """A dead zone that OP hardly leaves on one of its sides is the limit of a saturation."""

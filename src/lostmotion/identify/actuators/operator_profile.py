@@ -19,6 +19,7 @@ from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
+from lostmotion.identify.likelihood.in_row import answers_in_row
 from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import explained_by_lags
 
@@ -106,7 +107,7 @@ def _blocks(segments: IntArray, head: int, most: int) -> list[tuple[int, int]]:
 def lags_of(data: ScaledData, asked: Asked) -> Lags:
     """Lags of the profile for what is asked."""
     if asked.orders is None:
-        return Lags.for_record(data.shortest, 1, inputs=AUTO_LAGS)
+        return Lags.for_record(data.shortest, 0 if answers_in_row(data) else 1, inputs=AUTO_LAGS)
     return Lags.for_record(data.shortest, asked.orders[2])
 
 

@@ -22,6 +22,7 @@ HELD = 0.97  # share of rows at which OP rests in a test: thirty rows and more a
 # within a dead band or until a whole step of it is due 0.65 to 0.82 (loops of benchmarks/other_simulation.py)
 ANSWERED, FEWEST_MOVES = 0.25, 30
 SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
+SURE_BY_SP = 5.0  # the same of its answer to SP, which is not weighed against that to PV then
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
 NORMAL = 1e-7  # share of the variance of OP, of which sums of products still tell seven digits
 ROUNDING = 1e-15
@@ -49,26 +50,32 @@ class Feedback:
 
 
 @remembered
-def feedback(signals: Signals) -> Feedback:
+def feedback(data: ScaledData) -> Feedback:
     """Test for feedback from PV to OP with linear regressions of OP on ten past samples of both."""
+    closed, free = _answered(data)
+    return Feedback(closed, free, _direction(data) if closed else 0)
+
+
+@remembered
+def _answered(signals: Signals) -> tuple[bool, float]:
+    """Whether the loop is closed, and the free share of the moves of OP."""
     u, y = signals.u, signals.y
     long = [(start, stop) for start, stop in signals.segments.tolist() if stop - start >= 4 * LAGS]
     samples = sum(stop - start - LAGS for start, stop in long)
     free = samples - 2 * LAGS - 2
     if free < LAGS:
-        return Feedback(True, 1.0)
+        return True, 1.0
     alone, both = _left_over(ScaledData(y, u, np.array(long)))
     ratio = (alone - both) / (LAGS + 1) / max(both / free, 1e-300)
     closed = bool(f_tail(ratio, LAGS + 1, free) < LEVEL) and not _by_hand(signals)
     variance = sum(float(np.sum(np.diff(u[start + LAGS - 1 : stop]) ** 2)) for start, stop in long)
-    direction = _direction(signals) if closed else 0
-    return Feedback(closed, min(both / variance, 1.0) if variance > 0 else 1.0, direction)
+    return closed, min(both / variance, 1.0) if variance > 0 else 1.0
 
 
 def held_by_hand(signals: Signals) -> bool:
     """Whether OP hardly ever moves, and no controller moves it: a test."""
     moves = np.concatenate([np.diff(signals.u[start:stop]) for start, stop in signals.segments.tolist()])
-    return float(np.mean(moves == 0.0)) > HELD and not feedback(signals).closed
+    return float(np.mean(moves == 0.0)) > HELD and not _answered(signals)[0]
 
 
 def _left_over(turned: ScaledData) -> tuple[float, float]:
@@ -103,7 +110,12 @@ def _triangular(turned: ScaledData) -> FloatArray:
     return triangular(rows, spans, 2 * LAGS + 3)
 
 
-def _direction(signals: Signals) -> int:
+def _direction(data: ScaledData) -> int:
+    """Sign of the answer of OP to PV: by moves of SP where they are sure, else by PV."""
+    return int(np.sign(data.against_pv)) if abs(data.against_pv) > SURE_BY_SP else _direction_by_pv(data)
+
+
+def _direction_by_pv(signals: Signals) -> int:
     """Sign of kp and ki in du = kp dy + ki y + constant, where both are sure and agree, or one is sure."""
     gram, cross, moved, samples = np.zeros((3, 3)), np.zeros(3), 0.0, 0
     for start, stop in signals.segments.tolist():

@@ -17,6 +17,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.finished import finished, without_load
 from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.in_row import answers_in_row
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
 from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
@@ -111,9 +112,8 @@ class _Search:
         if asked.orders is not None:
             return cls(data, family, asked, rows, (asked.orders[2], asked.orders[2]))
         latest = max(min(LATEST_DELAY, data.shortest // 20), 1)
-        # the controller ties PV and OP of one sample, and a delay of 0 would model that instead of the process
         loop = feedback(data)
-        first = 1 if loop.closed else 0
+        first = 1 if loop.closed and not answers_in_row(data) else 0
         return cls(data, family, asked, rows, (first, latest), Held(loop.closed, loop.direction))
 
     @cached_property

@@ -1,0 +1,92 @@
+"""A flow that is recorded more slowly than its loop: PV answers OP within a row, and moves of SP tell which way."""
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.identify.data import collect
+from lostmotion.identify.likelihood.feedback import feedback
+from lostmotion.identify.likelihood.in_row import answers_in_row
+from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.unseen_moves import settled_by
+
+BAND = 4.0
+
+
+def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05):
+    """Every row has so many scans of a PI loop that settles in about five; SP moves, and a load drifts."""
+    random = np.random.default_rng(seed)
+    n = rows * scans
+    sp = np.repeat(random.uniform(-8.0, 8.0, rows // 60 + 1), 60 * scans)[:n]
+    load = 0.02 / np.sqrt(scans) * random.normal(size=n).cumsum()
+    op, pv = np.zeros(n), np.zeros(n)
+    valve = state = integral = 0.0
+    for k in range(n):
+        state += 0.5 * (gain * valve + load[k] - state)
+        pv[k] = state + noise * random.standard_normal()
+        integral += 0.15 * (sp[k] - pv[k]) / gain
+        op[k] = 0.2 * (sp[k] - pv[k]) / gain + integral
+        valve = min(max(valve, op[k] - band / 2), op[k] + band / 2)
+    at = slice(None, None, scans)
+    return lm.LoopRecord(50 + op[at], 50 + pv[at], 50 + sp[at], dt=float(scans), op_span=(0.0, 100.0))
+
+
+def scaled(record):
+    data = collect(record, None, None)
+    return ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
+
+
+@pytest.mark.parametrize("gain", [1.2, -0.7])
+def test_moves_of_sp_tell_the_direction_which_pv_confuses(gain):
+    by_all, by_pv = (feedback(data).direction for data in (scaled(flow(10, gain=gain)), _without_sp(gain)))
+    assert by_all == -np.sign(gain)
+    assert by_pv == np.sign(gain)  # why SP is asked
+
+
+def _without_sp(gain):
+    record = flow(10, gain=gain)
+    return scaled(lm.LoopRecord(record.op, record.pv, dt=record.dt, op_span=record.op_span))
+
+
+@pytest.mark.parametrize(("scans", "in_row"), [(10, True), (1, False), (2, False)])
+def test_pv_answers_within_a_row_where_the_row_is_long(scans, in_row):
+    assert answers_in_row(scaled(flow(scans))) is in_row
+
+
+def test_without_moves_of_sp_nothing_tells_the_process_from_the_inverse_of_the_controller():
+    assert not answers_in_row(_without_sp(1.2))
+
+
+def test_an_open_loop_is_not_meant():
+    u = np.random.default_rng(2).normal(size=1000)
+    assert not answers_in_row(scaled(lm.LoopRecord(u, u + 0.1 * np.random.default_rng(3).normal(size=1000), dt=1.0)))
+
+
+@pytest.mark.statistics
+def test_the_lost_motion_of_such_a_flow_is_found_but_not_how_large_it_is():
+    """How far OP overshoots between the rows they do not show."""
+    found = [lm.diagnose(flow(10, seed=seed), loop_type="flow") for seed in range(1, 5)]
+    assert sum(one.verdict in ("backlash", "stiction") for one in found) >= 3
+    assert all(np.isnan(one.size) for one in found)
+    named = next(one for one in found if one.verdict in ("backlash", "stiction"))
+    assert "settles between the rows" in " ".join(named.notes)
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("scans", [6, 10])
+def test_nothing_is_excluded_where_the_loop_settles_between_the_rows(scans):
+    """A backlash of 4 had been excluded down to 0.02."""
+    found = lm.diagnose(flow(scans, seed=0), loop_type="flow")
+    assert not found.excluded or not np.isfinite(list(found.excluded.values())).any()
+
+
+def test_a_loop_that_takes_rows_to_settle_is_not_meant():
+    for scans in (1, 2):
+        record = flow(scans)
+        assert not collect(record, None, None).unseen.settled
+        assert settled_by(record.pv, record.sp, np.array([[0, len(record)]])) < 0.2
+
+
+@pytest.mark.statistics
+def test_a_sound_one_is_not_accused():
+    assert lm.diagnose(flow(10, band=0.0), loop_type="flow").verdict not in ("dead zone", "backlash", "stiction")
