@@ -13,7 +13,7 @@ from lostmotion.identify.unseen_moves import settled_by
 BAND = 4.0
 
 
-def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05):
+def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.0):
     """Every row has so many scans of a PI loop that settles in about five; SP moves, and a load drifts."""
     random = np.random.default_rng(seed)
     n = rows * scans
@@ -22,9 +22,9 @@ def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05):
     op, pv = np.zeros(n), np.zeros(n)
     valve = state = integral = 0.0
     for k in range(n):
-        state += 0.5 * (gain * valve + load[k] - state)
+        state += 0.5 / slower * (gain * valve + load[k] - state)
         pv[k] = state + noise * random.standard_normal()
-        integral += 0.15 * (sp[k] - pv[k]) / gain
+        integral += 0.15 / slower * (sp[k] - pv[k]) / gain
         op[k] = 0.2 * (sp[k] - pv[k]) / gain + integral
         valve = min(max(valve, op[k] - band / 2), op[k] + band / 2)
     at = slice(None, None, scans)
@@ -63,13 +63,30 @@ def test_an_open_loop_is_not_meant():
 
 
 @pytest.mark.statistics
-def test_the_lost_motion_of_such_a_flow_is_found_but_not_how_large_it_is():
-    """How far OP overshoots between the rows they do not show."""
-    found = [lm.diagnose(flow(10, seed=seed), loop_type="flow") for seed in range(1, 5)]
-    assert sum(one.verdict in ("backlash", "stiction") for one in found) >= 3
-    assert all(np.isnan(one.size) for one in found)
-    named = next(one for one in found if one.verdict in ("backlash", "stiction"))
-    assert "settles between the rows" in " ".join(named.notes)
+@pytest.mark.parametrize("band", [0.0, BAND])
+def test_a_valve_that_sticks_is_not_named_where_the_loop_settles_between_the_rows(band):
+    """It fits better behind a sound valve too, and its size is off by half."""
+    found = lm.diagnose(flow(10, band=band, seed=3), loop_type="flow")
+    assert found.verdict not in ("backlash", "stiction", "dead zone", "none")
+    if band > 0.0:
+        assert "settles between the rows" in found.why
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize(("scans", "slower"), [(4, 3.0), (6, 5.0)])
+def test_a_slower_loop_tells_its_lost_motion(scans, slower):
+    found = lm.diagnose(flow(scans, seed=1, slower=slower), loop_type="flow")
+    assert found.verdict in ("backlash", "stiction")
+    assert abs(found.size - BAND) < 0.1 * BAND
+
+
+@pytest.mark.statistics
+def test_how_large_it_is_is_not_said_where_much_happens_between_the_rows():
+    """It would be 2.8 of 4."""
+    found = lm.diagnose(flow(10, seed=1, slower=3.0), loop_type="flow")
+    assert found.verdict in ("backlash", "stiction")
+    assert np.isnan(found.size)
+    assert "between the rows" in " ".join(found.notes)
 
 
 @pytest.mark.statistics
@@ -85,8 +102,3 @@ def test_a_loop_that_takes_rows_to_settle_is_not_meant():
         record = flow(scans)
         assert not collect(record, None, None).unseen.settled
         assert settled_by(record.pv, record.sp, np.array([[0, len(record)]])) < 0.2
-
-
-@pytest.mark.statistics
-def test_a_sound_one_is_not_accused():
-    assert lm.diagnose(flow(10, band=0.0), loop_type="flow").verdict not in ("dead zone", "backlash", "stiction")

@@ -10,6 +10,7 @@ from lostmotion.identify import HammersteinFit
 # Share of the rows of PV made up, from which on no valve is accused: of 8 sound ones in another simulation with
 # 81 to 87 % four were; the four faulty ones, with 59 to 76 %, rightly (docs/other-simulation.md).
 MOST_FOR_A_KIND = 0.8
+BETWEEN = "the loop does much of its answer between the rows, which do not show how far OP goes there"
 RAW = "Export raw values from the control system or the historian, with compression off, and diagnose them."
 
 
@@ -19,8 +20,7 @@ def hidden_size(fit: HammersteinFit) -> str:
     said = None if made_up is None else made_up.hides_size(fit.evidence.closed_loop)
     if said is not None:
         return said[1]
-    between = fit.data.unseen.settled and fit.kind.sticks
-    return "the loop settles between the rows, which do not show how far OP went there" if between else ""
+    return BETWEEN if fit.data.unseen.hides_size and fit.kind.sticks else ""
 
 
 def drawn_share(fit: HammersteinFit) -> float:

@@ -1,4 +1,4 @@
-"""Whether a record shows the dead zone or the stops that fit it, or something else would have looked the same."""
+"""Whether a record shows the fault that fits it, or something else would have looked the same."""
 
 from __future__ import annotations
 
@@ -26,17 +26,24 @@ NO_STOP = "limits of the valve fit, but OP never runs far beyond them and stays 
 
 
 def not_shown(fit: HammersteinFit) -> str:
-    """Why the record does not show the dead zone or the stops of this fit, in words; empty where it does."""
+    """Why the record does not show the fault of this fit, in words; empty where it does.
+
+    Neither a valve that sticks in a loop that settles between the rows, which look the same behind a sound one, nor one
+    whose interval begins at 0: in an independent simulation four of five such claims were of sound valves.
+    """
     actuator = fit.model.nonlinearity
     if isinstance(actuator, Saturation):
         return "" if not fit.evidence.closed_loop or _wound_up(fit, actuator) else NO_STOP
+    name = fit.kind.name
+    if fit.kind.sticks and fit.data.unseen.settled:
+        return f"a {name} fits, but the loop settles between the rows, which do not show how far OP went there"
+    vague = fit.kind.sticks or fit.status is Status.WIDE
+    if fit.kind.size is not None and vague and fit.interval(fit.kind.size)[0] <= 0.0:
+        return f"a {name} fits, but of what size, if of any, the record does not tell"
     if not fit.kind.dead_between:
         return ""
-    name = fit.kind.name
     if fit.status in NOT_SHOWN:
         return f"a {name} fits, but the record does not show it whole"
-    if fit.kind.size is not None and fit.status is Status.WIDE and fit.interval(fit.kind.size)[0] <= 0.0:
-        return f"a {name} fits, but of what size, if of any, the record does not tell"
     times = fit.evidence.crossings
     if times is not None and not fit.evidence.crossed_enough:
         often = ("never crosses it", "crosses it once only", "crosses it twice only")
