@@ -103,33 +103,46 @@ def test_whole_numbers_are_floats(kind):
 
 
 CONTINUE = """
-import sys
-import numpy as np
+import pickle, sys
 import lostmotion as lm
-name, size, data = sys.argv[1], sys.stdin.buffer.readline(), sys.stdin.buffer.read()
-estimator = getattr(lm, name).from_bytes(data[: int(size)])
-u, y = np.frombuffer(data[int(size) :]).reshape(2, -1)
-estimator.run(u, y)
-sys.stdout.buffer.write(estimator.to_bytes())
+done = []
+for name, data, (u, y) in pickle.load(sys.stdin.buffer):
+    estimator = getattr(lm, name).from_bytes(data)
+    estimator.run(u, y)
+    done.append(estimator.to_bytes())
+pickle.dump(done, sys.stdout.buffer)
 """
+SAVED = (70, 400)  # before the start, and after it
+
+
+def begun(kind, saved):
+    """An estimator that has seen so many samples, and the others."""
+    record, estimator = kind.record(), kind.fresh(dt=0.1)
+    feed(estimator, record, 0, saved)
+    return estimator, np.stack([column[saved:] for column in record[:2]])
+
+
+@pytest.fixture(scope="module")
+def continued():
+    """Bytes of all kinds, continued in one other process."""
+    cases = [(kind, saved) for kind in KINDS for saved in SAVED]
+    jobs = []
+    for kind, saved in cases:
+        estimator, rest = begun(kind, saved)
+        jobs.append((kind.build.__name__, estimator.to_bytes(), rest))
+    job = subprocess.run(
+        [sys.executable, "-c", CONTINUE], input=pickle.dumps(jobs), capture_output=True, check=True, env=os.environ
+    )
+    names = [(kind.name, saved) for kind, saved in cases]
+    return dict(zip(names, pickle.loads(job.stdout), strict=True))  # noqa: S301  of our own process
 
 
 @every_kind
-@pytest.mark.parametrize("saved", [70, 400])
-def test_bytes_continue_in_another_process(kind, saved):
-    """From before the start, and after it."""
-    record, estimator = kind.record(), kind.fresh(dt=0.1)
-    feed(estimator, record, 0, saved)
-    data, rest = estimator.to_bytes(), np.stack([column[saved:] for column in record[:2]])
-    job = subprocess.run(
-        [sys.executable, "-c", CONTINUE, kind.build.__name__],
-        input=b"%d\n" % len(data) + data + rest.tobytes(),
-        capture_output=True,
-        check=True,
-        env=os.environ,
-    )
+@pytest.mark.parametrize("saved", SAVED)
+def test_bytes_continue_in_another_process(kind, saved, continued):
+    estimator, rest = begun(kind, saved)
     estimator.run(*rest)
-    elsewhere = kind.build.from_bytes(job.stdout)
+    elsewhere = kind.build.from_bytes(continued[kind.name, saved])
     same(estimator, elsewhere)
     assert (elsewhere.samples, elsewhere.dt, elsewhere.started) == (LENGTH, 0.1, True)
 

@@ -102,3 +102,47 @@ def test_a_loop_that_takes_rows_to_settle_is_not_meant():
         record = flow(scans)
         assert not collect(record, None, None).unseen.settled
         assert settled_by(record.pv, record.sp, np.array([[0, len(record)]])) < 0.2
+
+
+def one_row_behind(*, band=3.0, moves=True, rows=2500, seed=1, step=0.0):
+    """PV of a row answers OP of the same row; the controller knows PV of the row before: a common way to simulate."""
+    random = np.random.default_rng(seed)
+    sp = np.repeat(random.uniform(-6.0, 6.0, rows // 150 + 1), 150)[:rows] * moves
+    load = 0.03 * random.normal(size=rows).cumsum()
+    op, pv = np.zeros(rows), np.zeros(rows)
+    valve = state = integral = 0.0
+    for k in range(1, rows):
+        error = sp[k] - pv[k - 1]
+        integral += 0.04 * error
+        op[k] = 0.4 * error + integral
+        valve = min(max(valve, op[k] - band / 2), op[k] + band / 2)
+        state = 0.9 * state + 0.1 * (valve + load[k])
+        pv[k] = state + 0.05 * random.normal()
+    if step:
+        op, pv = step * np.round(op / step), step * np.round(pv / step)
+    return lm.LoopRecord(50 + op, 50 + pv, 50 + sp, dt=1.0, op_span=(0.0, 100.0))
+
+
+@pytest.mark.parametrize("moves", [True, False])
+@pytest.mark.parametrize("step", [0.0, 0.01])
+def test_a_controller_that_knows_the_rows_before_only_ties_nothing(moves, step):
+    record = one_row_behind(moves=moves, step=step)
+    assert collect(record, None, None).of_past_rows
+    assert answers_in_row(scaled(record))
+    assert not collect(flow(1), None, None).of_past_rows
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("seed", [1, 2])
+def test_its_lost_motion_is_found_with_a_delay_of_0(seed):
+    """With delays from 1 on half of such loops were not told at all."""
+    found = lm.diagnose(one_row_behind(seed=seed))
+    assert (found.verdict, found.fit.chosen.delay) == ("backlash", 0)
+    assert abs(found.size - 3.0) < 0.1 * 3.0
+
+
+@pytest.mark.statistics
+def test_a_sound_one_is_cleared():
+    found = lm.diagnose(one_row_behind(band=0.0))
+    assert found.verdict in ("none", "other oscillation")
+    assert max(found.excluded[kind] for kind in ("backlash", "stiction")) < 0.2

@@ -17,7 +17,7 @@ from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.answered import pv_answers
 from lostmotion.identify.direction import against_pv
 from lostmotion.identify.foreknown import Foretold, foretold
-from lostmotion.identify.unseen_moves import Unseen, unseen_moves
+from lostmotion.identify.unseen_moves import Unseen, of_past_rows, unseen_moves
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
@@ -99,6 +99,11 @@ class IdentificationData:
     def unseen(self) -> Unseen:
         """What OP does between the rows, see ``unseen_moves``."""
         return unseen_moves(self)
+
+    @cached_property
+    def of_past_rows(self) -> bool:
+        """Whether OP is a function of PV of the rows before, see ``of_past_rows``."""
+        return of_past_rows(self)
 
     @cached_property
     def against_pv(self) -> float:

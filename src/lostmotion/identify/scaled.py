@@ -39,6 +39,10 @@ class Recorded(Signals, Protocol):
     def against_pv(self) -> float:
         """Which way the controller moves OP, in standard errors, by moves of the set point; 0: they do not tell."""
 
+    @property
+    def of_past_rows(self) -> bool:
+        """Whether OP is an exact function of PV of the rows before."""
+
 
 @dataclass(frozen=True)
 class Scaling:
@@ -55,6 +59,7 @@ class ScaledData:
     """u and y near 0 and of deviation 1, the segments, and the scaling that made them so.
 
     `against_pv`: which way the controller moves OP, in standard errors, by moves of the set point (``against_pv``).
+    `of_past_rows`: whether PV of the same row does nothing to OP (``of_past_rows``).
     """
 
     u: FloatArray
@@ -62,6 +67,7 @@ class ScaledData:
     segments: IntArray
     scaling: Scaling = field(default_factory=Scaling)
     against_pv: float = 0.0
+    of_past_rows: bool = False
 
     @classmethod
     def of(cls, signals: Recorded, scaling: Scaling) -> ScaledData:
@@ -72,6 +78,7 @@ class ScaledData:
             signals.segments,
             scaling,
             signals.against_pv,
+            signals.of_past_rows,
         )
 
     @property

@@ -84,22 +84,23 @@ def unseen_moves(data: IdentificationData) -> Unseen:
     rows = _rows(data)
     if rows is None:
         return Unseen()
-    op, pv, sp, now, inside = rows
-    own = _regressed(_lags([op], now, 1, OWN), op[now], inside)[0]
-    if sp is None:  # a step of it that is not known is in two rows of these differences
-        op, pv = np.diff(op, 2, prepend=op[[0, 0]]), np.diff(pv, prepend=pv[0])
-    moved_by = [pv] if sp is None or np.ptp(sp) == 0.0 else [pv, sp]
-    columns = np.hstack([_lags([op], now, 1, OF_OP), _lags(moved_by, now, 0, OF_PV - 1)])
-    left, gains = _regressed(columns, op[now], inside)
+    own = _own(rows)
+    left, rounded = _left(rows, data, 0)
     done = settled_by(data.y, data.sp, data.segments) if left >= MOSTLY * own > 0.0 else 0.0
     if left >= OTHERWISE * own > 0.0 and done > SETTLED:
         return Unseen(own, left / own, done)
     if not EXACT * own < left < OTHERWISE * own:
         return Unseen()
-    of_op, of_pv = gains[:OF_OP], gains[OF_OP : OF_OP + OF_PV]
-    stored = np.hypot(data.u_step * np.hypot(1.0, np.linalg.norm(of_op)), data.y_step * np.linalg.norm(of_pv))
-    rounded = float(stored) / np.sqrt(12.0)
     return Unseen() if ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded else Unseen(own, left / own, done)
+
+
+def of_past_rows(data: IdentificationData) -> bool:
+    """Whether OP is an exact function of PV of the rows before: then PV of its own row does nothing to it."""
+    rows = _rows(data)
+    if rows is None:
+        return False
+    left, rounded = _left(rows, data, 1)
+    return left <= EXACT * _own(rows) or ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded
 
 
 def settled_by(y: FloatArray, sp: FloatArray | None, segments: IntArray) -> float:
@@ -159,6 +160,26 @@ def _rows(data: IdentificationData) -> _Rows | None:
         return None
     sp = None if data.sp is None else data.sp - data.sp.mean()
     return data.u - data.u_centre, data.y - data.y_centre, sp, now, inside
+
+
+def _own(rows: _Rows) -> float:
+    """Deviation of what the past of OP leaves of it."""
+    op, _, _, now, inside = rows
+    return _regressed(_lags([op], now, 1, OWN), op[now], inside)[0]
+
+
+def _left(rows: _Rows, data: IdentificationData, first: int) -> tuple[float, float]:
+    """Deviation of what past OP, and PV from a lag on, leave of OP; and what their rounding would leave of it."""
+    op, pv, sp, now, inside = rows
+    if sp is None:  # a step of it that is not known is in two rows of these differences
+        op, pv = np.diff(op, 2, prepend=op[[0, 0]]), np.diff(pv, prepend=pv[0])
+    moved_by = [_lags([pv], now, first, OF_PV - 1 + first)]
+    if sp is not None and np.ptp(sp) > 0.0:
+        moved_by.append(_lags([sp], now, 0, OF_PV - 1))
+    left, gains = _regressed(np.hstack([_lags([op], now, 1, OF_OP), *moved_by]), op[now], inside)
+    of_op, of_pv = gains[:OF_OP], gains[OF_OP : OF_OP + OF_PV]
+    stored = np.hypot(data.u_step * np.hypot(1.0, np.linalg.norm(of_op)), data.y_step * np.linalg.norm(of_pv))
+    return left, float(stored) / np.sqrt(12.0)
 
 
 def _lags(signals: list[FloatArray], now: IntArray, first: int, last: int) -> FloatArray:

@@ -19,10 +19,12 @@ def answers_in_row(data: ScaledData) -> bool:
 
     The controller makes OP of PV, and PV seems to answer OP by its inverse, in the direction of the controller; a
     process must answer the other way for the feedback to be negative. That needs the direction from elsewhere: from
-    moves of the set point.
+    moves of the set point. Where the controller knows PV of the rows before only, nothing ties them but the process.
     """
     loop = feedback(data)
-    if not loop.closed or abs(data.against_pv) <= SURE_BY_SP:
+    if not loop.closed or data.of_past_rows:
+        return loop.closed
+    if abs(data.against_pv) <= SURE_BY_SP:
         return False
     arx = fit_arx(data, data.u, 0)
     first = arx.b[0] / np.sqrt(max(arx.covariance[arx.a.size, arx.a.size] * arx.variance, 1e-300))
