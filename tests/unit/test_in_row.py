@@ -13,7 +13,7 @@ from lostmotion.identify.unseen_moves import settled_by
 BAND = 4.0
 
 
-def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.0):
+def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.0, step=0.0):
     """Every row has so many scans of a PI loop that settles in about five; SP moves, and a load drifts."""
     random = np.random.default_rng(seed)
     n = rows * scans
@@ -28,6 +28,8 @@ def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.
         op[k] = 0.2 * (sp[k] - pv[k]) / gain + integral
         valve = min(max(valve, op[k] - band / 2), op[k] + band / 2)
     at = slice(None, None, scans)
+    if step:
+        op, pv = step * np.round(op / step), step * np.round(pv / step)
     return lm.LoopRecord(50 + op[at], 50 + pv[at], 50 + sp[at], dt=float(scans), op_span=(0.0, 100.0))
 
 
@@ -129,7 +131,12 @@ def test_a_controller_that_knows_the_rows_before_only_ties_nothing(moves, step):
     record = one_row_behind(moves=moves, step=step)
     assert collect(record, None, None).of_past_rows
     assert answers_in_row(scaled(record))
-    assert not collect(flow(1), None, None).of_past_rows
+
+
+@pytest.mark.parametrize("options", [{}, {"noise": 0.0}, {"noise": 0.0, "step": 0.05}, {"step": 0.05}, {"step": 0.5}])
+@pytest.mark.parametrize("scans", [1, 2, 4])
+def test_one_that_knows_its_own_row_or_acts_between_them_is_told_from_it(scans, options):
+    assert not collect(flow(scans, **options), None, None).of_past_rows
 
 
 @pytest.mark.statistics

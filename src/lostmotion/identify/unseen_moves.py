@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.news import longest
 from lostmotion.records.sampling import Bools
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ MOSTLY, OTHERWISE = 0.3, 0.5
 # times the rounding of OP and PV when they were stored: what that leaves of an exact controller, 0.70 to 0.97 in 24
 # simulated loops. Less says that PV was rounded before the controller saw it.
 ROUNDED = (0.6, 1.3)
+NO_BETTER = 1.05  # times what PV of the same row leaves as well: it does not help
 # of its answer to SP that PV has given a row after the move: from the first on the loop has settled between the rows,
 # if they do not show what moves OP. From the second on sizes of valves that stick are too small: by 0 to 50 % in eleven
 # flows of tests/unit/test_in_row.py with 0.15 to 0.32 of it, by 0 to 10 % in thirteen with less
@@ -99,8 +101,11 @@ def of_past_rows(data: IdentificationData) -> bool:
     rows = _rows(data)
     if rows is None:
         return False
-    left, rounded = _left(rows, data, 1)
-    return left <= EXACT * _own(rows) or ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded
+    own, (left, rounded) = _own(rows), _left(rows, data, 1)
+    if left <= EXACT * own:
+        return own > 0.0
+    by_rounding = ROUNDED[0] * rounded <= left <= ROUNDED[1] * rounded and left < OTHERWISE * own
+    return by_rounding and left <= NO_BETTER * _left(rows, data, 0)[0]
 
 
 def settled_by(y: FloatArray, sp: FloatArray | None, segments: IntArray) -> float:
@@ -117,7 +122,7 @@ def settled_by(y: FloatArray, sp: FloatArray | None, segments: IntArray) -> floa
     if sp is None:
         return 0.0
     rows, moves = [], []
-    for start, stop in segments.tolist():
+    for start, stop in longest(segments):
         now = np.arange(start + ANSWER + 1, stop)
         rows.append(sp[now[:, None] - np.arange(ANSWER + 1)] - sp[now[:, None] - np.arange(1, ANSWER + 2)])
         moves.append(y[now] - y[now - 1])
