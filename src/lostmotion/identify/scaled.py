@@ -56,18 +56,13 @@ class Scaling:
 
 @dataclass(frozen=True)
 class ScaledData:
-    """u and y near 0 and of deviation 1, the segments, and the scaling that made them so.
-
-    `against_pv`: which way the controller moves OP, in standard errors, by moves of the set point (``against_pv``).
-    `of_past_rows`: whether PV of the same row does nothing to OP (``of_past_rows``).
-    """
+    """u and y near 0 and of deviation 1, the segments, the scaling that made them so, and what they were made of."""
 
     u: FloatArray
     y: FloatArray
     segments: IntArray
     scaling: Scaling = field(default_factory=Scaling)
-    against_pv: float = 0.0
-    of_past_rows: bool = False
+    recorded: Recorded | None = None
 
     @classmethod
     def of(cls, signals: Recorded, scaling: Scaling) -> ScaledData:
@@ -77,9 +72,18 @@ class ScaledData:
             (signals.y - scaling.y_centre) / scaling.y_scale,
             signals.segments,
             scaling,
-            signals.against_pv,
-            signals.of_past_rows,
+            signals,
         )
+
+    @property
+    def against_pv(self) -> float:
+        """Of what was recorded; 0 where that is not known."""
+        return 0.0 if self.recorded is None else self.recorded.against_pv
+
+    @property
+    def of_past_rows(self) -> bool:
+        """Of what was recorded; False where that is not known."""
+        return self.recorded is not None and self.recorded.of_past_rows
 
     @property
     def shortest(self) -> int:

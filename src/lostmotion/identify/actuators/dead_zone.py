@@ -14,7 +14,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify.actuators.break_points import about_levels, break_point_intervals
 from lostmotion.identify.actuators.kind import NEEDED, Kind, Words, register
 from lostmotion.identify.actuators.operator_profile import lags_of
-from lostmotion.identify.actuators.rate_limited import slow_valve
+from lostmotion.identify.actuators.rate_limited import slow_at_a_glance
 from lostmotion.identify.actuators.slopes import with_equal_slopes
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.actuators.static_profile import profile
@@ -200,7 +200,7 @@ class DeadZoneKind(Kind):
 
     def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:
         """A characteristic without the gap, which may bend, or a valve that is slow."""
-        rivals = without_gap(fitted, linear), slow_valve(fitted, linear)
+        rivals = without_gap(fitted, linear), slow_at_a_glance(fitted, linear)
         return max(rivals, key=lambda one: gain_over_linear(one, linear))
 
     def handicapped(self, scores: Mapping[str, float], candidates: Mapping[str, Fitted]) -> float:

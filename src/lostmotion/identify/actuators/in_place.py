@@ -19,6 +19,12 @@ def in_place_of(base: Fitted, family: Family, own: FloatArray, score: float) -> 
 
     Not to its end where it stays far above the criterion `score` for each row.
     """
+    begun = placed(base, family, own)
+    return refined(begun.problem, begun.fit.theta, begun.basis, score)
+
+
+def placed(base: Fitted, family: Family, own: FloatArray) -> Fitted:
+    """The same where it begins: all that is linear is settled."""
     problem, mine, at = base.problem, list(base.problem.own), base.problem.eta_at
     family = replace(family, load=problem.family.load, loads=problem.family.loads)
     theta = np.insert(np.delete(base.fit.theta, mine), [at] * own.size, own)
@@ -28,7 +34,9 @@ def in_place_of(base: Fitted, family: Family, own: FloatArray, score: float) -> 
         free = np.eye(theta.size)[:, at : at + own.size]
         basis = np.hstack([np.insert(others, [at] * own.size, 0.0, axis=0), free])
     problem = replace(problem, family=family)
-    return refined(problem, settled(problem, theta, basis), basis, score)
+    theta = settled(problem, theta, basis)
+    cost = float(sum(errors @ errors for errors in problem.predict(theta)[1]))
+    return Fitted(problem, LocalFit(theta, cost, np.zeros((0, 0)), 0, False), basis)
 
 
 def refined(problem: Problem, theta: FloatArray, basis: FloatArray | None, score: float, tied: bool = False) -> Fitted:

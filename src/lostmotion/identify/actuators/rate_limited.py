@@ -12,13 +12,13 @@ from typing import ClassVar
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.in_place import in_place_of
+from lostmotion.identify.actuators.in_place import in_place_of, placed, refined
 from lostmotion.identify.likelihood.criterion import gain_over_linear, per_row
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.kernels import rate_limit as kernel
 
-STARTS = 6  # rates, each half of the one before, from half of the largest move of OP in a sample
+STARTS, FEW = (1, 2, 3, 4, 5, 6), (2, 4)  # rates to begin at, in powers of a half of the largest move of OP in a row
 SLOWEST = 1e-6  # of the range of OP in a sample: a valve that moves at all
 
 
@@ -42,8 +42,20 @@ class RateLimitedFamily(Family):
 
 def slow_valve(fitted: Fitted, linear: Fitted) -> Fitted:
     """The likelier of the linear model and a rate limit in the place of the actuator of a fit."""
+    rivals = [in_place_of(fitted, *start, per_row(fitted)) for start in _starts(fitted, STARTS)]
+    return max([linear, *rivals], key=lambda one: gain_over_linear(one, linear))
+
+
+def slow_at_a_glance(fitted: Fitted, linear: Fitted) -> Fitted:
+    """The same from the likelier of two rates, and only where it begins above the linear model."""
+    begun = min((placed(fitted, *start) for start in _starts(fitted, FEW)), key=per_row)
+    if per_row(begun) >= per_row(linear):
+        return linear
+    found = refined(begun.problem, begun.fit.theta, begun.basis, per_row(fitted))
+    return max(linear, found, key=lambda one: gain_over_linear(one, linear))
+
+
+def _starts(fitted: Fitted, powers: tuple[int, ...]) -> list[tuple[RateLimitedFamily, FloatArray]]:
     u = fitted.problem.u
     largest, family = float(np.abs(np.diff(u)).max()), RateLimitedFamily(SLOWEST * float(np.ptp(u)))
-    rates = [largest * 0.5**power for power in range(1, STARTS + 1)]
-    rivals = [in_place_of(fitted, family, np.array([rate, rate]), per_row(fitted)) for rate in rates]
-    return max([linear, *rivals], key=lambda one: gain_over_linear(one, linear))
+    return [(family, np.full(2, largest * 0.5**power)) for power in powers]
