@@ -14,6 +14,7 @@ from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
 from tests.diagnoses import example
+from tests.fits import made_fit
 
 SWING = Features(shape=-0.2)
 OWN = LoopStability(0.4, 0.1, 0.001, 0.02, 50.0)
@@ -25,7 +26,7 @@ def measured(features, integrating=False, period=50.0, driven=False):
 
 
 def fit_of(actuator, gains, status=lm.Status.OK):
-    fit = example().fit
+    fit = made_fit("stiction") if isinstance(actuator, lm.Stiction) else example().fit
     kinds = KindChoice(max(gains, key=gains.get), gains, gains, gains, 0.9, "none")
     return replace(fit, model=replace(fit.model, nonlinearity=actuator), kinds=kinds, status=status)
 
@@ -114,6 +115,15 @@ def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
     found = verdict(features, fit_of(actuator, {"none": 0.0, **gains}), integrating=integrating)
     assert (found.verdict, found.kind) == (said, "actuator")
     assert found.confidence == found.probabilities["actuator"]
+
+
+def test_a_valve_that_sticks_whose_interval_begins_at_0_is_not_named():
+    fit = fit_of(BAND, {"none": 0.0, "backlash": 50.0, "stiction": 49.0})
+    vague = replace(fit, evidence=replace(fit.evidence, unseen_moves=fit.parameters["width"]))
+    assert verdict(Features(memory=STRONG), fit).verdict == "backlash"
+    found = verdict(Features(memory=STRONG), vague)
+    assert found.verdict == "cannot tell"
+    assert "of what size, if of any" in found.why
 
 
 @pytest.mark.parametrize("integrating", [False, True])
