@@ -47,7 +47,7 @@ def slow_valve(fitted: Fitted, linear: Fitted) -> Fitted:
 
 
 def slow_at_a_glance(fitted: Fitted, linear: Fitted) -> Fitted:
-    """The same from the likelier of two rates, and only where it begins above the linear model."""
+    """The same from the likelier of two rates, and only where it begins likelier than the linear model."""
     begun = min((placed(fitted, *start) for start in _starts(fitted, FEW)), key=per_row)
     if per_row(begun) >= per_row(linear):
         return linear

@@ -41,7 +41,8 @@ class Feedback:
         Share of the variance of the moves of OP that past OP and PV up to now do not explain: set-point moves,
         operators, noise of the controller. At 0 a linear process cannot be told from the controller's inverse.
     direction : int
-        Sign of the answer of OP to PV, that of a proportional and an integral part both; 0 where it is not sure.
+        Sign of the answer of OP to PV: by moves of the set point where they tell it, else that of a proportional and an
+        integral part both; 0 where it is not sure.
     """
 
     closed: bool
