@@ -24,7 +24,7 @@ DEVIATION = 1.4826  # of Gaussian errors over their median
 EXACT = 1e-6  # of the noise of OP: what the controller leaves where every act of it is a row
 # of the noise of OP. A controller with an integral leaves less than the first between its rows; one that answers the
 # slope of PV up to twice that, as the noise of every scan moves OP in full: in another simulation 0.26 to 0.44, and
-# at most 0.24 without it where nothing else moved or rounded OP. More than that is moved by something that the rows show
+# at most 0.24 without it where nothing else moved or rounded OP. More is moved by something that the rows show
 MOSTLY, OTHERWISE = 0.3, 0.5
 # times the rounding of OP and PV when they were stored: what that leaves of an exact controller, 0.70 to 0.97 in 24
 # simulated loops. Less says that PV was rounded before the controller saw it.
