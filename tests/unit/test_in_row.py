@@ -8,7 +8,7 @@ from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.in_row import answers_in_row
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.unseen_moves import settled_by
+from lostmotion.identify.settled import settled_by
 
 BAND = 4.0
 

@@ -15,9 +15,10 @@ from lostmotion.arguments import positive, signal
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.answered import pv_answers
+from lostmotion.identify.controller_rows import of_past_rows
 from lostmotion.identify.direction import against_pv
 from lostmotion.identify.foreknown import Foretold, foretold
-from lostmotion.identify.unseen_moves import Unseen, of_past_rows, unseen_moves
+from lostmotion.identify.unseen_moves import Unseen, unseen_moves
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
