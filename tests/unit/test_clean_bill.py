@@ -25,9 +25,9 @@ def said(verdict, kind="none"):
     return Verdict(verdict, kind, 0.8, {"none": 0.8, "actuator": 0.2}, {})
 
 
-def measured(share=0.0, driven=False):
+def measured(share=0.0, driven=False, commanded=False):
     swing = replace(SILENT, share=share)
-    return Measured(Features(), swing, SILENT, 50.0 if share else np.nan, False, {}, driven)
+    return Measured(Features(), swing, SILENT, 50.0 if share else np.nan, False, {}, driven, commanded)
 
 
 def loop(valve, seed, noise=0.05, n=1500, step=4.0):
@@ -62,7 +62,30 @@ def test_a_swing_is_not_from_outside_while_a_fault_could_carry_it():
     other = said("other oscillation", "tuning")
     assert small.weigh(other, measured(1.0), op) is other
     assert large.weigh(other, measured(1.0), op).verdict == "cannot tell"
-    assert large.weigh(other, measured(1.0, driven=True), op) is other  # SP swings so: OP follows it
+    assert large.weigh(other, measured(1.0, driven=True), op) is other  # a load swings so: OP answers it
+
+
+def test_pv_that_follows_sp_says_nothing_of_the_valve():
+    commanded, other = measured(1.0, driven=True, commanded=True), said("other oscillation", "set point")
+    assert bill(backlash=0.9).weigh(other, commanded, 50.0) is other
+    found = bill(backlash=1.1).weigh(replace(other, confidence=0.95), commanded, 50.0)
+    assert (found.verdict, found.kind, found.limit) == ("cannot tell", "unknown", 1.0)
+
+
+def test_a_dead_zone_set_aside_for_a_bent_valve_is_not_excluded():
+    fit = example().fit
+    kinds = replace(
+        fit.kinds, best="none", excluded={"dead zone": 0.3, "backlash": 0.2, "stiction": 0.2},
+        likelihoods={"none": 0.0, "dead zone": 276.0}, firm={"none": 0.0, "dead zone": -50.0},
+    )  # fmt: skip
+    evidence = replace(fit.evidence, answered=True, foreknown=False)
+
+    def of(kinds):
+        return clean_bill(replace(fit, kinds=kinds, evidence=evidence, status=lm.Status.OK), 0.01, PERCENT).excluded
+
+    assert of(kinds) == {"dead zone": np.inf, "backlash": 0.2, "stiction": 0.2}
+    small = replace(kinds, likelihoods={"none": 0.0, "dead zone": 8.0})
+    assert of(small)["dead zone"] == 0.3
 
 
 @pytest.mark.parametrize("verdict", ["dead zone", "stiction", "saturation", "cannot tell"])

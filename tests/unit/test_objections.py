@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import lostmotion as lm
 from lostmotion.diagnose.excitation import moved_freely
 from lostmotion.diagnose.features import CARRIES, SILENT, Features, Measured
 from lostmotion.diagnose.objections import OBJECTIONS, SWINGS, Case, objection, sticks
@@ -22,7 +23,27 @@ def case(verdict: str, features: Features = Features(), sticking: float = 1.0, l
 def test_what_speaks_for_itself_meets_none() -> None:
     fit = example().fit
     assert objection(case(fit.kind.name, Features(memory=3.0, dead_zone=3.0))) is None
-    assert objection(case("cannot tell", Features(memory=3.0))) is None
+
+
+def test_what_is_undecided_says_why() -> None:
+    found = objection(case("cannot tell", Features(memory=3.0)))
+    assert found is not None
+    assert "weigh about the same" in found.why
+    for status, words in (
+        (lm.Status.SAME_SIGNAL, "proportional controller"),
+        (lm.Status.CANNOT_TELL, "hardly moves PV"),
+    ):
+        one = case("cannot tell")
+        found = objection(replace(one, fit=replace(one.fit, status=status)))
+        assert found is not None
+        assert words in found.why
+
+
+def test_no_fault_is_named_where_op_is_pv_times_a_number() -> None:
+    one = case(example().fit.kind.name, Features(memory=3.0, dead_zone=3.0))
+    found = objection(replace(one, fit=replace(one.fit, status=lm.Status.SAME_SIGNAL)))
+    assert found is not None
+    assert "proportional controller" in found.why
 
 
 def test_a_wave_alone_in_a_flow_is_met_with_its_limit() -> None:
@@ -34,7 +55,7 @@ def test_a_wave_alone_in_a_flow_is_met_with_its_limit() -> None:
 
 def test_a_swing_from_outside_names_no_level() -> None:
     one = case(SWINGS)
-    assert all(not look(one) for _, look in OBJECTIONS[3:5])
+    assert all(not look(one) for _, look in OBJECTIONS[4:6])
 
 
 def test_kinds_that_stick() -> None:

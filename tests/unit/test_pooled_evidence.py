@@ -9,6 +9,7 @@ from lostmotion.diagnose.pooled.record_profile import RecordProfile
 from lostmotion.diagnose.pooled.size_curve import SizeCurve
 from lostmotion.diagnose.pooled.trend_of_size import size_trend
 from lostmotion.diagnose.pooled.verdict_of_many import weigh
+from lostmotion.identify.unseen_moves import Unseen
 
 SIZES = np.geomspace(0.2, 10.0, 20)
 SPAN = OpSpan(0.0, 100.0, known=True)
@@ -63,7 +64,7 @@ def test_what_op_does_between_the_rows_is_in_no_average():
     for kind, more in (("backlash", 0.3), ("stiction", 0.3), ("dead zone", 0.0)):
         curve = {kind.replace(" ", "_"): hill(2.0, 0.02)}
         plain = pooled(*[record(**curve)] * 9).sized[kind]
-        moved = pooled(*[replace(record(**curve), unseen=0.3)] * 9).sized[kind]
+        moved = pooled(*[replace(record(**curve), unseen=Unseen(0.3))] * 9).sized[kind]
         low, high = plain.interval()
         assert moved.interval() == pytest.approx((low - more, high + 2.0 * more))
         assert moved.largest() == pytest.approx(plain.largest() + 2.0 * more)
@@ -157,3 +158,27 @@ def test_two_sizes_are_no_trend():
     found = size_trend([0, 1], [1.0, 2.0], [(0.9, 1.1), (1.9, 2.1)], "record")
     assert not found.seen
     assert found.to_dict()["slope"] is None
+
+
+def test_moves_that_rounding_may_hide_count_as_those_that_are_there():
+    known, perhaps = (
+        pooled(*[replace(record(backlash=hill(2.0, 0.02)), unseen=unseen)] * 5).sized["backlash"]
+        for unseen in (Unseen(0.3), Unseen(perhaps=0.3))
+    )
+    assert perhaps.interval() == known.interval()
+    assert perhaps.largest() == known.largest()
+    assert known.largest_known == known.interval()[1]
+    assert perhaps.largest_known == pytest.approx(known.interval()[1] - 0.6)
+
+
+def test_what_a_sound_valve_has_is_no_fault():
+    small = hill(0.2, 0.03)
+    still = [record(backlash=small, dead_zone=flat(-30.0), stiction=flat(-30.0))] * 5
+    named = weigh(pooled(*still), 0.5, SPAN, "")
+    assert named.verdict == "backlash"
+    sound = weigh(pooled(*still), 1.0, SPAN, "")
+    assert sound.verdict == "none"
+    assert sound.excluded["backlash"] == pytest.approx(0.21, abs=0.02)
+    assert sound.confidence == sound.probabilities["none"] > 0.7
+    swinging = [replace(one, swing=0.4) for one in still]  # a fifth of the swing: that is its cause
+    assert weigh(pooled(*swinging), 1.0, SPAN, "").verdict == "backlash"

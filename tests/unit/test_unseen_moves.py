@@ -56,6 +56,24 @@ def test_a_controller_that_acts_once_a_row_has_no_unseen_moves(options, seed):
     assert moves(loop(1, seed=seed, **options)) == 0.0
 
 
+@pytest.mark.parametrize("scans", [1, 4])
+def test_rounding_leaves_open_whether_there_are_scans_between_the_rows(scans):
+    found = unseen_moves(collect(loop(scans, after=0.1), None, None))
+    assert found.moves == 0.0
+    assert found.about(sticks=True) == found.perhaps > 0.03
+    assert found.about(sticks=False) == 0.0
+    assert found.doubted(1.0, sticks=True) == pytest.approx(1.0 - 2.0 * found.perhaps)
+    assert "do not tell whether" in found.words(found.perhaps)
+
+
+def test_a_dead_zone_is_filled_by_what_the_rows_do_not_explain():
+    assert Unseen(moves=1.0, rest=0.2).about(sticks=False) == 1.0
+    assert Unseen(moves=1.0, rest=0.01).about(sticks=False) == pytest.approx(0.2)
+    assert beyond_unseen(5.0, 1.0, sticks=False) == 6.0
+    assert within_unseen(5.0, 1.0, sticks=False) == 5.0
+    assert Unseen(moves=1.0, rest=0.2).doubted(5.0, sticks=True) == 5.0  # known to be there
+
+
 @pytest.mark.parametrize("options", [{"before": 0.05}, {"sp_known": False}, {"band": 1.0}])
 def test_what_else_is_in_the_record_does_not_hide_the_scans(options):
     assert moves(loop(4, **options)) > 0.03
@@ -115,13 +133,14 @@ def test_the_width_is_in_the_interval_of_most_loops_with_unseen_scans():
 @pytest.mark.statistics
 def test_no_size_is_excluded_that_unseen_scans_hide(monkeypatch):
     record = loop(4)
-    found, more = lm.diagnose(record).excluded, 2.0 * moves(record)
+    found, unseen = lm.diagnose(record).excluded, unseen_moves(collect(record, None, None))
+    more = {"dead zone": unseen.about(sticks=False)} | dict.fromkeys(["backlash", "stiction"], 2.0 * unseen.moves)
     alone = lm.identify(record, nonlinearity="backlash")
     assert alone.status is lm.Status.NOT_SEEN
     monkeypatch.setattr(importlib.import_module("lostmotion.identify.data"), "unseen_moves", lambda _: Unseen())
     plain = lm.identify(record, nonlinearity="auto").kinds.excluded
-    assert more > 0.0
+    assert 0.0 < more["dead zone"] < more["backlash"]
     for name, size in found.items():
-        assert size == pytest.approx(plain[name] + more * (name in ("backlash", "stiction")))
-    assert alone.widest == pytest.approx(lm.identify(record, nonlinearity="backlash").widest + more)
+        assert size == pytest.approx(plain[name] + more[name])
+    assert alone.widest == pytest.approx(lm.identify(record, nonlinearity="backlash").widest + more["backlash"])
     assert alone.interval("width") == (0.0, alone.widest)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from lostmotion.diagnose.verdict import Verdict
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.data import IdentificationData
 
 # Share of the rows of PV made up, from which on no valve is accused: of 8 sound ones in another simulation with
 # 81 to 87 % four were; the four faulty ones, with 59 to 76 %, rightly (docs/other-simulation.md).
@@ -16,23 +17,31 @@ RAW = "Export raw values from the control system or the historian, with compress
 
 def hidden_size(fit: HammersteinFit) -> str:
     """Why the record of a fit tells no size; empty where it does."""
-    made_up = fit.data.made_up
-    said = None if made_up is None else made_up.hides_size(fit.evidence.closed_loop)
+    return size_hidden_in(fit.data, fit.evidence.closed_loop, fit.kind.sticks)
+
+
+def size_hidden_in(data: IdentificationData, closed_loop: bool, sticks: bool) -> str:
+    """Why a record tells no size of a valve; empty where it does."""
+    said = None if data.made_up is None else data.made_up.hides_size(closed_loop)
     if said is not None:
         return said[1]
-    return BETWEEN if fit.data.unseen.hides_size and fit.kind.sticks else ""
+    return BETWEEN if data.unseen.hides_size and sticks else ""
 
 
-def drawn_share(fit: HammersteinFit) -> float:
+def drawn_share(data: IdentificationData) -> float:
     """Share of the rows of PV that a historian made up, where it is too much to accuse a valve; else 0."""
-    share = 0.0 if fit.data.made_up is None else fit.data.made_up.pv.share
+    share = 0.0 if data.made_up is None else data.made_up.pv.share
     return share if share > MOST_FOR_A_KIND else 0.0
 
 
 def unless_drawn(verdict: Verdict, fit: HammersteinFit) -> Verdict:
     """The verdict, or "cannot tell" where it accuses a valve from rows that nobody measured; limits are seen in OP."""
-    share = drawn_share(fit)
+    share = drawn_share(fit.data)
     if verdict.kind != "actuator" or verdict.verdict == "saturation" or not share:
         return verdict
-    why = f"{100.0 * share:.0f} % of the rows of PV are a historian's, behind which healthy valves seem to stick"
-    return replace(verdict, verdict="cannot tell", kind="unknown", why=why, advice=(RAW,))
+    return replace(verdict, verdict="cannot tell", kind="unknown", why=of_a_historian(share), advice=(RAW,))
+
+
+def of_a_historian(share: float) -> str:
+    """Why no valve is accused of rows that nobody measured."""
+    return f"{100.0 * share:.0f} % of the rows of PV are a historian's, behind which healthy valves seem to stick"

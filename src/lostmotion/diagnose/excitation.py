@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify import HammersteinFit
 from lostmotion.identify.data import IdentificationData
 from lostmotion.identify.evidence import NEARLY_EXACT
 
@@ -19,6 +20,10 @@ FOREKNOWN = (
 )
 NO_ANSWER = "PV answers nothing that is new in OP, so that a valve which stands still would have left the same record"
 
+# fit of a simulation by OP alone, from which on smooth moves of SP tell the process: of 13 loops of other simulations
+# behind ramps and sines of SP its gain was right within 6 %, and no size was excluded that is there; the inverse of the
+# controller keeps no level, and reproduces none
+FOLLOWS = 70.0
 
 # times the variance of rounding: OP is rounded in this row and in those before it that foretell it
 ROUNDED = 2.0
@@ -31,6 +36,15 @@ def moved_freely(data: IdentificationData, free: float) -> float:
     """
     moves = float(np.var(np.diff(data.u)))
     return max(free - ROUNDED * data.u_step**2 / 12.0 / max(moves, 1e-300), 0.0)
+
+
+def follows_sp(fit: HammersteinFit, sp: FloatArray | None) -> bool:
+    """Whether PV answers moves of SP, and OP alone reproduces what it does then.
+
+    Ramps and sines of SP move OP by little from row to row, and far in the end.
+    """
+    moves = sp is not None and bool(np.ptp(sp) > 0.0)
+    return moves and fit.evidence.answered and fit.fit_percent >= FOLLOWS
 
 
 def only_fed_back(closed: bool, free: float, sp: FloatArray | None) -> bool:

@@ -19,6 +19,8 @@ from lostmotion.diagnose.waveform import waveform_index
 from lostmotion.errors import DataError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
+from lostmotion.identify.data import IdentificationData
+from lostmotion.identify.left_open import largest_known
 
 SHORTEST_PERIOD = 10.0  # samples: below it a wave has no shape
 SAME = 0.1  # relative difference of two periods that are one
@@ -134,7 +136,7 @@ def measure(
     op, pv = data.u[rows], data.y[rows]
     levels = fit.chosen.integrating if integrating is None else integrating
     of_op, of_pv = _oscillation(op), _oscillation(pv)
-    swinging = [one for one in (of_op, of_pv) if one.regular and one.share > LEAST_SHARE and one.cycles > FEWEST_CYCLES]
+    swinging = [one for one in (of_op, of_pv) if _swings(one)]
     period = max(swinging, key=lambda one: one.regularity).period if swinging else np.nan
     indices = _indices(op, pv, period) if swinging and period >= SHORTEST_PERIOD else {}
     command, followed = (0.0, 0.0) if sp is None else _command(sp[rows], pv, float(period))
@@ -156,12 +158,26 @@ def swing_of(found: Oscillation, deviation: float) -> float:
     return 2.0 * deviation * float(np.sqrt(2.0 * max(found.share, 0.0)))
 
 
-def _is_negligible(fit: HammersteinFit, sound: float, swing: float) -> bool:
-    """Whether the whole interval of the size lies below what a sound valve has and what would carry the swing."""
-    if fit.kind.size is None:
-        return False
-    largest = fit.interval(fit.kind.size)[1]
+def swing_of_rows(data: IdentificationData) -> float:
+    """Swing of OP from end to end in the longest piece, where it swings regularly; else 0."""
+    start, stop = max(data.segments.tolist(), key=lambda pair: pair[1] - pair[0])
+    op = data.u[start : min(stop, start + MOST_ROWS)]
+    found = _oscillation(op)
+    return swing_of(found, float(np.std(op))) if _swings(found) else 0.0
+
+
+def _swings(found: Oscillation) -> bool:
+    """Whether it is regular, and most of what the signal does."""
+    return found.regular and found.share > LEAST_SHARE and found.cycles > FEWEST_CYCLES
+
+
+def is_negligible(largest: float, sound: float, swing: float) -> bool:
+    """Whether a lost motion of at most this size is below what a sound valve has and what would carry the swing."""
     return largest < sound and (swing == 0.0 or largest < CARRIES * swing)
+
+
+def _is_negligible(fit: HammersteinFit, sound: float, swing: float) -> bool:
+    return fit.kind.size is not None and is_negligible(largest_known(fit), sound, swing)
 
 
 def _driven(fit: HammersteinFit, period: float) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lostmotion.diagnose.features import CARRIES, Measured
 from lostmotion.diagnose.form_alone import without_proof
-from lostmotion.diagnose.shown import not_deniable, not_shown
+from lostmotion.diagnose.shown import ONE_SIGNAL, not_deniable, not_shown
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
@@ -77,6 +77,16 @@ def sticks(verdict: str) -> bool:
     return any(kind.sticks for kind in faults() if kind.name == verdict)
 
 
+def _undecided(case: Case) -> str:
+    if case.verdict != "cannot tell":
+        return ""
+    if case.fit.status is Status.SAME_SIGNAL:
+        return ONE_SIGNAL
+    if case.fit.status is Status.CANNOT_TELL:
+        return "OP hardly moves PV, or the feedback is an exact function of it"
+    return "what speaks for a fault of the actuator and what speaks against one weigh about the same"
+
+
 def _half_shown(case: Case) -> str:
     """Neither named nor denied; of a dead zone whose ends are vague the largest size is known, which may clear it."""
     if case.measured.negligible:
@@ -117,6 +127,7 @@ def _two_faults(case: Case) -> str:
 
 # in order, and whether it is about the size that was found
 OBJECTIONS: tuple[tuple[bool, Callable[[Case], str]], ...] = (
+    (True, _undecided),
     (True, _half_shown),
     (True, _too_likely),
     (False, _beside_a_swing),

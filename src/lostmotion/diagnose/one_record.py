@@ -13,7 +13,7 @@ from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
-from lostmotion.diagnose.excitation import moved_freely, only_fed_back
+from lostmotion.diagnose.excitation import follows_sp, moved_freely, only_fed_back
 from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
@@ -23,6 +23,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
+from lostmotion.identify.left_open import largest_known
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
@@ -32,10 +33,7 @@ from lostmotion.records.modes import rows_of
 # 68 such valves in an independent simulation, half by physical friction, 25 lay in the interval of the likelihood alone
 MODEL_ERROR = 0.05
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
-BETWEEN = (
-    "The controller acts more often than it is recorded: OP moves by about {:.2g} between the rows, which makes the "
-    "interval of the size so wide. Record every scan of the controller."
-)
+BETWEEN = "{}, which makes the interval of the size so wide. Record every scan of the controller."
 LAGS = "The actuator lags by about {:.2g} s before it sticks; the size is that behind this lag."
 
 
@@ -100,7 +98,8 @@ def diagnose(
     measured = measure(fit, integrating, sp, sound)
     stability = loop_stability(fit, sp, measured.period) if fit.evidence.closed_loop else None
     quantised = bool(fit.data.y_step > COARSE * max(float(np.std(fit.data.y)), 1e-300))
-    fed_back = only_fed_back(fit.evidence.closed_loop, moved_freely(fit.data, fit.evidence.free_moves), sp)
+    free = moved_freely(fit.data, fit.evidence.free_moves)
+    fed_back = only_fed_back(fit.evidence.closed_loop, free, sp) and not follows_sp(fit, sp)
     bill = clean_bill(fit, tolerance, span, fed_back)
     report = check(record)
     verdict = decide(fit, measured, stability, quantised, _limited(report), fed_back)
@@ -184,7 +183,8 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         hidden = hidden_size(fit)
         if hidden:
             return *unknown[:2], (f"How large it is the record does not tell: {hidden}.",)
-        about = [BETWEEN.format(fit.evidence.unseen_moves)] if fit.evidence.unseen_moves > 0.0 else []
+        moves = fit.evidence.unseen_moves
+        about = [BETWEEN.format(fit.data.unseen.words(moves))] if moves > 0.0 else []
         about += [LAGS.format(fit.evidence.actuator_lag)] if fit.evidence.actuator_lag > 0.0 else []
         return fit.parameters[name], _with_model_error(fit, name), tuple(about)
     width = measured.indices.get("ellipse_width", np.nan)
@@ -202,7 +202,7 @@ def _with_model_error(fit: HammersteinFit, name: str) -> tuple[float, float]:
 def _negligible(fit: HammersteinFit, measured: Measured, span: OpSpan) -> tuple[str, ...]:
     if not measured.negligible or fit.kind.size is None:
         return ()
-    largest = fit.interval(fit.kind.size)[1] / span.percent
+    largest = largest_known(fit) / span.percent
     return (f"A {fit.kind.name} of at most {largest:.2g} % {span.words} fits best: a sound valve has as much.",)
 
 

@@ -22,6 +22,7 @@ SEEN_TO_MISLEAD = 30.0
 # best, and there were none: 1.4 to 5.3 times, 7 to 25 rows, once 523. Of 43 simulated loops behind true stops 40 reach
 # both.
 FAR, LONG = 3.0, 40
+ONE_SIGNAL = "OP is PV times a number, as of a proportional controller at a set point at rest: nothing else moves OP"
 NO_STOP = "limits of the valve fit, but OP never runs far beyond them and stays there, as a controller does at a stop"
 
 
@@ -31,6 +32,8 @@ def not_shown(fit: HammersteinFit) -> str:
     Neither a valve that sticks in a loop that settles between the rows, which look the same behind a sound one, nor one
     whose interval begins at 0: in an independent simulation four of five such claims were of sound valves.
     """
+    if fit.status is Status.SAME_SIGNAL:
+        return ONE_SIGNAL
     actuator = fit.model.nonlinearity
     if isinstance(actuator, Saturation):
         return "" if not fit.evidence.closed_loop or _wound_up(fit, actuator) else NO_STOP

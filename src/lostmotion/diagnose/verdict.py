@@ -115,8 +115,9 @@ def decide(
         verdict, kind, why, limit = "cannot tell", "unknown", found.why, found.limit
     sure = max(chance, 1.0 - chance) * (_among_kinds(fit) if verdict == fit.kind.name else 1.0)
     if limits_decide(verdict, limited):
-        verdict, kind, why = "saturation", "actuator", ""  # seen in OP; at a limit nothing answers, as in a dead zone
-        sure = max(chance, SURE)  # that it stands there is seen; whose fault that is, is not
+        # that OP stands there is seen; whose fault that is, is not, and what else may be wrong speaks for no limit
+        sure = max(sure, SURE) if verdict == "saturation" else SURE
+        verdict, kind, why = "saturation", "actuator", ""
     probabilities = {"none": 1.0 - chance, "actuator": chance}
     return Verdict(verdict, kind, sure, probabilities, parts, why, limit)
 

@@ -39,7 +39,8 @@ class Evidence:
         Times that OP went through a dead zone from end to end, see :func:`crossings`; None: no dead zone, or a fit
         saved before they were counted.
     unseen_moves : float
-        Deviation of OP between the rows, of a valve with a memory, see ``unseen_moves``; 0: the rows show all.
+        Deviation of OP between the rows, as far as it hides or fills the lost motion of this kind, see ``Unseen``; 0:
+        the rows show all.
     gain_over_healthy : float or None
         The same of a dead zone or a saturation over the likeliest healthy valve, which may bend or be slow
         (``Kind.healthy``); None: a straight line is the likeliest, or a fit saved before it was asked.

@@ -42,8 +42,14 @@ def left_open(
 
 def may_be_denied(found: HammersteinFit, kinds: KindChoice, sound: float) -> bool:
     """Whether a fault is so small, or gains so little, that a verdict may go without it; `sound` is in units of OP."""
-    size = found.kind.size
-    return (size is not None and found.interval(size)[1] < sound) or kinds.firm[kinds.best] < DENIED
+    small = found.kind.size is not None and largest_known(found) < sound
+    return small or kinds.firm[kinds.best] < DENIED
+
+
+def largest_known(found: HammersteinFit) -> float:
+    """Upper end of the size of a kind that has one, without moves of OP that may or may not be between the rows."""
+    end = float(found.interval(str(found.kind.size))[1])
+    return found.data.unseen.doubted(end, found.kind.sticks)
 
 
 def surely_ahead(kinds: KindChoice) -> float:

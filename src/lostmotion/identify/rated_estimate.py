@@ -101,8 +101,8 @@ class RatedEstimate(NamedEstimate, ABC):
             low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
         low, high = self._with_rivals(name, low, high)
         if name == self.kind.size:
-            moves = self.evidence.unseen_moves
-            low, high = within_unseen(low, moves), beyond_unseen(high, moves)
+            moves, sticks = self.evidence.unseen_moves, self.kind.sticks
+            low, high = within_unseen(low, moves, sticks), beyond_unseen(high, moves, sticks)
         if name == "width":
             low = max(low, 0.0)
         if name in POSITIVE and self.parameters[name] > 0:

@@ -48,7 +48,7 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
-        unseen_moves=data.unseen.moves if kind.sticks else 0.0,
+        unseen_moves=data.unseen.about(kind.sticks) if kind.size is not None else 0.0,
         answered=data.answered if loop.closed else True,
         foreknown=loop.closed and (data.unseen.mostly or data.foretold.against(gain)),
     )
@@ -76,13 +76,13 @@ def excluded_above(
     kind = kind_of(fitted.problem.family.kind)
     hidden = evidence.only_fed_back or not evidence.can_exclude
     widest = None if hidden else kind.widest(fitted, profiled, scaling)
-    return None if widest is None else beyond_unseen(widest, evidence.unseen_moves)
+    return None if widest is None else beyond_unseen(widest, evidence.unseen_moves, kind.sticks)
 
 
 def excluded_sizes(sizes: dict[str, float], data: IdentificationData, scaling: Scaling) -> dict[str, float]:
     """The same of every kind in units of OP, from scaled ones beside the linear model."""
-    moves, found = data.unseen.moves, {name: scaling.u_scale * size for name, size in sizes.items()}
-    return {name: beyond_unseen(size, moves) if kind_of(name).sticks else size for name, size in found.items()}
+    found = {name: (scaling.u_scale * size, kind_of(name).sticks) for name, size in sizes.items()}
+    return {name: beyond_unseen(size, data.unseen.about(sticks), sticks) for name, (size, sticks) in found.items()}
 
 
 def decide(

@@ -98,7 +98,7 @@ def where_from(diagnosis: Diagnosis) -> str:
     said, aside, fault = KIND[diagnosis.kind], "", diagnosis.probabilities.get("actuator", 0.0)
     if diagnosis.kind == "actuator" and fault < SURE:
         said, aside = "OP stands at its limit, where the process does not answer.", " of anything else"
-    elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit):
+    elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit.data):
         said = "It looks like the actuator; the record does not say which fault of it."
     return f"{said}{_in_units(diagnosis)} Probabilities{aside}: {causes}.".strip()
 

@@ -53,12 +53,14 @@ def step_over_noise(step: float, variance: float) -> float:
 
 
 def about_unseen_moves(fit: HammersteinFit) -> str:
-    """What OP does between the rows, of a valve with a memory."""
+    """What OP does between the rows, or may do there."""
     moves = fit.evidence.unseen_moves
     if moves <= 0.0:
         return ""
-    why = f"The controller acts more often than it is recorded: OP moves by about {moves:.2g} between the rows"
-    return f"{why}, which makes the interval of the {fit.kind.size} so wide. Record every scan of the controller."
+    return (
+        f"{fit.data.unseen.words(moves)}, which makes the interval of the {fit.kind.size} so wide. Record every scan of"
+        " the controller."
+    )
 
 
 def about_lag(fit: HammersteinFit) -> str:

@@ -46,13 +46,19 @@ class SizeEvidence:
         The same without scatter, with small gains and losses, none beyond log(1 / WILD); 0 of records in which nothing
         but PV moves OP, or PV answers nothing that is new in OP.
     unseen : float
-        What OP does between the rows, where the kind has a memory: in all records alike, so no average takes it away.
+        What OP does between the rows, or may do: in all records alike, so no average takes it away.
+    sticks : bool
+        Whether the kind has a memory of it.
+    doubt : float
+        What of the upper end of its interval is there only as rounding hides whether OP does anything there.
     """
 
     sizes: FloatArray
     parts: FloatArray
     at_once: FloatArray
     unseen: float = 0.0
+    sticks: bool = True
+    doubt: float = 0.0
 
     def table(self, without: int | None = None) -> FloatArray:
         """Log of prior times likelihood, shape (tau, g); without one record, if asked for."""
@@ -84,7 +90,12 @@ class SizeEvidence:
         """Where the common size lies with this probability."""
         tail = 0.5 * (1.0 - level)
         low, high = self._quantile(self.posterior, tail), self._quantile(self.posterior, 1.0 - tail)
-        return within_unseen(low, self.unseen), beyond_unseen(high, self.unseen)
+        return within_unseen(low, self.unseen, self.sticks), beyond_unseen(high, self.unseen, self.sticks)
+
+    @property
+    def largest_known(self) -> float:
+        """Upper end of the interval without what is not known to be there."""
+        return self.interval()[1] - self.doubt
 
     def _quantile(self, weights: FloatArray, share: float) -> float:
         below = np.cumsum(weights) - 0.5 * weights
@@ -100,9 +111,9 @@ class SizeEvidence:
         """Largest size that all records together do not exclude; inf where none is."""
         sums = WORTH * self.at_once.sum(axis=0)
         left = np.flatnonzero(sums >= -FALL)
-        if not left.size:
-            return beyond_unseen(float(self.sizes[0]), self.unseen)
-        return float(np.inf) if left[-1] == len(sums) - 1 else beyond_unseen(float(self.sizes[left[-1]]), self.unseen)
+        if left.size and left[-1] == len(sums) - 1:
+            return float(np.inf)
+        return beyond_unseen(float(self.sizes[left[-1] if left.size else 0]), self.unseen, self.sticks)
 
 
 @dataclass(frozen=True)
@@ -115,10 +126,16 @@ class Evidence:
         Of every kind that has a size.
     others : dict of ndarray, shape (records,)
         Log-likelihood over that of a linear process of the kinds without one.
+    swing : float
+        Of OP from end to end, in most records; 0 where it does not swing there.
+    hidden : str
+        Why most records tell no size of a valve that sticks; empty where they do.
     """
 
     sized: dict[str, SizeEvidence]
     others: dict[str, FloatArray]
+    swing: float = 0.0
+    hidden: str = ""
 
     @property
     def records(self) -> int:
@@ -159,7 +176,8 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     free = {name: np.array([one.gains.get(name, 0.0) for one in profiles]) for name in rest}
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)
-    unseen = float(np.median([one.unseen for one in profiles]))
+    unseen = {sticks: float(np.median([one.unseen.about(sticks) for one in profiles])) for sticks in (True, False)}
+    doubt = {s: -float(np.median([one.unseen.doubted(0.0, s) for one in profiles])) for s in (True, False)}
     scattered = {name: _scattered(values, sizes) for name, values in curves.items()}
     return Evidence(
         {
@@ -167,11 +185,15 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
                 sizes,
                 _or_wild(values, anything[:, None, None]) - linear[:, None, None],
                 np.clip(whole[name], np.log(WILD), -np.log(WILD)),
-                unseen if kind_of(name).sticks else 0.0,
+                unseen[kind_of(name).sticks],
+                kind_of(name).sticks,
+                doubt[kind_of(name).sticks],
             )
             for name, values in scattered.items()
         },
         {name: _or_wild(values, anything) - linear for name, values in free.items()},
+        float(np.median([one.swing for one in profiles])),
+        max((one.hides_size for one in profiles), key=[one.hides_size for one in profiles].count),
     )
 
 

@@ -9,8 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.diagnose.drawn_rows import drawn_share, of_a_historian, size_hidden_in
 from lostmotion.diagnose.excitation import moved_freely, only_fed_back
+from lostmotion.diagnose.features import swing_of_rows
 from lostmotion.diagnose.pooled.size_curve import NORMAL, SizeCurve
+from lostmotion.errors import DataError
 from lostmotion.identify.actuators.choice import likelihood_gain
 from lostmotion.identify.actuators.every_kind import EveryKind
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -26,6 +29,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.problem import Structure
 from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.unseen_moves import Unseen
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import Prepared
 
@@ -33,6 +37,7 @@ REFINED = 3  # forms of a held size: the best before the refinement
 RESTS = np.linspace(-1.0, 1.0, 9).tolist()  # of half the band, where a valve may begin
 ALWAYS = -1.0  # a sum of squares that is never reached: every held size is refined
 SMALLEST_SHARE = 0.01  # of the range of OP: smaller sizes do as a linear process does
+NOTHING = Unseen()
 WORTH = 1.0  # of log-likelihood: a maximum below it gets no interval, which takes long
 
 
@@ -40,13 +45,15 @@ WORTH = 1.0  # of log-likelihood: a maximum below it gets no interval, which tak
 class _Models:
     """Fits of one record, from which sizes are held.
 
-    `beside` are linear processes of other structures: of the valve's other records.
+    `beside` are linear processes of other structures: of the valve's other records. Where the loop has settled between
+    the rows, a valve that sticks looks like a sound one, and none is told.
     """
 
     linear: Fitted
     fits: dict[str, Fitted]
     scaled: ScaledData
     beside: tuple[Fitted, ...] = ()
+    settled: bool = False
 
     @cached_property
     def bases(self) -> list[Fitted]:
@@ -68,6 +75,8 @@ class _Models:
 
     def gains(self, kind: Kind, sizes: FloatArray) -> FloatArray:
         """Over the linear process at held sizes (units of OP)."""
+        if self.settled and kind.sticks:
+            return np.zeros(len(sizes))
         found = self.fits.get(kind.name)
         share = 1.0 if found is None else _firm_share(found, self.linear)
         scale = self.scaled.scaling.u_scale
@@ -93,7 +102,7 @@ class _Models:
         """Over held sizes, and about the maximum where the kind was found."""
         gains, found = self.gains(kind, sizes), self.fits.get(kind.name)
         plain = SizeCurve(sizes, gains, cost=_cost(kind, self.linear.problem.errors))
-        if found is None or not kind.met(found):
+        if found is None or not kind.met(found) or (self.settled and kind.sticks):
             return plain
         top = _firm_share(found, self.linear) * _gain_of(found, self.linear, found.fit.cost)
         if top < WORTH:
@@ -119,8 +128,12 @@ class RecordProfile:
         Used.
     fed_back : bool
         Whether nothing but PV moves OP, or PV answers nothing else that does: such a record excludes no size.
-    unseen : float
-        What OP does between the rows, units of OP.
+    unseen : Unseen
+        What OP does between the rows.
+    hides_size : str
+        Why it tells no size of a valve that sticks; empty where it does.
+    swing : float
+        Of OP from end to end, where it swings regularly; else 0.
     """
 
     curves: dict[str, SizeCurve]
@@ -129,7 +142,9 @@ class RecordProfile:
     rows: int
     _models: _Models = field(repr=False)
     fed_back: bool = False
-    unseen: float = 0.0
+    unseen: Unseen = NOTHING
+    hides_size: str = ""
+    swing: float = 0.0
 
     def place(self, name: str) -> FloatArray | None:
         """Own parameters of a kind in units of OP where it gains in this record; None where it does not."""
@@ -170,13 +185,15 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     Raises
     ------
     DataError
-        The record is refused.
+        The record is refused, or most of its rows were never measured.
     """
     asked = Asked(integrating=integrating)
     data = collect(prepared, None, None, False, asked.needed)
+    if share := drawn_share(data):
+        raise DataError(of_a_historian(share))
     scaled = ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
     linear, fits = _every_fit(scaled, asked)
-    models, span = _Models(linear, fits, scaled), float(np.ptp(data.u))
+    models, span = _Models(linear, fits, scaled, settled=data.unseen.settled), float(np.ptp(data.u))
     held = sizes[(sizes >= SMALLEST_SHARE * span) & (sizes <= span)]
     curves = {kind.name: models.curve(kind, held) for kind in faults() if kind.size is not None}
     gains = {name: likelihood_gain(kind_of(name).simplest(found), linear)[1] for name, found in fits.items()}
@@ -187,7 +204,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     fed_back = only_fed_back(loop.closed, moved_freely(data, loop.free), data.sp) or (
         loop.closed and (foreknown or not data.answered)
     )
-    return RecordProfile(curves, gains, span, data.u.size, models, fed_back, data.unseen.moves)
+    own = (data.unseen, size_hidden_in(data, loop.closed, sticks=True), swing_of_rows(data))
+    return RecordProfile(curves, gains, span, data.u.size, models, fed_back, *own)
 
 
 def _every_fit(scaled: ScaledData, asked: Asked) -> tuple[Fitted, dict[str, Fitted]]:

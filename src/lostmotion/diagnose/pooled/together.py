@@ -13,6 +13,7 @@ from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
+from lostmotion.diagnose.objections import sticks
 from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import OpSpan, op_span
 from lostmotion.diagnose.pooled.common_place import at_common_places
@@ -254,12 +255,14 @@ def _packed(
     of_windows: int,
 ) -> PooledDiagnosis:
     """The diagnosis of the record that tells most, with what all say in the place of its own."""
-    one = evidence.sized.get(verdict.verdict)
+    hidden = evidence.hidden if sticks(verdict.verdict) else ""
+    one = None if hidden else evidence.sized.get(verdict.verdict)
     size = float("nan") if one is None else one.size()
     percent = size / span.percent
     actuator = verdict.kind == "actuator"
     severity = severity_of(percent if span.known else float("nan")) if actuator else "none"
-    sized = [share for share in shares if share.said == "for" and np.isfinite(share.size)]
+    told = () if hidden else shares
+    sized = [share for share in told if share.said == "for" and np.isfinite(share.size)]
     trend = size_trend(
         [share.place for share in sized], [share.size for share in sized], [share.interval for share in sized],
         "day" if timed else "record",
@@ -275,7 +278,7 @@ def _packed(
         "probabilities": verdict.probabilities,
         "evidence": _items(shares),
         "advice": _advice(base, verdict, severity, limit),
-        "notes": _notes(base, shares),
+        "notes": _notes(base, shares, hidden),
         "excluded": verdict.excluded,
         "tolerance": limit,
         "why": verdict.why,
@@ -307,7 +310,8 @@ def _advice(base: Diagnosis, verdict: PooledVerdict, severity: str, limit: float
     return advise(verdict.verdict, verdict.kind, severity, base.measured.integrating, base.measured.swings)
 
 
-def _notes(base: Diagnosis, shares: tuple[RecordShare, ...]) -> tuple[str, ...]:
-    """What was left out, and whose fit and indices are shown."""
+def _notes(base: Diagnosis, shares: tuple[RecordShare, ...], hidden: str) -> tuple[str, ...]:
+    """What was left out, whose fit and indices are shown, and why no size is."""
     about = f"Fit, indices and performance are of {base.record.tag or 'the record'}, which tells most."
-    return (about, *(f"{share.name}: {share.note}." for share in shares if share.note))
+    size = (f"How large it is the records do not tell: {hidden}.",) if hidden else ()
+    return (about, *(f"{share.name}: {share.note}." for share in shares if share.note), *size)

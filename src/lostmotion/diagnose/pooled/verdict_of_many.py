@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import logsumexp
 
-from lostmotion.diagnose.op_span import OpSpan
+from lostmotion.diagnose.features import is_negligible
+from lostmotion.diagnose.op_span import SOUND, OpSpan
 from lostmotion.diagnose.pooled.evidence import Evidence
 from lostmotion.identify.actuators.kind import NO_FAULT
 
@@ -67,18 +68,21 @@ def weigh(evidence: Evidence, limit: float, span: OpSpan, swing: str) -> PooledV
         Where most records swing and are not said to do so because of the actuator: where it comes from; else "".
     """
     totals = evidence.totals()
-    chance, likeliest = _chance(totals), _likeliest(totals)
-    probabilities = {NO_FAULT: 1.0 - chance, "actuator": chance}
+    chance, likeliest, named = _chance(totals), _likeliest(totals), _named(totals)
     sure = _among_kinds(totals, likeliest)
-    named = _named(totals)
     others = [_named(evidence.totals(without=number)) for number in range(evidence.records)]
     alone = [number for number, other in enumerate(others) if other != named]
     carried = max(alone, key=lambda number: abs(evidence.gains(likeliest)[number]), default=None)
+    excluded = {name: one.largest() for name, one in evidence.sized.items()}
+    largest = evidence.sized[named].largest_known if named in evidence.sized else np.inf
+    if is_negligible(largest, SOUND * limit, evidence.swing):
+        excluded[named] = largest
+        chance, named = _probability(PRIOR), NO_FAULT  # what a sound valve has is no evidence of a fault
+    probabilities = {NO_FAULT: 1.0 - chance, "actuator": chance}
     if named in totals and named != NO_FAULT:
         doubt = _doubt(totals, likeliest, sure, carried is not None and evidence.records >= SEVERAL)
         verdict, kind = ("cannot tell", "unknown") if doubt else (named, "actuator")
         return PooledVerdict(verdict, kind, likeliest, probabilities, sure, {}, carried, doubt)
-    excluded = {name: one.largest() for name, one in evidence.sized.items()}
     worst = max(excluded, key=lambda name: excluded[name])
     if named == NO_FAULT and excluded[worst] < limit:
         verdict, kind = ("other oscillation", swing) if swing else (NO_FAULT, "none")
@@ -107,7 +111,10 @@ def _named(totals: dict[str, float]) -> str:
 def _chance(totals: dict[str, float]) -> float:
     """Probability of a fault of any kind."""
     faults = [value for name, value in totals.items() if name != NO_FAULT]
-    odds = PRIOR + float(logsumexp(faults)) - float(np.log(len(faults)))
+    return _probability(PRIOR + float(logsumexp(faults)) - float(np.log(len(faults))))
+
+
+def _probability(odds: float) -> float:
     return float(1.0 / (1.0 + np.exp(-np.clip(odds, -700.0, 700.0))))
 
 
