@@ -72,7 +72,7 @@ def test_pv_that_follows_sp_says_nothing_of_the_valve():
     assert (found.verdict, found.kind, found.limit) == ("cannot tell", "unknown", 1.0)
 
 
-def test_a_dead_zone_set_aside_for_a_bent_valve_is_not_excluded():
+def test_no_dead_zone_is_excluded_where_a_valve_that_bends_is_far_ahead():
     fit = example().fit
     kinds = replace(
         fit.kinds, best="none", excluded={"dead zone": 0.3, "backlash": 0.2, "stiction": 0.2},
@@ -84,7 +84,7 @@ def test_a_dead_zone_set_aside_for_a_bent_valve_is_not_excluded():
         return clean_bill(replace(fit, kinds=kinds, evidence=evidence, status=lm.Status.OK), 0.01, PERCENT).excluded
 
     assert of(kinds) == {"dead zone": np.inf, "backlash": 0.2, "stiction": 0.2}
-    small = replace(kinds, likelihoods={"none": 0.0, "dead zone": 8.0})
+    small = replace(kinds, firm={"none": 0.0, "dead zone": -12.0})
     assert of(small)["dead zone"] == 0.3
 
 
