@@ -81,6 +81,7 @@ PAGES = (
     Page("endurance", "benchmarks/endurance.py", 8, reads=True),
     Page("export", "benchmarks/export.py", 15, EXPORT, "make plc", reads=True, shares=True),
     Page("family", "benchmarks/family.py", 10),
+    Page("ingredients", "benchmarks/ingredients.py", 15),
     Page("online", "benchmarks/online.py", 10, RIVALS, reads=True),
     Page("paper", "benchmarks/paper_tables.py", 2),
     Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED, reads=True, shares=True),
