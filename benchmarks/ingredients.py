@@ -1,8 +1,8 @@
 """Verdicts of the diagnosis on loops of a base case in which one ingredient is changed at a time.
 
-Run: ``.venv/bin/python benchmarks/ingredients.py`` prints a page in Markdown: 664 loops of 55 ingredients, from a
-simulation that shares nothing with the package, in a quarter of an hour on two cores. ``--ingredients base,pid``: these
-alone; ``--loops N``: of each; ``--workers N``.
+Run: ``.venv/bin/python benchmarks/ingredients.py`` (about 15 minutes on two cores); writes docs/ingredients.md: 664
+loops of 55 ingredients, from a simulation that shares nothing with the package. ``--ingredients base,pid``: these
+alone; ``--loops N``: of each; ``--workers N``. Others than by default are printed, not written.
 
 A fault that OP goes through fewer than three times is in no count but that of those left out. Where OP stands at an end
 of its span a "saturation" of a sound valve is no accusation: the product calls it so.
@@ -19,6 +19,7 @@ import argparse  # noqa: E402
 import sys  # noqa: E402
 import warnings  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
+from pathlib import Path  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate.workers import run_all  # noqa: E402
@@ -26,19 +27,21 @@ from one_ingredient import page  # noqa: E402
 from one_ingredient.changes import CHANGES, SEEDS_APART, seeds_of  # noqa: E402
 from one_ingredient.judge import Judged, judged  # noqa: E402
 from one_ingredient.loops import loop_of  # noqa: E402
+from pages import publish  # noqa: E402
 
+OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "ingredients.md"
 LOOPS = 12  # of an ingredient: each kind of valve that is drawn
 TOLD_EVERY = 12  # loops
 
 ABOUT = """\
 # One ingredient changed at a time
 
-{loops} simulated loops. In the base case a PI controller, tuned by one of three rules in use, holds a process of one
-or two lags with dead time under a slow load and noise, and its set point goes in steps. The valve is sound, or has
-backlash, stiction (by five models of friction) or a dead zone of 1 to 8 % of OP, or a stroke that ends too early. An
-ingredient changes one thing of it, and leaves all else as it was drawn or as follows from the change. Nothing of the
-package is in the simulation, and no weight was fitted on it; some rules of [diagnosis.md](diagnosis.md) were made
-because of it, so it is no longer unseen.
+Made by `.venv/bin/python benchmarks/ingredients.py`. {loops} simulated loops. In the base case a PI controller, tuned
+by one of three rules in use, holds a process of one or two lags with dead time under a slow load and noise, and its set
+point goes in steps. The valve is sound, or has backlash, stiction (five models of friction) or a dead zone of 1 to 8 %
+of OP, or a stroke that ends too early. An ingredient changes one thing of it, and leaves all else as it was drawn or as
+follows from the change. Nothing of the package is in the simulation, and no weight was fitted on it; some rules of
+[diagnosis.md](diagnosis.md) were made because of it, so it is no longer unseen.
 """
 SOUND = """\
 ## Valves without a fault
@@ -109,7 +112,11 @@ def main() -> None:
     if not 1 <= given.loops <= SEEDS_APART // 2:
         parser.error(f"expected 1 to {SEEDS_APART // 2} loops, got {given.loops}: beyond, seeds would be used twice")
     jobs = [(name, seed) for name in names for seed in seeds_of(name, given.loops)]
-    print(page_of(run_all(diagnosed, jobs, "loops", given.workers, told)))
+    said = page_of(run_all(diagnosed, jobs, "loops", given.workers, told))
+    if names == list(CHANGES) and given.loops == LOOPS:
+        publish(OUTPUT, said + "\n")
+    else:
+        print(said)
 
 
 if __name__ == "__main__":
