@@ -107,6 +107,17 @@ def test_the_interval_of_a_size_is_wider_by_them(tmp_path):
     assert within_unseen(-0.2, 0.0) == -0.2  # left as it is
 
 
+def test_moves_that_hardly_widen_a_dead_zone_are_not_told():
+    plain = made_fit("dead zone")
+    width = plain.parameters["width"]
+    assert width > 0.0
+    for share, told in ((0.01, False), (0.2, True)):
+        moved = replace(plain, evidence=replace(plain.evidence, unseen_moves=share * width))
+        assert any("between the rows" in remark for remark in moved.remarks) is told
+    hidden = replace(moved, status=lm.Status.OTHER_KIND)
+    assert not any("between the rows" in remark for remark in hidden.remarks)
+
+
 def test_a_saved_fit_has_none_below_zero(tmp_path):
     saved = made_fit("backlash").to_dict()
     saved["evidence"]["unseen_moves"] = -0.1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
@@ -19,6 +20,8 @@ LATE = 20  # samples of delay
 MOST_SAID = 3  # periods
 SLOW = 0.5  # samples in the slowest time constant
 NO_LAG = 0.0483  # samples in the slowest time constant: its pole is below 1e-9, which is 0 but for rounding
+FILLED = 0.05  # of a dead zone: smaller moves between the rows do not make its interval wide
+NO_SIZE = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL, Status.OTHER_KIND)  # of which nobody asks how wide
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
 
@@ -53,9 +56,10 @@ def step_over_noise(step: float, variance: float) -> float:
 
 
 def about_unseen_moves(fit: HammersteinFit) -> str:
-    """What OP does between the rows, or may do there."""
-    moves = fit.evidence.unseen_moves
-    if moves <= 0.0:
+    """What OP does between the rows, or may do there; of a dead zone where it is a part of the width that matters."""
+    moves, size = fit.evidence.unseen_moves, fit.kind.size
+    matters = size is not None and (fit.kind.sticks or moves > FILLED * fit.parameters[size] > 0.0)
+    if moves <= 0.0 or not matters or fit.status in NO_SIZE:
         return ""
     return (
         f"{fit.data.unseen.words(moves)}, which makes the interval of the {fit.kind.size} so wide. Record every scan of"
