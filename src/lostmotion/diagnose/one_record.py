@@ -24,6 +24,7 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.identify.left_open import largest_known
+from lostmotion.identify.unseen_moves import FILLED
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
@@ -184,7 +185,8 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         if hidden:
             return *unknown[:2], (f"How large it is the record does not tell: {hidden}.",)
         moves = fit.evidence.unseen_moves
-        about = [BETWEEN.format(fit.data.unseen.words(moves))] if moves > 0.0 else []
+        wide = moves > (0.0 if fit.kind.sticks else FILLED * fit.parameters[name])
+        about = [BETWEEN.format(fit.data.unseen.words(moves))] if wide else []
         about += [LAGS.format(fit.evidence.actuator_lag)] if fit.evidence.actuator_lag > 0.0 else []
         return fit.parameters[name], _with_model_error(fit, name), tuple(about)
     width = measured.indices.get("ellipse_width", np.nan)

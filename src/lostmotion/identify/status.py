@@ -48,7 +48,7 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
-        unseen_moves=data.unseen.about(kind.sticks) if kind.size is not None else 0.0,
+        unseen_moves=data.unseen.about(kind.sticks) if kind.sticks or (kind.dead_between and loop.closed) else 0.0,
         answered=data.answered if loop.closed else True,
         foreknown=loop.closed and (data.unseen.mostly or data.foretold.against(gain)),
     )

@@ -25,6 +25,7 @@ FURTHER, NEARER = 2.0, 1.0
 # rest from which on these moves fill a dead zone, which then seems narrower by up to so much: by 0.55 to 0.74 of them
 # in five of six loops of an independent simulation with a rest of 0.06 to 0.43; one of 0.01 to 0.02 left no trace
 FILLS = 0.05
+FILLED = 0.05  # of a dead zone: smaller moves do not make its interval wide, and nobody is told of them
 
 
 @dataclass(frozen=True)

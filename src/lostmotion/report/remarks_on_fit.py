@@ -7,6 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.unseen_moves import FILLED
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
 FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise
@@ -20,7 +21,6 @@ LATE = 20  # samples of delay
 MOST_SAID = 3  # periods
 SLOW = 0.5  # samples in the slowest time constant
 NO_LAG = 0.0483  # samples in the slowest time constant: its pole is below 1e-9, which is 0 but for rounding
-FILLED = 0.05  # of a dead zone: smaller moves between the rows do not make its interval wide
 NO_SIZE = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL, Status.OTHER_KIND)  # of which nobody asks how wide
 CALM = 0.02  # of the deviation of OP: more moves inside a block cost more than resampling brings (docs/records.md)
 
