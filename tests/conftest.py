@@ -15,6 +15,7 @@ settings.register_profile("desk", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 SLOW_DOCTESTS = {
+    "lostmotion.diagnose.any_record.diagnose",
     "lostmotion.diagnose.one_record.diagnose",
     "lostmotion.identify.estimate.identify",
     "lostmotion.identify.recursive.ml.RecursiveML",

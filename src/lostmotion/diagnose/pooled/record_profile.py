@@ -71,16 +71,17 @@ class _Models:
     @property
     def linear_gain(self) -> float:
         """What the best of the processes beside gains over the linear one: a fault must beat that too."""
-        return max((_gain_of(one, self.linear, one.fit.cost) for one in self.beside), default=0.0)
+        return max([0.0, *(_gain_of(one, self.linear, one.fit.cost) for one in self.beside)])
 
     def gains(self, kind: Kind, sizes: FloatArray) -> FloatArray:
-        """Over the linear process at held sizes (units of OP)."""
+        """Over the linear processes at held sizes (units of OP)."""
         if self.settled and kind.sticks:
             return np.zeros(len(sizes))
         found = self.fits.get(kind.name)
         share = 1.0 if found is None else _firm_share(found, self.linear)
         scale = self.scaled.scaling.u_scale
-        return share * np.array([_gain(self.linear, self.bases, kind, size / scale) for size in sizes])
+        gains = share * np.array([_gain(self.linear, self.bases, kind, size / scale) for size in sizes])
+        return gains - self.linear_gain
 
     def gain_at(self, kind: Kind, own: FloatArray) -> float:
         """Over the linear process with the places of a kind held (units of OP), beyond its cost; 0 where OP meets none.
@@ -172,7 +173,7 @@ class RecordProfile:
         curve = self.curves[name]
         more = sizes[sizes <= self.op_range]
         models = self._models if like is None else self._models.like(like)
-        gains = models.gains(kind_of(name), more) - max(models.linear_gain, 0.0)
+        gains = models.gains(kind_of(name), more)
         order = np.argsort(np.r_[curve.sizes, more])
         finer = replace(curve, sizes=np.r_[curve.sizes, more][order], gains=np.r_[curve.gains, gains][order])
         return replace(self, curves={**self.curves, name: finer})
