@@ -21,6 +21,9 @@ class Chosen:
         Whether A has a root at 1.
     loads : tuple of dict
         Swings ("period", in samples) and steps ("step_at", a row) of load.
+    slopes : tuple of float, optional
+        Of a characteristic that bends, at the lowest and the highest position of the valve, over its mean slope, which
+        is that of the model; None: it is straight.
     noise_zero : float
         Zero of the noise; 0: it is autoregressive.
     """
@@ -32,6 +35,7 @@ class Chosen:
     integrating: bool = False
     loads: tuple[Mapping[str, float], ...] = ()
     noise_zero: float = 0.0
+    slopes: tuple[float, float] | None = None
 
     @property
     def periods(self) -> tuple[float, ...]:
@@ -50,4 +54,6 @@ class Chosen:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of :meth:`to_dict`."""
-        return cls(**{**data, "loads": tuple(data.get("loads", ()))})
+        slopes = data.get("slopes")
+        bent = None if slopes is None else (float(slopes[0]), float(slopes[1]))
+        return cls(**{**data, "loads": tuple(data.get("loads", ())), "slopes": bent})

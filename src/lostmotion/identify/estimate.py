@@ -15,6 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
+from lostmotion.identify.actuators.characteristic import slopes
 from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -313,8 +314,8 @@ class _Identification:
 
 def _chosen(fitted: Fitted) -> Chosen:
     s, loads = fitted.problem.structure, fitted.problem.family.loads
-    events = () if loads is None else tuple(event.to_dict() for event in loads.events)
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero)
+    events = () if loads is None else loads.to_dicts()
+    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, slopes(fitted))
 
 
 def _model(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:

@@ -32,7 +32,10 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     ----------
     fit : HammersteinFit
     """
-    about = (about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads, in_percent)
+    about = (
+        about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads, about_characteristic,
+        in_percent,
+    )  # fmt: skip
     return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
 
@@ -83,6 +86,18 @@ def about_loads(fit: HammersteinFit) -> str:
     if steps:
         parts.append(f"{steps} step{'s' * (steps > 1)}")
     return f"Beside the actuator {' and '.join(parts)} of load act on the process in this model." if parts else ""
+
+
+def about_characteristic(fit: HammersteinFit) -> str:
+    """Of a valve whose gain changes over its range."""
+    slopes = fit.chosen.slopes
+    if slopes is None:
+        return ""
+    low, high = np.quantile(fit.data.u, (0.01, 0.99)).tolist()
+    return (
+        f"The characteristic bends: about OP {low:.3g} valve and process have {slopes[0]:.2g} times the gain of this"
+        f" model, about {high:.3g} {slopes[1]:.2g} times. Simulations go on with that gain at any OP."
+    )
 
 
 def about_pv_step(fit: HammersteinFit) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.characteristic import bent
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
@@ -60,16 +61,16 @@ class EveryKind:
         Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
         what the actuator does.
         """
-        linear = self._beside_swings(self._cleaned(with_own_loads(linear)))
-        found = {kind: with_own_loads(one) for kind, one in self._of_likely(self.scaled, without_loads(linear)).items()}
+        linear = self._beside_swings(self._cleaned(_completed(linear)))
+        found = {kind: _completed(one) for kind, one in self._of_likely(self.scaled, without_loads(linear)).items()}
         self._without_loads_of(linear, found)
         nested = [kind for kind in faults() if kind.nests]
         for kind in nested:
             if kind.name in found:
-                _keep(found, kind.nests, with_own_loads(kind.simplified(found[kind.name])))
+                _keep(found, kind.nests, _completed(kind.simplified(found[kind.name])))
         linear = _best_linear(linear, found)
         for kind in nested:
-            linear = further(found, kind, linear, self.asked, with_own_loads)
+            linear = further(found, kind, linear, self.asked, _completed)
         return linear, found
 
     def _beside_swings(self, linear: Fitted) -> Fitted:
@@ -87,7 +88,7 @@ class EveryKind:
             return
         clean = without_their_effect(linear, self.scaled)
         for kind, one in self._of_likely(clean, without_loads(linear, clean.y)).items():
-            other = with_own_loads(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
+            other = _completed(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
             _keep(found, kind, other)
 
     def _cleaned(self, linear: Fitted) -> Fitted:
@@ -97,7 +98,7 @@ class EveryKind:
             return linear
         clean = without_their_effect(linear, self.scaled)
         again = fit_linear(clean, self.asked)
-        again = with_own_loads(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
+        again = _completed(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
         return again if gain_over_linear(again, linear) > 0 else linear
 
     def _of_likely(self, data: ScaledData, linear: Fitted) -> Fits:
@@ -110,6 +111,11 @@ class EveryKind:
             if kind.met(fitted):
                 found[name] = fitted
         return found
+
+
+def _completed(fitted: Fitted) -> Fitted:
+    """The model with what else acts on PV, where it pays: a characteristic that bends, swings and steps of load."""
+    return with_own_loads(bent(fitted))
 
 
 def _best_linear(linear: Fitted, found: Fits) -> Fitted:

@@ -103,7 +103,7 @@ def pruned(fitted: Fitted) -> Fitted:
     inverse, _ = information_inverse(fitted.fit.hessian, fitted.basis)
     limit = COST * np.log(fitted.problem.errors)
     kept = []
-    for index, rows in enumerate(_rows(fitted)):
+    for index, rows in enumerate(places_of_loads(fitted)):
         size = fitted.fit.theta[rows]
         spread = fitted.variance * inverse[np.ix_(rows, rows)]
         if 0.5 * float(size @ np.linalg.lstsq(spread, size, rcond=1e-12)[0]) > limit:
@@ -121,7 +121,8 @@ def without_loads(fitted: Fitted, y: FloatArray | None = None) -> Fitted:
 def without_actuator(fitted: Fitted) -> Fitted:
     """The linear model of the same structure with the same loads."""
     problem = fitted.problem
-    family = LinearFamily(load=problem.family.load, loads=problem.family.loads)
+    loads = problem.family.loads
+    family = LinearFamily(load=problem.family.load, loads=None if loads is None else loads.along(problem.u))
     dropped = list(range(problem.eta_at, problem.eta_at + len(problem.family.own)))
     problem = replace(problem, family=family)
     start = np.delete(fitted.fit.theta, dropped)
@@ -165,15 +166,23 @@ def without_swings(data: ScaledData, loads: Loads) -> ScaledData:
 def with_loads(fitted: Fitted, data: ScaledData, loads: Loads) -> Fitted:
     """A model of other signals, refined on these with given loads, and with its own."""
     on_data = replace(fitted, problem=replace(fitted.problem, u=data.u, y=data.y))
-    return with_own_loads(pruned(loaded(on_data, data.y, loads, _Errors(on_data).sizes(loads.shapes))))
+    return with_own_loads(pruned(loaded(on_data, data.y, loads, explained_by(on_data, loads)[0])))
+
+
+def explained_by(fitted: Fitted, events: Loads) -> tuple[FloatArray, float]:
+    """Sizes of loads that explain most of the errors of a model, and what they gain in log-likelihood."""
+    errors = _Errors(fitted)
+    sizes, left = errors.explained(events.shapes)
+    gain = float(errors.errors @ errors.errors - left @ left)
+    return sizes, 0.5 * gain / max(fitted.variance, 1e-300)
 
 
 def sizes_of_loads(fitted: Fitted) -> FloatArray:
     """Sizes of the shapes of its loads."""
-    return fitted.fit.theta[[row for rows in _rows(fitted) for row in rows]]
+    return fitted.fit.theta[[row for rows in places_of_loads(fitted) for row in rows]]
 
 
-def _rows(fitted: Fitted) -> list[list[int]]:
+def places_of_loads(fitted: Fitted) -> list[list[int]]:
     """Places of the sizes of every event in the parameter vector."""
     loads, at = fitted.problem.family.loads, fitted.problem.noise_at
     counts = [] if loads is None else [len(event.names) for event in loads.events]
@@ -184,7 +193,7 @@ def _rows(fitted: Fitted) -> list[list[int]]:
 def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
     problem, loads = fitted.problem, fitted.problem.family.loads
     assert loads is not None  # noqa: S101  asked only of models with loads
-    dropped = [row for index, rows in enumerate(_rows(fitted)) if index not in kept for row in rows]
+    dropped = [row for index, rows in enumerate(places_of_loads(fitted)) if index not in kept for row in rows]
     start = np.delete(fitted.fit.theta, dropped)
     basis = None
     if fitted.basis is not None:
@@ -260,7 +269,7 @@ class _Errors:
                     best, gain = Loads((Swing(period, start, stop),), self.errors.size), ratio
         if best is None:
             return None
-        return best, self.sizes(best.shapes)
+        return best, self.explained(best.shapes)[0]
 
     def _made_by_the_loop(self, periods: FloatArray, start: int, stop: int) -> npt.NDArray[np.bool_]:
         """Which periods are harmonics of the swing of PV, where that is not a load itself.
@@ -277,10 +286,11 @@ class _Errors:
         order = whole / periods
         return np.asarray((order > 1.5) & (np.abs(order - np.round(order)) < SAME * order))
 
-    def sizes(self, courses: FloatArray) -> FloatArray:
-        """Sizes of loads of given courses, by least squares."""
+    def explained(self, courses: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sizes of loads of given courses, by least squares, and the errors that they leave."""
         table = np.column_stack([self._column(course) for course in courses])
-        return np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
+        sizes = np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
+        return sizes, self.errors - table @ sizes
 
     def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
         """Best step and best swing of a segment."""

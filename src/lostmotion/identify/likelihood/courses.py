@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 from weakref import ref
 
 import numpy as np
@@ -20,6 +20,7 @@ class Swing:
     start: int
     stop: int
     names: ClassVar[tuple[str, ...]] = ("sine", "cosine")
+    sought: ClassVar[int] = 1
 
     def fill(self, courses: FloatArray) -> None:
         """Sine and cosine, in courses (2, n) that are 0."""
@@ -40,6 +41,7 @@ class Step:
     start: int
     stop: int
     names: ClassVar[tuple[str, ...]] = ("step",)
+    sought: ClassVar[int] = 1
 
     def fill(self, courses: FloatArray) -> None:
         """One step, in courses (1, n) that are 0."""
@@ -50,19 +52,76 @@ class Step:
         return {"step_at": self.row}
 
 
+@dataclass(frozen=True, eq=False)
+class Bend:
+    """What a characteristic that bends adds to the position of the valve: its square and its cube, no straight line.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Of the valve, in units of scaled OP.
+    """
+
+    position: FloatArray
+    names: ClassVar[tuple[str, ...]] = ("square", "cube")
+    sought: ClassVar[int] = 0  # it has no time
+
+    @cached_property
+    def _places(self) -> tuple[float, float]:
+        """Middle and range of the positions."""
+        return float(self.position.mean()), float(np.ptp(self.position)) or 1.0
+
+    @cached_property
+    def _lines(self) -> list[tuple[float, float]]:
+        """Straight line in the square and in the cube."""
+        place = self._placed(self.position)
+        return [_line(place, place**power) for power in _POWERS]
+
+    def _placed(self, position: FloatArray) -> FloatArray:
+        middle, wide = self._places
+        return (position - middle) / wide
+
+    def fill(self, courses: FloatArray) -> None:
+        """Square and cube of the place in the range, in courses (2, n)."""
+        place = self._placed(self.position)
+        for row, (power, (level, rise)) in enumerate(zip(_POWERS, self._lines, strict=True)):
+            np.power(place, power, out=courses[row])
+            courses[row] -= level + rise * place
+
+    def slopes(self, sizes: FloatArray, position: FloatArray) -> FloatArray:
+        """Of the characteristic at positions (m,), over that of its straight line, for sizes (2,) of the courses."""
+        place, wide = self._placed(position), self._places[1]
+        slopes = np.ones(position.size)
+        for size, power, (_, rise) in zip(sizes, _POWERS, self._lines, strict=True):
+            slopes += size / wide * (power * place ** (power - 1) - rise)
+        return slopes
+
+
+_POWERS = (2, 3)
+
+
+def _line(x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Level and rise of the straight line through points, by least squares."""
+    rise = float((x - x.mean()) @ y / max(float((x - x.mean()) @ x), 1e-300))
+    return float(y.mean()) - rise * float(x.mean()), rise
+
+
+Event: TypeAlias = Swing | Step | Bend
+
+
 @dataclass(frozen=True)
 class Loads:
     """What acts on the process beside the actuator, up to its size.
 
     Attributes
     ----------
-    events : tuple of Swing or Step
-        The time of each was sought and counts as a parameter.
+    events : tuple of Swing, Step or Bend
+        The time of each swing and step was sought and counts as a parameter.
     rows : int
         Of the data.
     """
 
-    events: tuple[Swing | Step, ...]
+    events: tuple[Event, ...]
     rows: int
 
     @cached_property
@@ -75,6 +134,25 @@ class Loads:
         """Courses (m, rows) in the input of the process; only those asked for last are in memory."""
         return _latest.of(self)
 
+    @property
+    def sought(self) -> int:
+        """Times that were sought."""
+        return sum(event.sought for event in self.events)
+
+    @property
+    def bend(self) -> int | None:
+        """Place of the characteristic among the events; None where it is straight."""
+        return next((at for at, event in enumerate(self.events) if isinstance(event, Bend)), None)
+
+    def to_dicts(self) -> tuple[dict[str, float], ...]:
+        """Swings and steps, JSON-ready."""
+        return tuple(event.to_dict() for event in self.events if not isinstance(event, Bend))
+
+    def along(self, position: FloatArray) -> Loads:
+        """The same, the characteristic that of a valve which went another way (n,)."""
+        bent = tuple(Bend(position) if isinstance(event, Bend) else event for event in self.events)
+        return self if self.bend is None else Loads(bent, self.rows)
+
     def kept(self, index: list[int]) -> Loads | None:
         """Only some of the events; None where none is left."""
         return Loads(tuple(self.events[i] for i in index), self.rows) if index else None
@@ -84,7 +162,7 @@ class Loads:
         return self if other is None else Loads((*self.events, *other.events), self.rows)
 
 
-def courses_of(event: Swing | Step, rows: int) -> FloatArray:
+def courses_of(event: Event, rows: int) -> FloatArray:
     """Courses (names, rows) of one event."""
     courses = np.zeros((len(event.names), rows))
     event.fill(courses)

@@ -46,7 +46,7 @@ class Family(ABC):
     @property
     def sought(self) -> int:
         """Parameters that are not in eta: the times of the loads."""
-        return 0 if self.loads is None else len(self.loads.events)
+        return 0 if self.loads is None else self.loads.sought
 
     def with_load(self, load: bool) -> Self:
         """The same family with or without a constant load."""
