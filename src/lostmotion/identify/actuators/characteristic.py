@@ -19,8 +19,9 @@ from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.refinement import refine
 
-WORTH = 20.0  # of log-likelihood: less is what a process that is not quite linear leaves over anyway
-LEAST_SLOPE = 0.05  # of the mean one: a valve that closes where OP rises is none
+PROMISING = 5.0  # of log-likelihood with all else held: then it is tried
+WORTH = 20.0  # of it with everything refined: less is what a process that is not quite linear leaves over anyway
+LEAST_SLOPE = 0.01  # of the mean one: a valve that closes where OP rises is none
 OUTER = 0.01  # of the rows, at either end of the range, in which a cubic is not held to that
 TURNED = 0.2  # of its range, by which the slope may turn back
 TURNS = 2  # of position and characteristic by turns
@@ -36,7 +37,7 @@ def bent(fitted: Fitted) -> Fitted:
         return _along(fitted)
     added = Loads((Bend(_position(fitted)),), fitted.problem.u.size)
     sizes, gain = explained_by(fitted, added)
-    if gain < WORTH:
+    if gain < PROMISING:
         return fitted
     trial = loaded(fitted, fitted.problem.y, added, sizes)
     return _along(trial) if criterion(trial) < criterion(fitted) - 2.0 * WORTH and _is_one(trial) else fitted
