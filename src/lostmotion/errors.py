@@ -147,8 +147,7 @@ class Status(Enum):
     )
     MISFIT = (
         "Converged, but the residuals still depend on OP: the real actuator is not quite of this shape. "
-        "Read the numbers as the nearest dead zone and compare other kinds "
-        "(jump at break-away, backlash, stiction)."
+        "Read the numbers as those of the nearest actuator of this kind; nonlinearity='auto' compares all kinds."
     )
     COLOURED = (
         "Converged, but the residuals are not white, so the intervals are too narrow. "

@@ -141,7 +141,15 @@ def test_plants_stay_at_rest_without_noise():
 def test_noise_has_its_variance():
     v = noise_samples(lm.NoiseModel((-0.9,), 0.19), 20_000, 1)
     assert np.var(v) == pytest.approx(1.0, rel=0.15)
-    refusal(ParameterError, noise_samples, lm.NoiseModel((-1.0,), 1.0), 10, 0)
+    refusal(ParameterError, noise_samples, lm.NoiseModel((-1.03,), 1.0), 10, 0)
+
+
+@pytest.mark.parametrize("root", [1.0, 1.0003, 1.01])
+def test_a_drift_that_was_fitted_as_a_random_walk_can_be_studied(root):
+    """It forgets within a record; the loop sees nothing of so slow a change."""
+    walk = noise_samples(lm.NoiseModel((-root - 0.5, 0.5 * root), 1.0), 2000, 1)
+    near = noise_samples(lm.NoiseModel((-0.9998 - 0.5, 0.5 * 0.9998), 1.0), 2000, 1)
+    np.testing.assert_allclose(np.diff(walk), np.diff(near), atol=1e-6)
 
 
 def test_plants_that_the_estimate_may_be_wrong_about():

@@ -52,6 +52,26 @@ def test_what_is_no_cycle_is_not_measured_as_one(signal):
     assert LimitCycle().to_dict()["period"] is None
 
 
+def test_a_swing_after_a_large_move_is_a_cycle():
+    """The move itself, in the third before, is no measure of it."""
+    time = np.arange(3000)
+    swing = 0.1 * np.sin(time / 3.0) + np.where(time < 1000, 5.0, 5.0 * np.exp(-(time - 1000) / 50.0))
+    found = measure_limit_cycle(swing, swing, 1.0, 1e-3)
+    assert found.amplitude == pytest.approx(0.1, rel=0.02)
+    assert found.period == pytest.approx(6.0 * np.pi, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_swing_that_comes_and_goes_is_a_cycle(seed):
+    """Pulses of a block that beat with what the valve does."""
+    rng = np.random.default_rng(seed)
+    time, beats = np.arange(6000), 1.0 + 0.5 * np.sin(np.arange(6000) / rng.uniform(100, 400) + rng.uniform(0, 6.3))
+    signal = beats * np.sin(time / 4.0)
+    assert 1.0 < measure_limit_cycle(signal, signal, 1.0, 1e-3).amplitude < 1.6
+    dying = np.exp(-time / 2000.0) * np.sin(time / 4.0)
+    assert measure_limit_cycle(dying, dying, 1.0, 1e-3).amplitude == 0.0
+
+
 @pytest.mark.parametrize(
     ("linear", "kp", "ki"),
     [

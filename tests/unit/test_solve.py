@@ -35,11 +35,11 @@ def steps(monkeypatch):
     return go
 
 
-def studied(recommendation="compensate", safe=True):
+def studied(recommendation="compensate", safe=True, useful=False):
     """A study with this result."""
 
     class Study:
-        reasons = ("It is worth it.", "The block: better.")
+        reasons = brief = ("It is worth it.", "The block: better.")
         cases = dict.fromkeys(("retuned", "with, retuned"), type("Case", (), {"controller": lm.PI(1.23456, 0.0345678)}))
 
         def to_dict(self):
@@ -47,7 +47,7 @@ def studied(recommendation="compensate", safe=True):
 
     def run(fit, controller, record, accept, **_):
         made = Study()
-        made.recommendation, made.safe = recommendation, safe
+        made.recommendation, made.safe, made.useful = recommendation, safe, useful or recommendation == "compensate"
         made.block = fit.block(accept=accept)
         return made
 
@@ -118,6 +118,22 @@ def test_gains_that_open_it_are_said(steps):
     alone = steps(study=studied("retune")).closed
     assert "to Kp 1.235, Ki 0.03457 1/s" in alone.remedy
     assert not alone.settings
+
+
+def test_a_block_that_is_safe_as_it_is_needs_no_retuning(steps):
+    """It would help still more with it: that is said, and no gate."""
+    found = steps(study=studied("compensate and retune", useful=True))
+    assert (found.outcome, found.closed) == ("block", None)
+    assert "only with the controller" not in found.block.notes[-1]
+    both = steps(study=studied("compensate and retune", useful=True), retune=True)
+    assert "only with the controller" in both.block.notes[-1]
+    assert steps(study=studied("compensate and retune", safe=False, useful=True)).closed.name == "simulate"
+
+
+def test_what_is_pasted_writes_where_it_was_to_be_written(steps):
+    found = steps(study=studied("compensate and retune"))
+    lines = command_lines(found, Path("a.csv"), RecordOptions(), {"out": Path("b.json")})
+    assert lines[0] == "lostmotion solve a.csv --out b.json --retune"
 
 
 def test_no_reason_helps_where_the_loop_cannot_be_simulated(steps):

@@ -75,3 +75,18 @@ def test_retuning_is_never_recommended_against_its_own_line(ratio, cycle):
     line = next(text for text in found.reasons if text.startswith("Retuning alone"))
     assert (found.word == "retune") == ("not worth it" not in line)
     assert found.word != "retune" or "rises" not in line
+
+
+@pytest.mark.parametrize(("ratio", "swing", "safe"), [(1.1, 0.0, True), (1.3, 0.0, False), (0.8, 0.3, False)])
+def test_a_fifth_too_much_is_a_trial_of_strength(ratio, swing, safe):
+    """A little more error is borne there, much more, or a cycle that was not there, is not."""
+    cases = {
+        "without": case(cycle=1.0), "with": case(0.6), "retuned": case(controller=TUNED),
+        "with, retuned": case(controller=TUNED), "no fault": case(0.5),
+    }  # fmt: skip
+    wrong = [MistakeCase("20 %", "width 20 % too large", ratio, 1.0, LimitCycle(), LimitCycle(swing, 9.0, 1.0), 0.01)]
+    found = decide(cases, wrong, wrong, BLOCK, NOISE)
+    assert found.safe == safe
+    assert found.useful
+    assert found.brief[1].startswith("The block: ")
+    assert found.adding("So it is.").reasons[:2] == (found.reasons[0], "So it is.")

@@ -60,7 +60,7 @@ def solve(
     )  # fmt: skip
     asked = {
         "kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating,
-        "retune": retune,
+        "retune": retune, "out": out,
     }  # fmt: skip
     lines = command_lines(found, file, columns, asked) if found.closed is not None else _next(found, file, out)
     told = as_options(found.summary()).replace("--span ", "--op-span ")

@@ -11,6 +11,7 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.data import IdentificationData
 from lostmotion.models import LinearModel
 
+MOST_ROUNDED = 0.5  # of the moves of OP: what rounding of OP and PV may stand for, at most
 EXACT = 0.05  # share of the moves of OP that a PI does not explain, up to which it is one
 NEAR = 1.6  # times: a root and an oscillation this close in frequency are the same
 LIGHTLY_DAMPED = 0.12  # damping ratio below which a loop keeps swinging from every push
@@ -96,8 +97,10 @@ def estimate_pi(data: IdentificationData, sp: FloatArray | None) -> EstimatedPI:
     rows = np.column_stack([rows, np.ones(du.size)])
     scale = np.maximum(np.abs(rows).max(axis=0), 1e-300)
     gains = np.linalg.lstsq(rows / scale, du, rcond=1e-10)[0] / scale
-    left = du - rows @ gains
-    unexplained = float(left @ left) / max(float(du @ du), 1e-300)
+    left, all_of_it = du - rows @ gains, max(float(du @ du), 1e-300)
+    rounding = du.size / 6.0 * (data.u_step**2 + (float(gains[0]) * data.y_step) ** 2)
+    rounding = min(rounding, MOST_ROUNDED * all_of_it)
+    unexplained = max(float(left @ left) - rounding, 0.0) / all_of_it
     return EstimatedPI(float(gains[0]), float(gains[1]), unexplained)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ DECADES = 4.5  # below the Nyquist frequency
 LEAST_GAIN = 1e-6  # of an actuator: below it there is no loop
 MARGIN = 0.5  # rad by which phases that may cross are taken wider
 FEWEST_CROSSINGS = 4  # one and a half periods: a cycle has come back
-SUSTAINED = 0.8  # of the size of the third before
+PIECES = 4  # of the last third: what becomes smaller from each to the next dies out, an irregular swing does not
+SUSTAINED = 0.8  # of the size of the first piece
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,13 @@ def _cross(a: ComplexArray, b: ComplexArray) -> FloatArray:
     return np.asarray(a.real * b.imag - a.imag * b.real)
 
 
+def _dies_out(signal: FloatArray, floor: float) -> bool:
+    """Whether each piece of it is smaller than the one before; a beat between valve and block is not."""
+    sizes = [0.5 * float(np.ptp(piece)) for piece in np.array_split(signal, PIECES)]
+    smaller = all(after < before for before, after in pairwise(sizes))
+    return sizes[-1] <= floor or (smaller and sizes[-1] < SUSTAINED * sizes[0])
+
+
 def measure_limit_cycle(output: FloatArray, control: FloatArray, dt: float, floor: float) -> LimitCycle:
     """Limit cycle in the last third of noise-free signals.
 
@@ -153,9 +162,9 @@ def measure_limit_cycle(output: FloatArray, control: FloatArray, dt: float, floo
     (0.99, 15.0, 2.0)
     """
     third = output.size // 3
-    before, last = output[third : 2 * third], output[-third:]
+    last = output[-third:]
     amplitude = 0.5 * float(np.ptp(last))
-    if amplitude <= floor or amplitude < SUSTAINED * 0.5 * float(np.ptp(before)):
+    if amplitude <= floor or _dies_out(last, floor):
         return LimitCycle()
     side = np.sign(last - 0.5 * (last.max() + last.min()))
     at = np.flatnonzero(np.diff(side[side != 0]) != 0)

@@ -221,15 +221,15 @@ class _Way:
         for one in self.accepted:
             more = more.removeprefix(one).removeprefix("; ")
         self.accepted = (*self.accepted, more) if more else self.accepted
-        if found.recommendation == "compensate" and found.safe:
-            self._pass("simulate", " ".join(found.reasons[:2]))
-            return
         if found.recommendation == RETUNED and retune:
             self._retuned(found)
             return
+        if found.recommendation in ("compensate", RETUNED) and found.useful and found.safe:
+            self._pass("simulate", " ".join(found.brief))
+            return
         remedy, settings = _way_out(found)
         gate = Closed("a block that is worth it and safe", found.reasons[0], remedy)
-        self._gate("simulate", gate, found.reasons[0], settings)
+        self._gate("simulate", gate, " ".join(found.brief), settings)
 
     def _retuned(self, study: CompensationStudy) -> None:
         """The block with the gains that it needs."""
@@ -241,7 +241,10 @@ class _Way:
         """What came out."""
         assert self.study is not None  # noqa: S101
         made = self.study.block
-        self._pass("block", f"{made.kind.capitalize()} block, scan time {made.scan_time:g} s.")
+        when = (
+            "Switch it off before a valve that was serviced goes back in service: it is made for the lost motion found."
+        )
+        self._pass("block", f"{made.kind.capitalize()} block, scan time {made.scan_time:g} s. {when}")
 
 
 def _way_out(study: CompensationStudy) -> tuple[str, dict[str, bool]]:

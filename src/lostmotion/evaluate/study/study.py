@@ -14,13 +14,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock, block_from_fit, block_from_model
 from lostmotion.compensate.gate import Said
 from lostmotion.errors import ParameterError
-from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.cycles import (
-    MOST_SAMPLES as MOST_CYCLE_SAMPLES,
-)
-from lostmotion.evaluate.study.cycles import (
-    PERIODS_A_RUN,
-    CycleTest,
     cycle_test,
     predicted_cycle,
     simulated_cycle,
@@ -28,24 +22,21 @@ from lostmotion.evaluate.study.cycles import (
 from lostmotion.evaluate.study.mistakes import mistakes
 from lostmotion.evaluate.study.recorded_controller import controller_of, longest_set_point
 from lostmotion.evaluate.study.reproduced import require_reproduction
-from lostmotion.evaluate.study.retuning import FEW_RUNS, retuned
-from lostmotion.evaluate.study.scenario import NAMES, Scenario, started_in_cycle, steps
+from lostmotion.evaluate.study.scenario import Scenario, started_in_cycle, steps
 from lostmotion.evaluate.study.studied_loop import Known, known
-from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
-from lostmotion.evaluate.study.study_result import CompensationStudy, LoopCase, MistakeCase
-from lostmotion.evaluate.study.worth import decide
+from lostmotion.evaluate.study.study_plant import noise_samples
+from lostmotion.evaluate.study.study_result import CompensationStudy
+from lostmotion.evaluate.study.trial import settling_rows, trial
 from lostmotion.identify import RatedEstimate, RecursiveEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
 from lostmotion.records.movement import PERCENT
 from lostmotion.records.white_noise import noise_of
-from lostmotion.simulate import PI, LoopResponse
+from lostmotion.simulate import PI
 
 SAMPLES = 4000  # of a scenario made up here, where no record is given
 MOST_SAMPLES = 20_000  # of a record's set point
-FEWEST_SETTLE, MOST_SETTLE = 600, 4000
-PERIODS = 4.0  # of a limit cycle until it has set in
 BAND_IN_DEVIATIONS = 3.0  # of the noise in OP: one sample in 370 of Gaussian noise is outside
 Model = Hammerstein | RatedEstimate | RecursiveEstimate | Mapping[str, Any]
 
@@ -87,7 +78,8 @@ def compensation_study(
     noise : NoiseModel or float, optional
         Of PV, beside a bare model: model or variance of white noise.
     block : CompensatorBlock, optional
-        What is to be downloaded. None: what ``fit.block()`` makes; `options` are passed on to it.
+        What is to be downloaded. None: what ``fit.block()`` makes; `options` are passed on to it. Without options, a
+        block that helps but is not safe gives way to one that compensates a smaller share, where that is safe.
     reference : array_like, shape (n,), optional
         Set point in units of PV. None: that of the record; without one constant, at the level that needs `op_now`.
     sp_step : float, optional
@@ -147,28 +139,27 @@ def compensation_study(
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
+    made_here = block is None and not options
     block = _block(found, span, op_noise, options) if block is None else _checked(block, linear.dt)
-    block = replace(block, accepted=found.accepted) if found.accepted else block
+    block = _accepted(block, found)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
-    settle = _settle(block, swing.period / linear.dt)
+    settle = settling_rows(block, swing.period / linear.dt)
     started = started_in_cycle(reference, settle, test.kick)
     noises = tuple(noise_samples(found.noise, started.size, seed + number) for number in range(whole("runs", runs, 1)))
     described += f", {reference.size * linear.dt:g} s a run, {len(noises)} runs"
     scenario = Scenario(started, noises, settle, span, BAND_IN_DEVIATIONS * op_noise, described)
-    cases, responses = _cases(found.plant, gains, block, scenario, test)
-    controllers = gains, cases["with, retuned"].controller
-    slow = _long_enough(test, cases, linear.dt)
-    pairs = [
-        _mistakes(group, what, plant, controllers, block, scenario, slow)
-        for group, what, plant in mistakes(found, whole("draws", draws, 0), seed)
-    ]
-    wrong, wrong_retuned = (tuple(pair[number] for pair in pairs) for number in (0, 1))
-    decision = decide(cases, wrong, wrong_retuned, block, deviation)
+    plants = mistakes(found, whole("draws", draws, 0), seed)
+    tried = trial(found.plant, gains, block, scenario, test, plants, deviation)
+    if made_here:
+        tried = tried.or_safer(lambda factor: _accepted(_block(found, span, op_noise, {"factor": factor}), found))
+    decision, block = tried.decision, tried.block
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(
-        recommendation=decision.word, reasons=decision.reasons, safe=decision.safe, cases=cases, mistakes=wrong,
-        mistakes_retuned=wrong_retuned, block=block, controller=gains, controller_source=source,
-        model=found.plant.model, model_source=found.source, described=described, settle=settle, responses=responses,
+        recommendation=decision.word, reasons=decision.reasons, brief=decision.brief, useful=decision.useful,
+        safe=decision.safe, cases=tried.cases,
+        mistakes=tried.wrong, mistakes_retuned=tried.wrong_retuned, block=block, controller=gains,
+        controller_source=source, model=found.plant.model, model_source=found.source, described=described,
+        settle=settle, responses=tried.responses,
         settings={**chosen, "noise_deviation": deviation, "op_noise": op_noise}, reproduction=compared,
     )  # fmt: skip
 
@@ -257,70 +248,12 @@ def _block(found: Known, span: tuple[float, float], op_noise: float, options: di
     return block_from_model(found.plant.valve, linear.dt, span=span, **given)
 
 
+def _accepted(block: CompensatorBlock, found: Known) -> CompensatorBlock:
+    return replace(block, accepted=found.accepted) if found.accepted else block
+
+
 def _checked(block: CompensatorBlock, dt: float) -> CompensatorBlock:
     """A block that was given, for this sampling time."""
     if not abs(block.scan_time - dt) <= 1e-9 * dt:
         raise ParameterError.expected(f"a block with scan_time={dt}", block.scan_time, "make it for this dt")
     return block
-
-
-def _settle(block: CompensatorBlock, period: float) -> int:
-    """Rows until the offset is in force and a limit cycle has set in."""
-    scans = block.settings["cap"] / max(block.settings["ramp_step"], 1e-12)
-    periods = PERIODS * period if np.isfinite(period) else 0.0
-    return int(min(max(2.0 * scans, periods, FEWEST_SETTLE), MOST_SETTLE))
-
-
-def _cases(
-    plant: StudyPlant, controller: PI, block: CompensatorBlock, scenario: Scenario, test: CycleTest
-) -> tuple[dict[str, LoopCase], dict[str, LoopResponse]]:
-    repaired = plant.with_valve(plant.fault.repaired(block))
-    loops = {
-        "without": (plant, controller, None),
-        "with": (plant, controller, block),
-        "retuned": (plant, retuned(plant, controller, None, scenario, test), None),
-        "with, retuned": (plant, retuned(plant, controller, block, scenario, test), block),
-        "no fault": (repaired, controller, None),
-    }
-    cases, responses, now = {}, {}, None
-    for name, (one, pi, inverse) in loops.items():
-        figures, responses[name] = scenario.run(one, pi, inverse)
-        now = figures if now is None else now
-        predicted = predicted_cycle(one, pi, inverse)
-        cycle = simulated_cycle(one, pi, inverse, test, predicted)
-        cases[name] = _case(figures, now, cycle, predicted, pi)
-    return cases, responses
-
-
-def _case(
-    figures: FloatArray, now: FloatArray, cycle: LimitCycle, predicted: LimitCycle | None, controller: PI
-) -> LoopCase:
-    iae = NAMES.index("iae")
-    ratios = figures[:, iae] / np.maximum(now[:, iae], 1e-300)
-    error = float(np.std(ratios, ddof=1) / np.sqrt(ratios.size)) if ratios.size > 1 else 0.0
-    ratio = float(figures[:, iae].mean() / max(now[:, iae].mean(), 1e-300))
-    means = dict(zip(NAMES, figures.mean(axis=0).tolist(), strict=True))
-    return LoopCase(**means, ratio=ratio, ratio_error=error, cycle=cycle, predicted=predicted, controller=controller)
-
-
-def _long_enough(test: CycleTest, cases: Mapping[str, LoopCase], dt: float) -> CycleTest:
-    """Runs that hold the slowest cycle of the estimated plant, with some room for others."""
-    swings = [cycle for case in cases.values() for cycle in (case.cycle, case.predicted) if cycle is not None]
-    slowest = max((cycle.period for cycle in swings if cycle.amplitude), default=0.0)
-    return replace(test, samples=int(min(max(test.samples, 1.5 * PERIODS_A_RUN * slowest / dt), MOST_CYCLE_SAMPLES)))
-
-
-def _mistakes(
-    group: str, what: str, plant: StudyPlant, controllers: tuple[PI, PI], block: CompensatorBlock, scenario: Scenario,
-    test: CycleTest,
-) -> tuple[MistakeCase, MistakeCase]:  # fmt: skip
-    """The block on one plant with the present controller, and with the retuned one."""
-    iae, travel = NAMES.index("iae"), NAMES.index("travel")
-    before = np.maximum(scenario.run(plant, controllers[0], None, FEW_RUNS)[0].mean(axis=0), 1e-300)
-    cycle = simulated_cycle(plant, controllers[0], None, test)
-    made = []
-    for controller in controllers:
-        after = scenario.run(plant, controller, block, FEW_RUNS)[0].mean(axis=0) / before
-        swing = simulated_cycle(plant, controller, block, test)
-        made.append(MistakeCase(group, what, float(after[iae]), float(after[travel]), cycle, swing, test.floor))
-    return made[0], made[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle
@@ -13,6 +13,7 @@ WORTH = 0.05  # of the IAE: less is not worth a change
 SURE = 2.0  # standard errors by which a gain must be above nothing
 WORSE = 1.05  # IAE with over without from which on a wrong estimate does harm
 MUCH_TRAVEL = 3.0  # times the travel without: the valve wears
+MUCH_WORSE = 1.2  # the same where the estimate is off by 20 %, a trial of strength where the fit knows better
 SHARE_GROUP = "20 %"
 CALM = 0.25  # of the limit cycle: below it ways are compared by the IAE
 UNFELT = 0.005  # of the IAE: reports say "stays as it is" up to here
@@ -28,20 +29,27 @@ HEADINGS = {
 
 @dataclass(frozen=True)
 class Decision:
-    """Recommendation, whether the block is safe with the present controller, and why."""
+    """Recommendation, whether the block helps and is safe with the present controller, why, and the block in brief."""
 
     word: str
+    useful: bool
     safe: bool
     reasons: tuple[str, ...]
+    brief: tuple[str, ...]
+
+    def adding(self, said: str) -> Decision:
+        """With one more sentence behind the heading."""
+        reasons, brief = ((first, said, *others) for first, *others in (self.reasons, self.brief))
+        return replace(self, reasons=reasons, brief=brief)
 
 
 def harmful(mistakes: Sequence[MistakeCase]) -> list[MistakeCase]:
-    """Plants on which the block does harm: a larger limit cycle, or a larger error within what the fit leaves open.
+    """Plants on which the block does harm: a larger limit cycle, or a larger error than without it."""
+    return [case for case in mistakes if case.larger_cycle or case.ratio > _bearable(case)]
 
-    An estimate off by 20 % is a trial of strength where the fit knows better; then only the cycle counts.
-    """
-    worse = [case for case in mistakes if case.ratio > WORSE and case.group != SHARE_GROUP]
-    return [case for case in mistakes if case.larger_cycle or case in worse]
+
+def _bearable(case: MistakeCase) -> float:
+    return MUCH_WORSE if case.group == SHARE_GROUP else WORSE
 
 
 def decide(
@@ -62,11 +70,13 @@ def decide(
     if word == "compensate and retune" and helps["with"] and safe["with"]:
         heading = "COMPENSATION is worth it, and more so TOGETHER WITH RETUNING."
     sentences = [heading, _with(cases, "with", helps), _wrong(harm["with"], mistakes)]
+    brief = [*sentences, _travel(cases, "compensate" if helps["with"] and safe["with"] else word)]
     both = cases["with, retuned"]
     if _other(both, now) and (word != "compensate" or both.ratio < cases["with"].ratio - WORTH):
         sentences += [_with(cases, "with, retuned", helps), _wrong(harm["with, retuned"], retuned)]
     sentences += [_retuning(cases, helps), _maintenance(cases, helps), _gain(cases, block), _travel(cases, word)]
-    return Decision(word, safe["with"], tuple(text for text in sentences if text))
+    said = (tuple(text for text in texts if text) for texts in (sentences, brief))
+    return Decision(word, helps["with"], safe["with"], *said)
 
 
 def _word(cases: Mapping[str, LoopCase], helps: Mapping[str, bool], safe: Mapping[str, bool]) -> str:
