@@ -241,9 +241,7 @@ class _Way:
         """What came out."""
         assert self.study is not None  # noqa: S101
         made = self.study.block
-        when = (
-            "Switch it off before a valve that was serviced goes back in service: it is made for the lost motion found."
-        )
+        when = "Switch it off before the valve comes back from a service: it is made for the lost motion found."
         self._pass("block", f"{made.kind.capitalize()} block, scan time {made.scan_time:g} s. {when}")
 
 

@@ -67,7 +67,9 @@ class Trial:
                     f"The block compensates {100.0 * share * whole:.0f} % of the lost motion: one of"
                     f" {100.0 * whole:.0f} %, which the interval allows, would not be safe."
                 )
-                return replace(other, decision=other.decision.adding(said))
+                note = f"factor {share * whole:.3f}: a larger share was not safe in the study"
+                block = replace(other.block, notes=(*other.block.notes, note))
+                return replace(other, block=block, decision=other.decision.adding(said))
         return self
 
 
