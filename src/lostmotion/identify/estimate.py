@@ -11,21 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arguments import finite
-from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
-from lostmotion.identify.actuators.characteristic import slopes
 from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
-from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
-from lostmotion.identify.earned import earned
+from lostmotion.identify.earned import CLAIMS, earned
 from lostmotion.identify.fit import HammersteinFit
+from lostmotion.identify.in_units import chosen_of, fit_percent_of, model_of, on_rows
 from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
@@ -37,10 +35,12 @@ from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import decide, excluded_above, weigh
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import Hammerstein, LinearModel, NoiseModel
+from lostmotion.models import NoiseModel
 from lostmotion.records import LoopRecord, Prepared
 from lostmotion.records.loop_type import surely_integrates
 
+ENDLESS = (Status.NO_PROCESS, Status.NOT_CONVERGED)
+AS_LIKELY = 5.0  # of log-likelihood by which an integrating process may be behind one that does not settle
 FLOW = "The process was taken as self-regulating, as this loop is one of flow; say so where it integrates."
 
 
@@ -124,7 +124,7 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
-    return _asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating).run()
+    return _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
 
 
 @one_thread
@@ -134,7 +134,7 @@ def identify_for_verdict(record: Prepared, integrating: bool | None, sound: floa
     That is where it is no larger than a sound valve has, `sound` in units of OP, or its gain is small.
     """
     asked_for = _asked_for(record, None, None, "auto", "auto", "auto", None, "auto", False, integrating)
-    return replace(asked_for, sound=sound).run()
+    return _or_integrating(replace(asked_for, sound=sound))
 
 
 @one_thread
@@ -145,6 +145,19 @@ def identify_alone(
     noise = "ar" if noise == "auto" else noise  # recursions know no zero
     asked_for = _asked_for(records, None, None, nonlinearity, orders, noise, None, offset, True, None)
     return replace(asked_for, compared=False).run()
+
+
+def _or_integrating(asked_for: _Identification) -> HammersteinFit:
+    """The fit; where it ends at no process that settles within the record, an integrating one, if that is as likely.
+
+    A level that is held by a controller shows little of a slow pole, and the fit of one does not end.
+    """
+    found, asked = asked_for.run(), asked_for.asked
+    if found.status not in ENDLESS or asked.integrating is not None or asked.orders is not None:
+        return found
+    other = replace(asked_for, asked=replace(asked, integrating=True)).run()
+    behind = 0.5 * other.residuals.size * np.log(other.noise.variance / max(found.noise.variance, 1e-300))
+    return other if other.status in CLAIMS and behind < AS_LIKELY else found
 
 
 def _asked_for(
@@ -290,12 +303,12 @@ class _Identification:
         evidence = weigh(scaled, fitted, linear, named.values, data, self.asked)
         evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
         tests = residual_tests(fitted, errors)
-        rows, percent = _on_rows(simulated, scaled, s.first), _fit_percent(scaled, simulated, s.first)
+        rows, percent = on_rows(simulated, scaled, s.first), fit_percent_of(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
         status = earned(status, fitted, evidence, data, named.values, rows, percent)
         return HammersteinFit(
             status=status,
-            model=_model(named.values, fitted, data),
+            model=model_of(named.values, fitted, data),
             noise=NoiseModel(tuple(fitted.parts.d), fitted.variance * scaling.y_scale**2, s.zero),
             parameters=named.values,
             covariance=covariance,
@@ -307,37 +320,6 @@ class _Identification:
             widest=None if status is not Status.NOT_SEEN else excluded_above(fitted, evidence, profiled, scaling),
             profiled=profiled,
             settings={**self.settings, "offset_fixed": fitted.basis is not None},
-            chosen=_chosen(fitted),
+            chosen=chosen_of(fitted),
             data=data,
         )
-
-
-def _chosen(fitted: Fitted) -> Chosen:
-    s, loads = fitted.problem.structure, fitted.problem.family.loads
-    events = () if loads is None else loads.to_dicts()
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, slopes(fitted))
-
-
-def _model(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:
-    s, family = fitted.problem.structure, fitted.problem.family
-    linear = LinearModel(
-        tuple(values[f"a{i + 1}"] for i in range(s.na)),
-        tuple(values[f"b{i}"] for i in range(s.nb + 1)),
-        s.delay,
-        data.dt,
-    )
-    return Hammerstein(kind_of(family.kind).actuator(values, family), linear, values.get("offset", data.y_centre))
-
-
-def _on_rows(simulated: list[FloatArray], data: ScaledData, first: int) -> FloatArray:
-    """Simulated output in engineering units on the rows of the data; NaN before the first simulated row."""
-    rows, scaling = np.full(data.y.size, np.nan), data.scaling
-    for (start, stop), z in zip(data.segments, simulated, strict=True):
-        rows[start + first : stop] = scaling.y_centre + scaling.y_scale * z
-    return rows
-
-
-def _fit_percent(data: ScaledData, simulated: list[FloatArray], first: int) -> float:
-    y = np.concatenate([data.y[start + first : stop] for start, stop in data.segments])
-    miss = y - np.concatenate(simulated)
-    return float(100.0 * (1.0 - np.linalg.norm(miss) / max(float(np.linalg.norm(y - y.mean())), 1e-300)))
