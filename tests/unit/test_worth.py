@@ -90,3 +90,16 @@ def test_a_fifth_too_much_is_a_trial_of_strength(ratio, swing, safe):
     assert found.useful
     assert found.brief[1].startswith("The block: ")
     assert found.adding("So it is.").reasons[:2] == (found.reasons[0], "So it is.")
+
+
+@pytest.mark.parametrize(
+    ("without", "swing", "ratio", "safe"),
+    [(0.4, 0.5, 0.7, True), (0.4, 0.5, 0.95, False), (0.4, 0.9, 0.7, False), (0.0, 0.05, 0.7, False)],
+)
+def test_a_loop_that_cycles_anyway_may_do_so_a_little_more(without, swing, ratio, safe):
+    cases = {name: case(0.6 if name == "with" else 1.0) for name in ("without", "with", "retuned", "with, retuned")}
+    cases["no fault"] = case(0.5)
+    cycles = [LimitCycle(size, 9.0, 1.0) for size in (without, swing)]
+    found = decide(cases, [MistakeCase("20 %", "band too large", ratio, 1.0, *cycles, 0.01)], [], BLOCK, NOISE)
+    assert found.safe == safe
+    assert ("on 1 a limit cycle up to 1.2 times as large as without" in found.brief[2]) == safe
