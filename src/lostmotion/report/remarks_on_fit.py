@@ -96,7 +96,7 @@ def about_characteristic(fit: HammersteinFit) -> str:
     low, high = np.quantile(fit.data.u, (0.01, 0.99)).tolist()
     return (
         f"The characteristic bends: about OP {low:.3g} valve and process have {slopes[0]:.2g} times the gain of this"
-        f" model, about {high:.3g} {slopes[1]:.2g} times. Simulations go on with that gain at any OP."
+        f" model, about {high:.3g} {slopes[1]:.2g} times. Simulations take the gain of the model at any OP."
     )
 
 
