@@ -58,6 +58,7 @@ class Page:
 PAGES = (
     Page("accuracy", "benchmarks/accuracy.py", 5),
     Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",), reads=True, shares=True),
+    Page("blocks", "benchmarks/blocks.py", 6),
     Page("clean-bill", "benchmarks/clean_bill.py", 6),
     Page(
         "commissioning-example",

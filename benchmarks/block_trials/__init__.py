@@ -1,0 +1,1 @@
+"""Simulated loops that a block is made for and then tried on."""
