@@ -47,13 +47,15 @@ class Decision:
 def harmful(mistakes: Sequence[MistakeCase]) -> list[MistakeCase]:
     """Plants on which the block does harm: a larger limit cycle, or a larger error than without it.
 
-    A loop that cycles anyway, with less error, may do so a little more widely without noise.
+    With less error, a loop that cycles anyway may do so a little more widely without noise, and one that did not may do
+    so where its valve travels little more.
     """
     return [case for case in mistakes if (case.larger_cycle and not _outweighed(case)) or case.ratio > _bearable(case)]
 
 
 def _outweighed(case: MistakeCase) -> bool:
-    return case.compensated.amplitude <= LITTLE_MORE * case.without.amplitude and case.ratio < BETTER
+    little = case.compensated.amplitude <= LITTLE_MORE * case.without.amplitude or case.travel_ratio <= MUCH_TRAVEL
+    return little and case.ratio < BETTER
 
 
 def _bearable(case: MistakeCase) -> float:
@@ -195,8 +197,12 @@ def _wider(larger: Sequence[MistakeCase]) -> str:
     """Of limit cycles that are outweighed by less error."""
     if not larger:
         return "on none a larger limit cycle than"
-    most = max(case.compensated.amplitude / case.without.amplitude for case in larger)
-    return f"on {len(larger)} a limit cycle up to {most:.1f} times as large as"
+    new = [case for case in larger if not case.without.amplitude]
+    if new:
+        most = max(new, key=lambda case: case.compensated.amplitude)
+        return f"on {len(new)} a limit cycle, {_size(most.compensated)} in PV at most, that is not there"
+    most_times = max(case.compensated.amplitude / case.without.amplitude for case in larger)
+    return f"on {len(larger)} a limit cycle up to {most_times:.1f} times as large as"
 
 
 def _retuning(cases: Mapping[str, LoopCase], helps: Mapping[str, bool]) -> str:
