@@ -28,4 +28,10 @@ if __name__ == "__main__":
         lm.simulate_loop(lm.Hammerstein(fault, linear), lm.PI(0.5, 0.5), np.ones(50), compensator=block)
     recursive = lm.RecursiveML(1, 0, 1, forgetting=0.999, start_samples=200)
     recursive.run(loop.command, loop.measured)
+    lm.RecursiveIV(1, 0, 1, gain=1.0).run(loop.command, loop.measured)
+    record = lm.LoopRecord(loop.command, loop.measured, loop.reference, dt=0.1)
+    lm.diagnose(record)
+    lm.design(
+        lm.platforms.level_tank(), lm.NoiseModel((), 0.03), op_limits=(-5.0, 5.0), shortest_hold=1.0, duration=60.0
+    )
     count_samples(np.arange(3.0), 1.0, 0.0, np.array([np.nan, 0.0, 0.0, 0.0]), np.empty(3))
