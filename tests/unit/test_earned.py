@@ -218,10 +218,10 @@ def test_binary_op_says_nothing_of_a_dead_zone(start):
 
 
 @pytest.mark.statistics
-@pytest.mark.parametrize("seed", range(1000, 1010))
+@pytest.mark.parametrize("seed", range(1000, 1004))
 @pytest.mark.parametrize("cause", ["backlash", "stiction"])
 def test_no_dead_zone_of_a_valve_that_sticks(cause, seed):
-    """However it is called: by default, or with the wrong kind."""
+    """However it is called: by default, or with the wrong kind; 200 loops: docs/wrong-inverse.md."""
     loop = lm.evaluate.random_faulty_loop(seed, 2000, cause=cause, rough=bool(seed % 2))
     for kind in ("auto", "dead zone"):
         fit = lm.identify(lm.LoopRecord(loop.op, loop.pv, dt=loop.dt), nonlinearity=kind)
