@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from .quotes import Quote
-from .tables import PageText, QuoteError
+from .tables import PageText, QuoteError, numbers
 
 OPEN = tuple(f"open loop, PRS, N = {n}, orders given" for n in ("2,000", "20,000"))
 DAILY = tuple(f"routine closed loop, {drift} drift" for drift in ("mild", "strong"))
@@ -133,6 +133,16 @@ def wrong_estimates(page: PageText) -> list[float]:
     """Wrong estimates and records."""
     larger, of = pairs(page.numbers("", "larger limit cycle"))
     return [larger, of, len(page.rows("larger limit cycle"))]
+
+
+def blocks(page: PageText) -> list[float]:
+    """How many, of how many faulty valves; error with them: median and ends; how many made worse; foretold right."""
+    ended = [row for row in page.rows("a block") if not row[0].startswith(("sound", "all"))]
+    of = sum(number for row in ended for number in numbers(row[1]))
+    ratio = [page.number("all", "error ratio"), *page.numbers("all", "from .. to")]
+    worse = page.cell("all", "made worse")
+    ends = page.numbers("measured over foretold", "5 .. 95 %")
+    return [page.number("all", "blocks"), of, *ratio, float(worse or 0), *ends]
 
 
 QUOTES = (
@@ -268,6 +278,12 @@ QUOTES = (
         "accuracy",
         lambda p: [p.number(row, "median error") for row in (*AS_PAPER, *DAILY)],
         "docs/method.md",
+    ),
+    Quote(
+        "a block for {:.0f} of {:.0f} faulty valves; error with it {:.2f} of that without (median; {:.2f} to {:.2f}), "
+        "made worse by {:.0f} of them; measured over foretold {:.2f} to {:.2f} in nine of ten",
+        "blocks",
+        blocks,
     ),
     Quote(
         "{:.0f} of {:.0f} wrong estimates ({:.0f} records) have a larger limit cycle with the block than without",
