@@ -21,7 +21,7 @@ demo: $(STAMP)
 
 # What needs one core each goes by twos: the kernels compile for minutes.
 test: $(STAMP)
-	$(MAKE) --no-print-directory -j 2 --output-sync=target ready
+	$(MAKE) --no-print-directory -j 2 ready
 	$(MAKE) --no-print-directory unit nojit
 
 ready: $(COMPILED) lint types imports plc opcua
