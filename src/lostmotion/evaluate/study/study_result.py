@@ -116,8 +116,8 @@ class CompensationStudy:
     useful : bool
         Whether the block lessens the error, or calms the loop, with the present controller.
     safe : bool
-        With the present controller the block does no harm on any plant that was tried: no limit cycle clearly larger than
-        without it that less error does not outweigh, and no worse error (docs/compensation-study.md has the bounds).
+        With the present controller the block does no harm on any plant that was tried: no limit cycle clearly larger
+        than without it that less error does not outweigh, and no worse error (bounds: docs/compensation-study.md).
     cases : dict of LoopCase
         "without", "with", "retuned", "with, retuned", "no fault" (a perfect inverse).
     mistakes, mistakes_retuned : tuple of MistakeCase
