@@ -236,3 +236,12 @@ def test_reversals_by_stretches_are_those_sample_by_sample(seed):
     values[random.random(n) < 0.05] = np.nan
     for size in (0.0, 0.3, 3.0):
         assert reversals(values, size) == naive_reversals(values, size)
+
+
+def test_op_that_is_held_by_hand_is_at_no_limit():
+    op = np.sin(T / 15)
+    op[:300] = -1.2
+    mode = np.where(np.arange(op.size) < 300, "Man", "Auto")
+    by_hand = check(loop(op=op, mode=mode)).loop
+    assert (by_hand.saturated_low, by_hand.saturated_high) == (0.0, 0.0)
+    assert check(loop(op=op, mode=np.full(op.size, "Auto"))).loop.saturated_low > 0.1

@@ -46,9 +46,7 @@ def about_limits(record: LoopRecord) -> list[str]:
     if facts is None or facts.constant:
         return []
     said = []
-    for share, name, value in zip(
-        saturation(record.op, facts, record.op_span), ("lower", "upper"), (facts.low, facts.high), strict=True
-    ):
+    for share, name, value in zip(saturation(record, facts), ("lower", "upper"), (facts.low, facts.high), strict=True):
         if share > limits.SATURATED_SHARE:
             said.append(
                 f"OP stands at its {name} limit ({value:g}) in {100 * share:.2g} % of the rows. It was recorded behind "

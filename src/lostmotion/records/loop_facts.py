@@ -15,6 +15,7 @@ from lostmotion.records.limits import (
     SATURATED_RUN,
     SPAN_MARGIN,
 )
+from lostmotion.records.modes import rows_of
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, runs
 from lostmotion.records.signal_facts import SignalFacts
@@ -40,8 +41,8 @@ class LoopFacts:
     longest_frozen : int
         Samples in the longest run in which neither OP nor PV changes.
     saturated_low, saturated_high : float
-        Share of samples with OP at its lower and upper limit: that of the span where it is known,
-        else the extreme of the record if OP stands there for 5 samples or more.
+        Share of samples in which the controller holds OP at its lower and upper limit: that of the span where it is
+        known, else the extreme of the record if OP stands there for 5 samples or more.
     """
 
     mode: str
@@ -65,7 +66,7 @@ def describe_loop(record: LoopRecord, op: SignalFacts) -> LoopFacts:
     ('automatic, SP constant', 2)
     """
     moves = sp_moves(record.sp)
-    low, high = saturation(record.op, op, record.op_span)
+    low, high = saturation(record, op)
     refresh, frozen = _refresh(record)
     return LoopFacts(
         mode=_mode(op, moves, len(record)),
@@ -130,20 +131,31 @@ def reversals(values: FloatArray, size: float) -> int:
     return count
 
 
-def saturation(values: FloatArray, facts: SignalFacts, span: tuple[float, float] | None) -> tuple[float, float]:
-    """Share of samples at the lower and the upper limit.
+def saturation(record: LoopRecord, facts: SignalFacts) -> tuple[float, float]:
+    """Share of samples in which the controller holds OP at the lower and the upper limit.
 
-    Without a span, a signal that stands still most of the time (steps by hand) has no limits that show.
+    Without a span, a signal that stands still most of the time (steps by hand) has no limits that show. Where somebody
+    holds OP by hand, as the mode says, that is no limit.
+
+    Parameters
+    ----------
+    record : LoopRecord
+    facts : SignalFacts
+        Of its OP.
 
     Examples
     --------
     >>> from lostmotion.records.signal_facts import describe_signal
     >>> op = np.r_[np.linspace(0, 9, 10), np.full(10, 9.0)]
-    >>> saturation(op, describe_signal("OP", op, np.ones(19, dtype=bool)), (0, 9))
+    >>> record = LoopRecord(op, op, dt=1.0, op_span=(0, 9))
+    >>> saturation(record, describe_signal("OP", op, np.ones(19, dtype=bool)))
     (0.05, 0.55)
     """
+    values, span, acts = record.op, record.op_span, rows_of("automatic", record.mode)
     if facts.constant:
         return 0.0, 0.0
+    if acts is not None:
+        values = np.where(acts, values, np.nan)
     if span is not None:
         margin = SPAN_MARGIN * (span[1] - span[0])
         return _share(values <= span[0] + margin), _share(values >= span[1] - margin)
