@@ -3,13 +3,14 @@
 import importlib
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
 from lostmotion.identify.data import collect
-from lostmotion.identify.unseen_moves import Unseen, beyond_unseen, unseen_moves, within_unseen
+from lostmotion.identify.unseen_moves import Unseen, beyond_unseen, may_be_settled, unseen_moves, within_unseen
 from tests.fits import made_fit
 
 GAIN, INTEGRAL = 0.8, 0.05  # of the controller, at each of its scans
@@ -155,3 +156,12 @@ def test_no_size_is_excluded_that_unseen_scans_hide(monkeypatch):
         assert size == pytest.approx(plain[name] + more[name])
     assert alone.widest == pytest.approx(lm.identify(record, nonlinearity="backlash").widest + more["backlash"])
     assert alone.interval("width") == (0.0, alone.widest)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "settles"), [([0.2], [0.9], True), ([-0.9], [0.05], False), ([], [0.0, 1.0], False)]
+)
+def test_few_moves_of_sp_leave_open_whether_a_fast_loop_settles_between_the_rows(a, b, settles):
+    parts = SimpleNamespace(a=np.array(a), b=np.array(b))
+    assert may_be_settled(SimpleNamespace(unseen=Unseen(untold=True)), parts) == settles
+    assert not may_be_settled(SimpleNamespace(unseen=Unseen()), parts)

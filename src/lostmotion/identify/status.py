@@ -14,8 +14,9 @@ from lostmotion.identify.likelihood.criterion import FLOOR, gain_over_linear, pe
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import MOST_NOISE_LAGS, PENALTY, autoregressions
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.identify.unseen_moves import beyond_unseen
+from lostmotion.identify.unseen_moves import beyond_unseen, may_be_settled
 
 VAGUE = 0.5  # of the width: an inverse with a break point that is so little known may push more than it takes away
 
@@ -24,12 +25,7 @@ def weigh(
     scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, asked: Asked
 ) -> Evidence:
     """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
-    own = autoregressions(
-        [scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments],
-        MOST_NOISE_LAGS if asked.noise is None else asked.noise,
-    )
-    costs = np.log(own.rows) + PENALTY * np.arange(own.most + 1)
-    alone = float(np.min(np.log(np.maximum(own.variances, FLOOR)) + costs / own.rows))
+    alone = _alone(scaled, MOST_NOISE_LAGS if asked.noise is None else asked.noise)
     kind, n = kind_of(fitted.problem.family.kind), min(fitted.problem.errors, linear.problem.errors)
     beyond, crossed = (0, 0), None
     if kind.dead_between:
@@ -50,8 +46,17 @@ def weigh(
         crossings=crossed,
         unseen_moves=data.unseen.about(kind.sticks) if kind.sticks or (kind.dead_between and loop.closed) else 0.0,
         answered=data.answered if loop.closed else True,
-        foreknown=loop.closed and (data.unseen.mostly or data.foretold.against(gain)),
+        foreknown=loop.closed
+        and (data.unseen.mostly or may_be_settled(data, fitted.parts) or data.foretold.against(gain)),
     )
+
+
+@remembered
+def _alone(scaled: ScaledData, lags: int) -> float:
+    """Criterion per row of PV foretold from its own past, by up to so many lags."""
+    own = autoregressions([scaled.y[start:stop] - scaled.y.mean() for start, stop in scaled.segments], lags)
+    costs = np.log(own.rows) + PENALTY * np.arange(own.most + 1)
+    return float(np.min(np.log(np.maximum(own.variances, FLOOR)) + costs / own.rows))
 
 
 def _rivals(fitted: Fitted, scaling: Scaling) -> tuple[tuple[float, float, float], ...]:
