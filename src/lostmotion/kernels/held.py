@@ -38,15 +38,16 @@ _dot = np.dot if config.DISABLE_JIT else _sum_of_products  # type: ignore[attr-d
 def _add_early(
     b: FloatArray, p: int, early: float, s: int, head: int, padded: FloatArray, without: FloatArray,
     shared: FloatArray, initial: FloatArray, gram: FloatArray, cross: FloatArray, target: FloatArray,
-) -> None:  # fmt: skip
+) -> float:  # fmt: skip
     """The same over the first p rows of segment `s`, from `head` on."""
-    lags, m, nc = b.size, shared.shape[0], initial.shape[0]
+    lags, m, nc, squares = b.size, shared.shape[0], initial.shape[0], 0.0
     row = np.empty(lags)
     for k in range(p):
         error = without[head + k]
         for i in range(lags):
             row[i] = early * padded[lags - i + k]
             error -= b[i] * row[i]
+        squares += error * error
         for i in range(lags):
             target[i] += row[i] * error
             for j in range(lags):
@@ -59,6 +60,7 @@ def _add_early(
             target[lags + f] += shared[f, head + k] * error
         for f in range(nc):
             target[lags + m + s * nc + f] += initial[f, head + k] * error
+    return squares
 
 
 @njit(cache=True, nogil=True)
@@ -77,16 +79,16 @@ def input_products(
     gram: FloatArray,
     cross: FloatArray,
     target: FloatArray,
-) -> None:
+) -> float:
     """Products of the lags of w = (D/A) x(k - delay) and of courses, and of both with the prediction errors.
 
     The errors are `without` (n,), what they are without input, less B w. Adds to `gram` (lags, lags) the products of
     the lags; to `cross` (lags, m + s nc) those with `shared` (m, n) over all segments and with `initial` (nc, n) over
     each; to `target` (lags + m + s nc,) those of all with the errors. Over the rows from `first` + the order of D on,
     both from the start of a segment, and with `early` (root of their weight) over those before, where all that is given
-    has it already.
+    has it already. Returns the sum of squares of the errors.
     """
-    lags, m, nc, p = b.size, shared.shape[0], initial.shape[0], d.size
+    lags, m, nc, p, squares = b.size, shared.shape[0], initial.shape[0], d.size, 0.0
     for s in range(segments.shape[0]):
         head, stop = segments[s, 0] + first, segments[s, 1]
         n = stop - head
@@ -97,6 +99,7 @@ def input_products(
         errors = without[head + p : stop].copy()
         for i in range(lags):
             errors -= b[i] * padded[lags - i + p : lags - i + n]
+        squares += _dot(errors, errors)
         for i in range(lags):
             row = padded[lags - i + p : lags - i + n]
             target[i] += _dot(row, errors)
@@ -110,8 +113,9 @@ def input_products(
             for f in range(nc):
                 cross[i, m + s * nc + f] += _dot(row, initial[f, head + p : stop])
         if early > 0.0:
-            _add_early(b, p, early, s, head, padded, without, shared, initial, gram, cross, target)
+            squares += _add_early(b, p, early, s, head, padded, without, shared, initial, gram, cross, target)
         for f in range(m):
             target[lags + f] += _dot(shared[f, head + p : stop], errors)
         for f in range(nc):
             target[lags + m + s * nc + f] += _dot(initial[f, head + p : stop], errors)
+    return squares

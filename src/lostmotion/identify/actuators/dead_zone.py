@@ -27,6 +27,7 @@ from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.offset import settle_offset
 from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.kernels import dead_zone as kernel
 from lostmotion.models import DeadZone, Nonlinearity
@@ -235,6 +236,7 @@ class DeadZoneKind(Kind):
         return ("right", "slope_ratio", "width")
 
 
+@remembered
 def _visited(u: FloatArray, beyond: float) -> tuple[float, float]:
     """Range of OP with this share of the samples beyond either end."""
     low, high = (float(value) for value in np.quantile(u, [beyond, 1.0 - beyond]))

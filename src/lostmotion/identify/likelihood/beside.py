@@ -13,9 +13,11 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.family import Family
-from lostmotion.identify.likelihood.problem import Problem
+from lostmotion.identify.likelihood.problem import Normal, Problem
 from lostmotion.identify.likelihood.refinement import linear_columns, linear_step
 from lostmotion.kernels.held import input_products, respond
+
+EXACT = 1e-8  # of the sum of squares: less is told by the errors alone
 
 
 class Beside:
@@ -40,6 +42,11 @@ class Beside:
     def _early(self) -> float:
         """Root of the weight of the rows before those whose past noise is known."""
         return math.sqrt(self.problem.early)
+
+    @cached_property
+    def _directions(self) -> FloatArray:
+        """Free directions of the parameters in which the errors are linear."""
+        return np.ascontiguousarray(self.columns[self.rows])
 
     @cached_property
     def _moving(self) -> slice:
@@ -124,26 +131,31 @@ class Beside:
         alone = np.empty(problem.u.size)
         family.path(theta[problem.eta_at : moving.start], problem.u, alone)
         alone = problem.smoothed(alone)
-        x = self._with_courses(alone, theta)
-        hessian, gradient = self._normal(x)
+        squares, gradient, hessian = self._normal(self._with_courses(alone, theta))
+        step = linear_step(hessian, gradient, self._directions)
         moved = theta.copy()
-        moved[self.rows] += linear_step(hessian, gradient, self.columns[self.rows])
-        if problem.admissible(moved):
-            theta, x = moved, self._with_courses(alone, moved)
-        return theta, problem.squares(theta, x)
+        moved[self.rows] += step
+        if not problem.admissible(moved):
+            return theta, problem.scale * squares
+        # the errors are linear in these, but for courses, which B multiplies; where nothing is left of them their
+        # products do not say how little
+        left = squares + float(step @ (2.0 * gradient + hessian @ step))
+        if len(self._courses) or left < EXACT * squares:
+            return moved, problem.squares(moved, self._with_courses(alone, moved))
+        return moved, problem.scale * left
 
     def _with_courses(self, x: FloatArray, theta: FloatArray) -> FloatArray:
         return x + theta[self._moving] @ self._courses if len(self._courses) else x
 
-    def _normal(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """J'J and J'e of B, offset, courses and initial states."""
+    def _normal(self, x: FloatArray) -> Normal:
+        """Sum of squared errors, J'e and J'J of B, offset, courses and initial states."""
         s, parts, known = self.problem.structure, self.parts, self._products
         lags = parts.b.size
         gram, cross, target = np.zeros((lags, lags)), np.zeros((lags, len(known))), np.zeros(lags + len(known))
-        input_products(
+        squares = input_products(
             parts.a, parts.b, parts.d, s.delay, s.first, self.problem.segments, x, self._without, self._shared,
             self._initial, self._early, gram, cross, target,
         )  # fmt: skip
         whole = np.empty((target.size, target.size))
         whole[:lags, :lags], whole[:lags, lags:], whole[lags:, :lags], whole[lags:, lags:] = gram, cross, cross.T, known
-        return whole, -target
+        return squares, -target, whole

@@ -73,6 +73,15 @@ class Family(ABC):
         if self.loads is not None:
             x += eta[at:] @ self.loads.shapes
 
+    def placed(self, eta: FloatArray, u: FloatArray, x: FloatArray) -> None:
+        """Fill x (n,) as ``respond`` does, without derivatives."""
+        at = len(self.own)
+        self.path(eta[:at], u, x)
+        if self.load:
+            x += eta[at]
+        if self.loads is not None:
+            x += eta[at + self.load :] @ self.loads.shapes
+
     def courses(self, rows: int) -> FloatArray:
         """Known courses (m, rows)."""
         return np.zeros((0, rows)) if self.loads is None else self.loads.shapes

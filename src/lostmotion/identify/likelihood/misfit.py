@@ -11,6 +11,7 @@ from lostmotion.distributions import chi2_tail
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import with_states
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.kernels.normal_equations import normal_equations
 
 WHITENESS_LAGS = 25  # beyond the orders fitted: past the longest AR noise and delay that are sought
@@ -126,6 +127,7 @@ def _without_noise(problem: Problem, theta: FloatArray) -> FloatArray:
     return with_states(plain, theta)
 
 
+@remembered
 def _knots(u: FloatArray) -> list[float]:
     """Of the hinges."""
     levels = np.unique(u)  # not the samples: a staircase that rests at zero has its shape elsewhere

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import WIDTH
-from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.likelihood import GONE, add_lagged
 from lostmotion.kernels.nested import nested
 from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
@@ -148,10 +149,17 @@ def _through(v: FloatArray, zero: float) -> FloatArray:
     return seen / (1.0 - zero)
 
 
+def _until_gone(rows: int, decay: float) -> int:
+    """Rows until a mode has decayed to what counts as nothing."""
+    rate = -math.log(decay) if 0.0 < decay < 1.0 else 0.0
+    return rows if rate * rows <= -math.log(GONE) else math.ceil(-math.log(GONE) / rate)
+
+
 def without_mode(v: FloatArray, decay: float) -> FloatArray:
     """Residual without its mean and the decay of the slowest mode: an unknown initial state is no noise."""
-    mode = np.full(v.size, decay)
-    mode[:1] = 1.0
+    columns = np.zeros((2, v.size))
+    columns[0] = 1.0
+    mode = columns[1, : _until_gone(v.size, decay)]  # below it a product takes a hundred times as long
+    mode[:], mode[:1] = decay, 1.0
     np.multiply.accumulate(mode, out=mode)
-    columns = np.stack([np.ones(v.size), mode])
     return np.asarray(v - np.linalg.pinv(columns @ columns.T, 1e-14, hermitian=True) @ (columns @ v) @ columns)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.family import Family
@@ -127,6 +128,13 @@ class Problem:
         return range(self.eta_at, self.eta_at + len(self.family.own))
 
     @cached_property
+    def others(self) -> npt.NDArray[np.bool_]:
+        """Which parameters are not the actuator's own, (size,)."""
+        found = np.ones(self.size, bool)
+        found[self.own.start : self.own.stop] = False
+        return found
+
+    @cached_property
     def errors(self) -> int:
         """Number of prediction errors; the rows that `early` weighs tell so little that they are not counted."""
         return int((self.segments[:, 1] - self.segments[:, 0] - self.structure.start).sum())
@@ -152,6 +160,15 @@ class Problem:
             self.keep(theta, known)
         return known
 
+    def evaluate_beside(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """J'e and J'J without the actuator's own parameters, which are held: fewer signals to filter."""
+        both = np.empty((1 + self.family.load, self.u.size))
+        self.family.placed(theta[self.eta_at : self.noise_at], self.u, both[0])
+        both[1:] = 1.0
+        both, moving = self.smoothed(both), len(self.family.names) - len(self.own)
+        _, gradient, hessian = self._products(theta[self.others], (both[0], both[1:]), moving)
+        return gradient, hessian
+
     def keep(self, theta: FloatArray, known: Normal) -> None:
         """What is known of a vector: a refinement often goes on where another one ended."""
         for oldest in list(self._last)[: 1 - KEPT]:
@@ -159,10 +176,15 @@ class Problem:
         self._last[theta.tobytes()] = known
 
     def _normal(self, theta: FloatArray, inner: Inner) -> Normal:
-        x, dx = inner
-        hessian, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        zero, layout = self.structure.zero, self.layout
-        cost = normal_equations(theta, *layout, x, dx, self.courses, self.target, hessian, gradient, zero, self.early)
+        return self._products(theta, inner, len(self.family.names))
+
+    def _products(self, theta: FloatArray, inner: Inner, moving: int) -> Normal:
+        """The same of a vector with `moving` parameters of eta."""
+        (x, dx), zero = inner, self.structure.zero
+        hessian, gradient = np.zeros((theta.size, theta.size)), np.zeros(theta.size)
+        cost = normal_equations(
+            theta, *self._layout(moving), x, dx, self.courses, self.target, hessian, gradient, zero, self.early
+        )
         if zero == 0.0:
             return float(cost), gradient, hessian
         return self.scale * float(cost), self.scale * gradient, self.scale * hessian
@@ -181,8 +203,11 @@ class Problem:
     @cached_property
     def layout(self) -> tuple[int, int, int, int, int, int, IntArray]:
         """What the kernels take besides vectors and signals."""
+        return self._layout(len(self.family.names))
+
+    def _layout(self, moving: int) -> tuple[int, int, int, int, int, int, IntArray]:
         s = self.structure
-        return s.na, s.nb, len(self.family.names), s.noise_order, s.delay, s.first, self.segments
+        return s.na, s.nb, moving, s.noise_order, s.delay, s.first, self.segments
 
     @cached_property
     def target(self) -> FloatArray:

@@ -57,7 +57,8 @@ def refine(
     cost, gradient, hessian = problem.evaluate(theta, inner)
     still = _is_still(problem, basis, tied)
     basis = np.empty((theta.size, 0)) if basis is None else np.ascontiguousarray(basis)
-    normal, points = np.vstack([hessian, gradient]), np.stack([theta, theta])
+    normal, points = stacked(hessian, gradient), np.empty((2, theta.size))
+    points[:] = theta
     model = kernel.projected(normal, basis)
     errors, floor = max(problem.errors - model.shape[1], 1), ROUNDING * float(problem.y @ problem.y)
     numbers = np.array([cost, FIRST_DAMPING, 0.0, errors, floor, bound])
@@ -90,9 +91,14 @@ def settled(problem: Problem, theta: FloatArray, basis: FloatArray | None = None
     Without them an integrating process starts so far off that its first steps go anywhere.
     """
     columns = linear_columns(problem, problem.basis if basis is None else basis)[1]
-    theta = problem.project(theta)
-    _, gradient, hessian = problem.evaluate(theta)
-    moved = theta + linear_step(hessian, gradient, columns)
+    theta, own = problem.project(theta), problem.own
+    moved = theta.copy()
+    if columns[own.start : own.stop].any():  # the actuator is tied to what is linear
+        _, gradient, hessian = problem.evaluate(theta)
+        moved += linear_step(hessian, gradient, columns)
+    else:
+        gradient, hessian = problem.evaluate_beside(theta)
+        moved[problem.others] += linear_step(hessian, gradient, columns[problem.others])
     return moved if problem.admissible(moved) else theta
 
 
@@ -102,7 +108,7 @@ def is_hopeless(problem: Problem, theta: FloatArray, basis: FloatArray | None, b
     The linear part of the way is known; what the rest promises is not near what is missing.
     """
     cost, gradient, hessian = problem.evaluate(theta)
-    normal, basis = np.vstack([hessian, gradient]), problem.basis if basis is None else basis
+    normal, basis = stacked(hessian, gradient), problem.basis if basis is None else basis
     model = kernel.projected(normal, np.empty((theta.size, 0)) if basis is None else np.ascontiguousarray(basis))
     linear = kernel.projected(normal, linear_columns(problem, basis)[1])
     known = damped_step(linear[:-1], linear[-1], LINEAR_DAMPING)[1]
@@ -115,6 +121,13 @@ def with_states(problem: Problem, theta: FloatArray, also: Sequence[int] = ()) -
     columns = np.eye(problem.size)[:, [*range(problem.initial_at, problem.size), *also]]
     _, gradient, hessian = problem.evaluate(theta)
     return theta + linear_step(hessian, gradient, columns)
+
+
+def stacked(hessian: FloatArray, gradient: FloatArray) -> FloatArray:
+    """J'J and below it J'e, (n + 1, n)."""
+    normal = np.empty((gradient.size + 1, gradient.size))
+    normal[:-1], normal[-1] = hessian, gradient
+    return normal
 
 
 def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int], FloatArray]:
@@ -130,5 +143,5 @@ def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int
 
 def linear_step(hessian: FloatArray, gradient: FloatArray, columns: FloatArray) -> FloatArray:
     """To the least sum of squares along these directions, from the normal equations."""
-    model = kernel.projected(np.vstack([hessian, gradient]), columns)
+    model = kernel.projected(stacked(hessian, gradient), columns)
     return np.asarray(columns @ damped_step(model[:-1], model[-1], LINEAR_DAMPING)[0])
