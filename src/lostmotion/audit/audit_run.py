@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -142,13 +143,16 @@ class AuditRun:
         return _verbs.plot(self.view, **options)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready: the run, its rows as in :meth:`table`, groups, news, what could not be read."""
-        return {
+        """JSON-ready: the run, its rows as in :meth:`table`, groups, news, what could not be read.
+
+        Numbers that JSON does not know are None: of a size that is not excluded, any size is possible.
+        """
+        found = {
             "store": self.store,
             "run": self.run.number,
             "state": str(self.run.state),
             "loops": len(self.loops),
-            "assessments": _plain(self.table().to_dicts()),
+            "assessments": self.table().to_dicts(),
             "groups": [
                 {"number": one.number, "period": one.period, "source": one.source, "confidence": one.confidence,
                  "why": one.why, "members": [member[0] for member in one.members]}
@@ -157,6 +161,7 @@ class AuditRun:
             "news": [vars(one) for one in self.news],
             "unread": [vars(one) for one in self.unread],
         }  # fmt: skip
+        return {name: _plain(value) for name, value in found.items()}
 
     def _repr_html_(self) -> str:
         """Headline and table, for notebooks."""
@@ -175,6 +180,12 @@ def _order(row: AssessmentRow) -> tuple[bool, float, str, Any]:
     return row.priority is None, -(row.priority or 0.0), row.tag, row.window_start
 
 
-def _plain(lines: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Times as text."""
-    return [{k: v.isoformat() if hasattr(v, "isoformat") else v for k, v in line.items()} for line in lines]
+def _plain(value: Any) -> Any:
+    """As strict JSON has it: times as text, numbers that are not finite as None."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value.isoformat() if hasattr(value, "isoformat") else value
