@@ -132,6 +132,8 @@ def test_a_kind_that_may_be_another_is_no_ground_for_a_block(tmp_path):
         assert "89 % that it is a backlash; it may be a stiction" in refusal(GateError, form.block)
         assert "89 %" in form.block(accept=WHY).accepted
     assert "at all" in refusal(GateError, compared(0.6, "none").block)
+    nearly = refusal(GateError, compared(0.8996).block)
+    assert "sure to 90 %, got 89.96 %" in nearly, "what is refused is less than what is expected, in print too"
     assert closed(compared(0.6).facts, sized=False) is None
 
 

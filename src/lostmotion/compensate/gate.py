@@ -80,11 +80,24 @@ def closed(facts: FitFacts, diagnosis: Said | None = None, *, sized: bool = True
 
 
 def _doubtful(kind: str, kinds: KindChoice) -> Closed:
-    got = f"{100.0 * kinds.confidence:.0f} % that it is a {kind}; it may be a {kinds.runner_up}"
+    sure = _below(kinds.confidence, SURE)
+    got = f"{sure} % that it is a {kind}; it may be a {kinds.runner_up}"
     if kinds.runner_up == "none":
-        got = f"{100.0 * kinds.confidence:.0f} % that there is a {kind} at all"
+        got = f"{sure} % that there is a {kind} at all"
     remedy = "record set-point moves, or make a test: `lostmotion design`"
     return Closed(f"a kind that is sure to {100.0 * SURE:.0f} %", got, remedy)
+
+
+def _below(share: float, limit: float) -> str:
+    """Percent with as many digits as tell it from a limit that it does not reach.
+
+    Examples
+    --------
+    >>> _below(0.893, 0.9), _below(0.8996, 0.9)
+    ('89', '89.96')
+    """
+    digits = next((n for n in range(12) if f"{100.0 * share:.{n}f}" != f"{100.0 * limit:.{n}f}"), 12)
+    return f"{100.0 * share:.{digits}f}"
 
 
 def _made_up(found: MadeUp, closed_loop: bool) -> Closed | None:
