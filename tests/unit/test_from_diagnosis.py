@@ -11,6 +11,7 @@ import pytest
 
 from lostmotion.audit.assess.from_diagnosis import row_of, trace_of
 from lostmotion.audit.assess.trace import MOST_POINTS
+from lostmotion.errors import Status
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant.of_diagnosis import diagnosis_report, diagnosis_view
 from lostmotion.store.rows import Stage
@@ -77,3 +78,20 @@ def test_the_window_is_that_of_the_record():
     assert view.row.window_end == view.row.window_start + timedelta(seconds=399 * 5)
     assert "1 Mar 2026 05:00 UTC" in diagnosis_report(found, "FC7.csv")
     assert "not dated" in diagnosis_report(example())
+
+
+@pytest.mark.parametrize(
+    ("changes", "open_"),
+    [
+        ({}, 1.0),
+        ({"stability": replace(example().stability, unexplained=0.14)}, 0.0),
+        ({"stability": None}, 0.0),
+        ({"fit": replace(example().fit, status=Status.MISFIT)}, 0.0),
+        ({"verdict": "stiction"}, 0.0),
+        ({"verdict": "cannot tell", "kind": "unknown"}, 0.0),
+    ],
+)
+def test_a_row_knows_whether_a_study_would_take_its_fit(changes, open_):
+    """The gate and the study decide, not the name of the verdict."""
+    found = replace(example(), **changes)
+    assert row_of(LOOP, START, END, found).indices["gate_open"] == open_

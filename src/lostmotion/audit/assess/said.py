@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lostmotion.compensate.gate import closed
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.loop_stability import EXACT
 from lostmotion.diagnose.op_span import op_span
 
 SIZED = ("dead zone", "backlash", "stiction")
@@ -15,8 +17,8 @@ def said(found: Diagnosis) -> dict[str, Any]:
     """Verdict with its size, sizes left open, confidence, reasons and numbers; what is not known is None.
 
     A size that is left open is inf where a valve that never moves would look the same. `indices` hold "op_span" (units
-    of OP), "op_span_known" (0: % are of the range seen), "tolerance" (units of OP), "integrating", and every index by
-    its name, as far as they are finite.
+    of OP), "op_span_known" (0: % are of the range seen), "tolerance" (units of OP), "integrating", "gate_open" (1: the gate
+    and the study let this fit pass), and every index by its name, as far as they are finite.
     """
     low, high = found.interval
     return {
@@ -50,6 +52,13 @@ def _open(size: float | None) -> float | None:
     return None if size is None or math.isnan(size) else float(size)
 
 
+def _gate_open(found: Diagnosis) -> bool:
+    """Whether `lostmotion simulate` takes the fit: its gate is open, and a PI explains the moves of OP."""
+    if found.verdict not in SIZED or found.stability is None or found.stability.unexplained >= EXACT:
+        return False
+    return closed(found.fit.facts, found) is None
+
+
 def _indices(found: Diagnosis) -> dict[str, float]:
     """All that is a finite number."""
     span, stability = op_span(found.record), found.stability
@@ -61,6 +70,7 @@ def _indices(found: Diagnosis) -> dict[str, float]:
         "integrating": float(found.measured.integrating),
         "harris_worst": found.performance.harris[1],
         "fit_percent": found.fit.fit_percent,
+        "gate_open": float(_gate_open(found)),
     }
     if stability is not None:
         known |= {"damping": stability.damping, "closed_loop_period": stability.period * found.record.dt}
