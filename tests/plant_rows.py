@@ -33,7 +33,7 @@ def finding(tag: str = "FIC-1", priority: float = 60.0, size: float = 3.0, **oth
         travel=12.0, reversals=30.0, variability=2.1, harris=0.3, period=600.0, regularity=5.0, power=0.8,
         advice=("Repack the valve.", "Or try `lostmotion simulate`."),
         evidence=(("memory", 3.2, 3.1), ("shape", -0.2, -0.4)),
-        indices={"op_span": 100.0},
+        indices={"op_span": 100.0, "gate_open": 1.0},
     )  # fmt: skip
     return replace(made, **other)
 

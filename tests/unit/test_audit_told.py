@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+
+import pytest
 
 from lostmotion.audit.audit_run import AuditRun
-from tests.plant_rows import plant
+from lostmotion.audit.rank import ranked
+from lostmotion.audit.rules import FORCED, FROZEN, NOISY, RINGING, WEARING, rule_of
+from lostmotion.plant import PlantLoop
+from lostmotion.report.audit_text import audit_summary
+from lostmotion.report.plant import loop_report, plant_report, table
+from lostmotion.report.plant.words import next_command, next_step, sure_words
+from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from tests.plant_rows import finding, plant
 from tests.plant_stores import plant_store
 
 
@@ -15,3 +25,81 @@ def test_a_size_of_which_any_is_possible_is_null_in_json(tmp_path) -> None:
     found = json.loads(json.dumps(run.to_dict(), allow_nan=False))
     assert next(one for one in found["assessments"] if one["tag"] == "FIC-3")["excluded_percent"] is None
     assert next(one for one in found["assessments"] if one["tag"] == "FIC-1")["window_start"].startswith("2026-11-15")
+
+
+def judged(tag: str = "FIC-1", **values: object) -> AssessmentRow:
+    """A row as an audit ranks it."""
+    made = AssessmentRow(tag, UNDATED, UNDATED, stage=Stage.ASSESSED, **values)  # type: ignore[arg-type]
+    return ranked([made], {})[0]
+
+
+ENDED = {"verdict": "saturation", "kind": "actuator", "confidence": 0.8, "advice": ("Check its range.",)}
+SWINGS = {"regularity": 40.0, "power": 0.9, "period": 300.0}
+OTHER = {"verdict": "other oscillation", "confidence": 0.99, **SWINGS}
+UPSTREAM, RETUNE = ("Look upstream: the loop itself is damped.",), ("Retune: lower the gain.",)
+TEST = {"verdict": "cannot tell", "probability": 0.2, "confidence": 0.8, "advice": ("Move SP or OP by more than 8.6.",)}
+DECIDED = [
+    (FROZEN, judged(indices={"stuck": 0.23}, **ENDED), "measured", "check", "saturation, 80 % sure"),
+    (NOISY, judged(indices={"scatter_percent": 2.5}, **TEST), "measured", "check", "cannot tell"),
+    (
+        RINGING,
+        judged(kind="disturbance", indices={"amplitude_spread": 0.5}, advice=UPSTREAM, **OTHER),
+        "80 %", "diagnose", "other oscillation, 99 % sure",
+    ),
+    (
+        FORCED,
+        judged(kind="tuning", indices={"amplitude_spread": 0.03}, advice=RETUNE, **OTHER),
+        "99 %", "diagnose", "other oscillation, 99 % sure",
+    ),
+    (WEARING, judged(travel=4200.0, **TEST), "measured", "diagnose", "cannot tell"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("rule", "row", "sure", "command", "second"), DECIDED)
+def test_a_loop_whose_priority_a_rule_decides_says_one_thing(rule, row, sure, command, second) -> None:
+    """Reason, what is said, how sure, what to do and to type; the diagnosis is a second opinion."""
+    view = replace(plant(), rows=(row,), traces=(), history=(), previous=())
+    assert rule_of(row) is rule
+    assert next_step(row) == rule.advice[0]
+    assert sure_words(row) == sure
+    assert next_command(view.by_tag["FIC-1"], row, view.run).startswith(f"lostmotion {command} ")
+    for page in (plant_report(view), loop_report(view.loop_view("FIC-1"))):
+        assert rule.advice[0].split(":")[0] in page
+        assert row.advice[0] not in page
+        assert f"diagnosis: {second}" in page
+    assert rule.name in audit_summary(view)
+    line = table(view.rows, view.by_tag).row(0, named=True)
+    assert (line["rule"], line["verdict"], line["advice"]) == (rule.name, row.verdict, " ".join(rule.advice))
+
+
+def test_a_ringing_loop_is_labelled_normal_only_where_its_valve_is_cleared() -> None:
+    _, rings, *_ = DECIDED[2]
+    assert rings.label == ""
+    assert judged(
+        **{**OTHER, "kind": "disturbance"}, indices={"amplitude_spread": 0.5}, excluded_percent=0.4
+    ).label == ("normal")
+
+
+def test_noise_and_ringing_decide_before_the_wear_that_they_make() -> None:
+    noisy = judged(travel=20_000.0, indices={"scatter_percent": 1.0}, **TEST)
+    rings = judged(travel=20_000.0, indices={"amplitude_spread": 0.5}, **{**TEST, **SWINGS, "power": 0.2})
+    assert (rule_of(noisy), rule_of(rings)) == (NOISY, RINGING)
+    assert noisy.priority_reason.endswith("OP travels 200 full strokes an hour: wear")
+
+
+@pytest.mark.parametrize(
+    ("changed", "command"),
+    [
+        ({}, "lostmotion simulate data/FIC-1.csv"),
+        ({"indices": {"gate_open": 0.0}}, "lostmotion diagnose data/FIC-1.csv --figure FIC-1.png"),
+        ({"indices": {}}, "lostmotion diagnose data/FIC-1.csv --figure FIC-1.png"),
+        ({"verdict": "cannot tell", "size": None}, "lostmotion diagnose data/FIC-1.csv --figure FIC-1.png"),
+        ({"fit_for_use": False}, "lostmotion check data/FIC-1.csv"),
+    ],
+)
+def test_a_study_is_proposed_only_where_its_gate_is_open(changed, command) -> None:
+    view = plant()
+    row = replace(finding(), **changed)
+    assert next_command(PlantLoop("FIC-1", where="FIC-1.csv"), row, view.run) == command
+    alone = next_command(PlantLoop("FIC-1", where="FIC-1.csv"), finding(indices={}), replace(view.run, number=0))
+    assert alone == "lostmotion solve data/FIC-1.csv", "it is diagnosed: what opens the gate is the question"

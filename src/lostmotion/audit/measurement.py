@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from statistics import median
 
+from lostmotion.audit import rules
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow
@@ -36,9 +37,8 @@ def stuck(row: AssessmentRow) -> str:
     ended = share + (row.limited or 0.0)  # at a limit OP ends whose PV stands still
     if share < STUCK_LEAST or ended < STUCK_ALONE * row.indices.get("stale", 0.0) or _valve_is_known(row):
         return ""
-    return (
-        f"PV stood still for {probability(share)} of the time while OP moved: look at the measurement and its recording"
-    )
+    standing = f"{rules.FROZEN.opening} for {probability(share)} of the time while OP moved"
+    return f"{standing}: look at the measurement and its recording"
 
 
 def loud(row: AssessmentRow, usual: float | None = None) -> float | None:
@@ -59,7 +59,7 @@ def of_measurement(row: AssessmentRow, usual: float | None) -> tuple[float, str]
         return None
     more = "" if usual is None or over < 2.0 * usual else f", {over / usual:.0f} times what is usual in its type"
     severity = max(over / (over + LOUD), 0.0 if usual is None else 1.0 - 0.5 * LOUDER * usual / over)
-    words = f"PV scatters over {over:.2g} % of span from row to row{more}: look at the measurement and its damping"
+    words = f"{rules.NOISY.opening} {over:.2g} % of span from row to row{more}: look at the measurement and its damping"
     return NOISY * severity, words
 
 

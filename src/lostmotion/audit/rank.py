@@ -20,6 +20,7 @@ from datetime import datetime
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, of_measurement, stuck, usual_scatter
 from lostmotion.audit.row_facts import ends_percent
+from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage
@@ -30,7 +31,7 @@ UNSIZED = 0.5  # of a fault whose size in % of span is not known
 UNTOLD = 0.5
 ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
 CARRIED = 0.25  # share of a swing that comes from another loop: it ends when that one is mended
-RINGS, RINGS_SURE = 5.0, 0.8  # regularity from which on a swing that comes and goes is the loop's own, and how sure
+RINGS = 5.0  # regularity from which on a swing that comes and goes is the loop's own
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
 PRIOR = 0.25  # probability of a fault of any actuator: what is above it is what a record has said
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
@@ -156,7 +157,8 @@ def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
     if row.kind == "sensor":
         return "maintenance required"
     if row.kind != "actuator":
-        return "normal"
+        rings_untold = _makes_it_swing(row, around) and not row.cleared
+        return "" if rings_untold else "normal"  # it is to be retuned, and says nothing of the valve
     size = row.size_percent
     if size is not None and size >= STUCK:
         return "failure"
@@ -189,7 +191,8 @@ def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str]:
     else:
         worth, words = measured[0], [measured[1]]
         if not stuck(row):
-            worth, words = _with_wear(row, worth, words)
+            worth, wear = _with_wear(row, worth, [])
+            words += wear
     weight = around.weight
     words = [*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words
     return 100.0 * worth * weight, "; ".join(words)
@@ -202,7 +205,7 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     sure = row.confidence or 0.0
     if _makes_it_swing(row, around):
         way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
-        return ELSEWHERE * RINGS_SURE * swing, [f"hardly settles: retune ({way})", *about_swing]
+        return ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing]
     if row.verdict == "cannot tell":
         fault = row.probability or 0.0
         words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
@@ -220,7 +223,7 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
         ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
         way = ways.get(split_of(row, around), "upstream or tuning")
         share = CARRIED if _disturbed(row, around) and not source else ELSEWHERE
-        stays = [] if row.kind != "tuning" or way == "retune" else ["its amplitude stays: not its tuning"]
+        stays = [] if row.kind != "tuning" or way == "retune" else [FORCED.opening]
         return share * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing, *stays]
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
@@ -279,11 +282,13 @@ def _disturbed(row: AssessmentRow, around: Around) -> bool:
 
 
 def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
-    """What is said of OP that never rests, whoever drives it; a lost motion that was found counts more."""
+    """What is said of OP that never rests, first where it counts most; a lost motion that was found counts more."""
     strokes = (row.travel or 0.0) / 100.0
     if strokes < BUSY or row.kind == "actuator":
         return worth, words
-    return worth + WORN * (1.0 - BUSY / strokes), [*words, f"OP travels {strokes:.0f} full strokes an hour: wear"]
+    wear, said = WORN * (1.0 - BUSY / strokes), f"{WEARING.opening} {strokes:.0f} full strokes an hour: wear"
+    decides = wear > worth and bool(words) and not words[0].startswith(RINGING.opening)
+    return worth + wear, [said, *words] if decides else [*words, said]
 
 
 def _fault(row: AssessmentRow) -> str:

@@ -7,7 +7,7 @@ from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.row_facts import status_words
+from lostmotion.audit.row_facts import said_words
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.words import (
@@ -59,7 +59,7 @@ def _health(health: Health) -> str:
 
 def _counts(view: PlantView) -> str:
     rows = [row for row in view.leading if row.stage is Stage.ASSESSED]
-    verdicts = Counter(row.verdict for row in rows)
+    verdicts = Counter(map(said_words, rows))
     said = [f"{verdicts[name]} {name}" for name in (*ORDER, *sorted(set(verdicts) - set(ORDER))) if verdicts[name]]
     labels = Counter(row.label or "no label" for row in rows)
     named = [f"{count} {label}" for label, count in labels.most_common()]
@@ -83,7 +83,7 @@ def _cells(view: PlantView, row: AssessmentRow, place: int) -> tuple[str, ...]:
         str(place),
         _cut(row.tag, WIDTHS[1]),
         _cut(view.by_tag[row.tag].area or "-", WIDTHS[2]),
-        status_words(row),
+        said_words(row),
         size_words(row) or "-",
         _interval(row),
         sure_words(row) or "-",

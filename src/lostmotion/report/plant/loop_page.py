@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import LoopView
+from lostmotion.audit.rules import advice_of
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.report.digits import bracketed, plain, signed
 from lostmotion.report.plant.changes import said
@@ -28,6 +29,7 @@ from lostmotion.report.plant.words import (
     next_command,
     number_words,
     of_what,
+    second_opinion,
     seconds_words,
     share_words,
     where_from,
@@ -46,6 +48,7 @@ class LoopPage:
     tag: str
     headline: str
     where_from: str
+    second: str
     beside_fit: str
     label: str
     letter: str
@@ -89,6 +92,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         tag=row.tag,
         headline=headline(row),
         where_from=where_from(row),
+        second=second_opinion(row),
         beside_fit=beside_fit(row),
         label=row.label,
         letter=LETTER.get(row.label, "?"),
@@ -116,7 +120,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         windows_left=max(len(windows) - MOST_WINDOWS, 0),
         health=row.health,
         notes=view.notes + loop.notes,
-        advice=row.advice,
+        advice=advice_of(row),
         command=view.command or next_command(loop, row, view.run),
     )
 

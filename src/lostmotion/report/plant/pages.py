@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import LoopView, PlantView
-from lostmotion.audit.row_facts import status_words
+from lostmotion.audit.row_facts import said_words
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines
@@ -151,7 +151,7 @@ def _run_facts(view: PlantView) -> list[tuple[str, str]]:
 def _counts(rows: Sequence[AssessmentRow]) -> list[tuple[str, list[Count]]]:
     """Titles and counts: verdicts, NE 107, where the cause lies, class of performance."""
     kinds = [
-        ("Verdict", Counter(map(status_words, rows))),
+        ("Verdict", Counter(map(said_words, rows))),
         ("NE 107", Counter(row.label or "cannot tell (no label)" for row in rows)),
         ("Cause in", Counter("nothing found" if row.split == "none" else row.split for row in rows)),
         ("Performance", Counter(row.performance for row in rows)),

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import FAULTS, PlantView
-from lostmotion.audit.row_facts import status_words
+from lostmotion.audit.row_facts import said_words
+from lostmotion.audit.rules import rule_of, sure_of
 from lostmotion.report.plant.svg.bars import size_bar
 from lostmotion.report.plant.words import (
     LETTER,
@@ -17,6 +18,7 @@ from lostmotion.report.plant.words import (
     next_step,
     of_what,
     other_reasons,
+    second_opinion,
     size_words,
     sure_words,
 )
@@ -33,7 +35,9 @@ class Line:
     ----------
     place : int
         From 1.
-    tag, link, area, loop_type, label, letter, verdict, kind, size, interval, excluded, sure, reason, step, review : str
+    tag, link, area, loop_type, label, letter, verdict, second, kind, size, interval, excluded, sure, reason, step : str
+        `second` is what the diagnosis says where a rule of the audit decides.
+    review : str
     bar : Markup
     priority : float or None
     size_key, sure_key : float
@@ -50,6 +54,7 @@ class Line:
     label: str
     letter: str
     verdict: str
+    second: str
     kind: str
     size: str
     interval: str
@@ -91,8 +96,9 @@ def _line(
         loop_type=loop.loop_type,
         label=row.label,
         letter=LETTER.get(row.label, "?"),
-        verdict=status_words(row),
-        kind="" if row.kind in ("none", "unknown", "actuator") else row.kind,
+        verdict=said_words(row),
+        second=second_opinion(row),
+        kind="" if rule_of(row) is not None or row.kind in ("none", "unknown", "actuator") else row.kind,
         size=f"{size} % {of_what(row)}" if size else "",
         interval=interval_words(row),
         excluded=excluded_words(row),
@@ -103,6 +109,6 @@ def _line(
         bar=size_bar(row, most),
         priority=row.priority,
         size_key=row.size_percent or 0.0,
-        sure_key=row.confidence or 0.0 if row.verdict in FAULTS else 0.0,
+        sure_key=sure_of(row) or 0.0 if row.verdict in FAULTS or rule_of(row) is not None else 0.0,
         new=new,
     )

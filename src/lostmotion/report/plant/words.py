@@ -8,7 +8,8 @@ from datetime import datetime
 from pathlib import Path
 
 from lostmotion.audit.plant_view import FAULTS, RunFacts
-from lostmotion.audit.row_facts import ends_percent
+from lostmotion.audit.row_facts import ends_percent, said_words, status_words
+from lostmotion.audit.rules import FROZEN, NOISY, advice_of, rule_of, sure_of
 from lostmotion.diagnose.evidence_words import KIND, probability
 from lostmotion.files.paths import is_pattern
 from lostmotion.plant import PlantLoop
@@ -17,6 +18,7 @@ from lostmotion.report.digits import FINEST, digits, plain, span
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
 
 NO_ANSWER = "–"
+MEASURED = "measured"  # how sure a fact is that needs no diagnosis
 LETTER = {  # NE 107, with the letter that stands in its symbol
     "failure": "F",
     "function check": "C",
@@ -81,14 +83,41 @@ def excluded_words(row: AssessmentRow) -> str:
 
 
 def sure_words(row: AssessmentRow) -> str:
-    """Confidence of the verdict; nothing where it cannot be told."""
+    """Confidence of what is said of a loop, by its rule or its diagnosis; nothing where it cannot be told."""
+    rule, sure = rule_of(row), sure_of(row)
+    if rule is not None and sure == 1.0:
+        return MEASURED
+    if rule is None:
+        return _sure_of_verdict(row)
+    return "" if sure is None else probability(sure)
+
+
+def _sure_of_verdict(row: AssessmentRow) -> str:
     if row.confidence is None or row.verdict == "cannot tell" or row.stage is not Stage.ASSESSED:
         return ""
     return probability(row.confidence)
 
 
+def second_opinion(row: AssessmentRow) -> str:
+    """What the diagnosis says where a rule of the audit decides; empty where the diagnosis decides.
+
+    Examples
+    --------
+    >>> reason = "PV stood still for 23 % of the time while OP moved: look at the measurement and its recording"
+    >>> made = {"stage": Stage.ASSESSED, "priority": 35.0, "priority_reason": reason, "confidence": 0.8}
+    >>> second_opinion(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="saturation", kind="actuator", **made))
+    'diagnosis: saturation, 80 % sure'
+    """
+    if rule_of(row) is None or row.stage is not Stage.ASSESSED:
+        return ""
+    sure = _sure_of_verdict(row)
+    return f"diagnosis: {status_words(row)}" + (f", {sure} sure" if sure else "")
+
+
 def headline(row: AssessmentRow) -> str:
-    """Verdict, where it comes from, size with interval, confidence, in one line."""
+    """What is said of it, where it comes from, size with interval, confidence, in one line."""
+    if rule_of(row) is not None:
+        return _by_rule(row)
     if row.stage is Stage.FAILED:
         return f"No result: {row.error or row.reason or 'it failed'}"
     if row.stage is Stage.SCREENED:
@@ -104,6 +133,12 @@ def headline(row: AssessmentRow) -> str:
     return f"{said}, confidence {sure_words(row)}" if sure_words(row) else said
 
 
+def _by_rule(row: AssessmentRow) -> str:
+    sure = sure_words(row)
+    end = f", confidence {sure}" if sure and sure != MEASURED else ""
+    return f"{said_words(row).capitalize()}: {row.priority_reason.partition('; ')[0]}{end}"
+
+
 def _between(row: AssessmentRow) -> str:
     between = interval_words(row)
     return between if ends_percent(row) is None else f"95 %: {between}"
@@ -111,7 +146,8 @@ def _between(row: AssessmentRow) -> str:
 
 def where_from(row: AssessmentRow) -> str:
     """Where it comes from, in a sentence."""
-    return KIND.get(row.kind, "")
+    rule = rule_of(row)
+    return rule.where if rule is not None else KIND.get(row.kind, "")
 
 
 def beside_fit(row: AssessmentRow) -> str:
@@ -123,7 +159,8 @@ def beside_fit(row: AssessmentRow) -> str:
     >>> "neither shown nor excluded: its probability is 48 %" in beside_fit(row)
     True
     """
-    if row.verdict != "cannot tell" or row.status != "OK" or row.stage is not Stage.ASSESSED:
+    decided = rule_of(row) is not None
+    if decided or row.verdict != "cannot tell" or row.status != "OK" or row.stage is not Stage.ASSESSED:
         return ""
     known = "" if row.probability is None else f": its probability is {probability(row.probability)}"
     open_ = "the evidence lacks what is said above" if row.why else f"a fault is neither shown nor excluded{known}"
@@ -187,8 +224,8 @@ def other_reasons(row: AssessmentRow) -> str:
 
 def next_step(row: AssessmentRow) -> str:
     """First thing to do, short; empty where none is known."""
-    if row.advice:
-        return row.advice[0]
+    if advice_of(row):
+        return advice_of(row)[0]
     return "Mend the source, or say what is missing in a loop list." if row.stage is Stage.FAILED else ""
 
 
@@ -217,8 +254,24 @@ def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
         return f"lostmotion check {file}"
     if row.stage is not Stage.ASSESSED and run.store:
         return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
-    if row.verdict == "cannot tell":
+    if rule_of(row) in (FROZEN, NOISY) or not row.fit_for_use:
         return f"lostmotion check {file}"
-    if row.verdict in FAULTS:
+    if rule_of(row) is None and may_be_studied(row):
         return f"lostmotion simulate {file}"
+    if (
+        not run.number and row.verdict in FAULTS and row.size is not None
+    ):  # it is diagnosed already: what closes the gate, and what opens it
+        return f"lostmotion solve {file}"
     return f"lostmotion diagnose {file} --figure {shlex.quote(loop.tag + '.png')}"
+
+
+def may_be_studied(row: AssessmentRow) -> bool:
+    """Whether the gate and the study let the fit of a row pass, as far as its stretches tell.
+
+    Examples
+    --------
+    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="stiction", size=1.0, indices={"gate_open": 1.0})
+    >>> may_be_studied(row), may_be_studied(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="stiction", size=1.0))
+    (True, False)
+    """
+    return row.verdict in FAULTS and row.size is not None and row.indices.get("gate_open", 0.0) > 0.0

@@ -1,0 +1,107 @@
+"""Rules of the audit that decide about a loop whatever its diagnosis sees: what is said, how sure, what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lostmotion.store.rows import AssessmentRow
+
+RINGS_SURE = 0.8  # that a loop is to be tuned whose swing comes and goes
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What is said of a loop where a rule decides its priority; the diagnosis is a second opinion there.
+
+    Attributes
+    ----------
+    opening : str
+        First words of the part of the reason of the priority that tells of the rule.
+    name : str
+        In the place of a verdict.
+    where : str
+        Where it comes from, a sentence.
+    advice : tuple of str
+        Most important first.
+    sure : float, optional
+        How sure it is: 1: it is measured. None: as sure as the diagnosis is that it is not the actuator.
+    """
+
+    opening: str
+    name: str
+    where: str
+    advice: tuple[str, ...]
+    sure: float | None = 1.0
+
+
+FROZEN = Rule(
+    "PV stood still",
+    "frozen measurement",
+    "It comes from the measurement: PV stood still while OP moved.",
+    (
+        "Look at the measurement and its recording: transmitter, impulse line, input card, historian. Compare it with "
+        "a local gauge.",
+        "Record the loop again when PV moves: what was told of the valve rests on a PV that stood still.",
+    ),
+)
+NOISY = Rule(
+    "PV scatters over",
+    "noisy measurement",
+    "It comes from the measurement: PV scatters from row to row.",
+    (
+        "Look at the measurement and its damping: mounting, earthing, impulse line, filter time of the transmitter.",
+        "Record the loop again with less noise: the valve cannot be told behind it.",
+    ),
+)
+RINGING = Rule(
+    "hardly settles: retune",
+    "ringing",
+    "It comes from the tuning: the loop rings, and noise builds the swing up and takes it away.",
+    ("Retune: the loop hardly settles at this period. Lower the gain, or the integral action.",),
+    RINGS_SURE,
+)
+FORCED = Rule(
+    "its amplitude stays: not its tuning",
+    "forced swing",
+    "It comes from outside: the swing keeps its amplitude, which that of a badly tuned loop does not.",
+    ("Look upstream: the loop follows a swing that comes from elsewhere. Compare the periods of its neighbours.",),
+    None,
+)
+WEARING = Rule(
+    "OP travels",
+    "wear by travel",
+    "It comes from what drives OP: the valve never rests, and wears.",
+    ("Calm OP: filter the measurement, lower the gain or the derivative action, or widen the dead band of the PI.",),
+)
+FIRST = (FROZEN, NOISY, RINGING, WEARING)  # what opens the reason decides
+
+
+def rule_of(row: AssessmentRow) -> Rule | None:
+    """Rule that decides the priority of a row; None: its diagnosis does, or it has none.
+
+    Examples
+    --------
+    >>> from lostmotion.store.rows import UNDATED
+    >>> reason = "PV stood still for 23 % of the time while OP moved: look at the measurement and its recording"
+    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0, priority_reason=reason)).name
+    'frozen measurement'
+    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0, priority_reason="backlash")) is None
+    True
+    """
+    if row.priority is None:
+        return None
+    parts = row.priority_reason.split("; ")
+    decides = next((rule for rule in FIRST if parts[0].startswith(rule.opening)), None)
+    return FORCED if decides is None and FORCED.opening in parts else decides
+
+
+def sure_of(row: AssessmentRow) -> float | None:
+    """How sure is what is said of a row: by its rule, or by its diagnosis."""
+    rule = rule_of(row)
+    return row.confidence if rule is None or rule.sure is None else rule.sure
+
+
+def advice_of(row: AssessmentRow) -> tuple[str, ...]:
+    """What to do about a row: by its rule, or by its diagnosis."""
+    rule = rule_of(row)
+    return row.advice if rule is None else rule.advice
