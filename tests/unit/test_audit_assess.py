@@ -3,13 +3,15 @@ import math
 from dataclasses import asdict, replace
 from functools import cache
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from lostmotion.audit.assess.assess import _another, _pooled, assess, told
+from lostmotion.audit.assess.assess import _another, _pooled, _shown_once, assess, told
 from lostmotion.audit.assess.stretches import EACH, ROWS, looks
 from lostmotion.audit.assess.trace import MOST_POINTS
+from lostmotion.audit.assess.words import about_looks
 from lostmotion.audit.rank import ranked
 from lostmotion.audit.screen.rows import ScreenRows, of_loop
 from lostmotion.audit.screen.screen import screen
@@ -181,6 +183,29 @@ def test_looks_that_disagree_name_no_fault():
     assert _another([silent], 0.9)
     assert _another([One("unknown", "cannot tell", 0.4)], 0.1)
     assert not _another([fault, silent, fault], 0.9)
+
+
+class Look:
+    """One that was diagnosed, of an OP with a span."""
+
+    def __init__(self, kind, verdict, size=np.nan, probability=0.9):
+        self.alarm, self.probability = kind == "actuator", probability
+        record = LoopRecord(np.arange(10.0), np.arange(10.0), dt=1.0, op_span=(0.0, 100.0))
+        self.found = SimpleNamespace(verdict=verdict, kind=kind, size_percent=size, record=record)
+
+
+def test_a_look_that_cannot_tell_contradicts_none():
+    fault, silent = Look("actuator", "backlash", 2.51), Look("unknown", "cannot tell")
+    said = "one of three stretches shows a backlash of 2.5 % of span, the others cannot tell"
+    assert about_looks([fault, silent, silent]) == said
+    assert about_looks([silent, fault]) == said.replace("three", "two").replace("others", "other")
+    assert _shown_once([silent, fault, silent]) == {"shown_percent": 2.51}
+    denied = [fault, silent, Look("none", "none")]
+    assert about_looks(denied) == "stretches of the window disagree: 'backlash' and 'none'"
+    assert _shown_once(denied) == {}
+    unsized = Look("actuator", "saturation")
+    assert about_looks([unsized, silent]) == "one of two stretches shows a saturation, the other cannot tell"
+    assert _shown_once([unsized, silent]) == {}
 
 
 def test_sizes_of_two_looks_are_weighed_and_no_narrower_than_they_differ():

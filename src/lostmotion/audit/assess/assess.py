@@ -136,7 +136,14 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
         fields["severity"] = "unknown"
     if any(one.alarm for one in seen) and not best.alarm:
         fields |= {"verdict": "cannot tell", "kind": "unknown", "severity": "unknown", "why": about_looks(seen)}
+        fields["indices"] = fields["indices"] | _shown_once(seen)
     return replace(row, stage=Stage.ASSESSED, **fields)
+
+
+def _shown_once(seen: list[Seen]) -> dict[str, float]:
+    """Size in % of the fault that one look names where the others cannot tell; nothing where one of them denies it."""
+    told = [one.found for one in seen if one.found.verdict != "cannot tell"]
+    return {"shown_percent": told[0].size_percent} if len(told) == 1 and np.isfinite(told[0].size_percent) else {}
 
 
 def _limited(row: AssessmentRow) -> AssessmentRow:

@@ -1,11 +1,15 @@
-"""Why looks that disagree tell nothing, in words."""
+"""Why looks that do not all say the same tell nothing, in words."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Protocol
 
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.op_span import op_span
+
+COUNT = {2: "two", 3: "three"}
 
 
 class Looked(Protocol):
@@ -18,6 +22,15 @@ class Looked(Protocol):
 
 
 def about_looks(seen: Sequence[Looked]) -> str:
-    """One sentence."""
-    said = " and ".join(f"'{one.found.verdict}'" for one in seen)
-    return f"stretches of the window disagree: {said}"
+    """One sentence on looks of which one names a fault and another does not; "cannot tell" contradicts nothing."""
+    told = [one.found for one in seen if one.found.verdict != "cannot tell"]
+    if len(told) > 1:
+        return f"stretches of the window disagree: {' and '.join(repr(one.verdict) for one in told)}"
+    count, silent = COUNT.get(len(seen), str(len(seen))), "the other" if len(seen) == 2 else "the others"
+    return f"one of {count} stretches shows a {told[0].verdict}{_size(told[0])}, {silent} cannot tell"
+
+
+def _size(found: Diagnosis) -> str:
+    if not math.isfinite(found.size_percent):
+        return ""
+    return f" of {found.size_percent:.2g} % of {'span' if op_span(found.record).known else 'the OP range seen'}"
