@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lostmotion.audit.plant_view import leading_rows
 from lostmotion.audit.rank import label_of, ranked, split_of
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, Stage
@@ -57,12 +58,12 @@ def test_what_was_not_judged_has_no_priority_but_a_reason() -> None:
     stale = row("B", fit_for_use=False, health=("stale for 90 % of the time",))
     waiting = row("C", stage=Stage.SCREENED, reason="the budget was spent")
     found = ranked([failed, stale, waiting, STICKS], {})
-    assert [one.tag for one in found] == ["FIC-1", "A", "B", "C"]
+    assert [one.tag for one in found] == ["FIC-1", "B", "C", "A"]
     assert [one.priority for one in found[1:]] == [None] * 3
     assert [one.priority_reason for one in found[1:]] == [
-        "not judged: no PV",
         "not judged: stale for 90 % of the time",
         "not assessed: the budget was spent",
+        "not judged: no PV",
     ]
 
 
@@ -100,6 +101,31 @@ def test_a_suspect_is_worth_a_test_by_its_probability_and_by_the_size_that_is_le
     assert found["FIC-0.39"] == found["none"] > found["FIC-0.3"] > found["small"] > found["FIC-0.25"] == 0.0
     seen = replace(likely, excluded_percent=0.5, indices={"op_span_known": 0.0})
     assert ranked([seen], {})[0].priority == found["none"], "of the range seen: a size in % of span is not known"
+
+
+def test_loops_of_one_priority_are_in_the_order_of_what_their_records_say() -> None:
+    """The prior is worth nothing, but 24 % is more than 4 %, and a valve that may stand still more than a tight one."""
+    made = {"verdict": "cannot tell", "kind": "unknown"}
+    rows = [row("a", probability=0.04, **made), row("b", probability=0.2, excluded_percent=1.5, **made),
+            row("c", probability=0.2, excluded_percent=9.0, **made), row("d", probability=0.24, **made),
+            CLEAR]  # fmt: skip
+    found = ranked(rows, {})
+    assert [one.tag for one in found] == ["d", "c", "b", "a", "FIC-2"]
+    assert {one.priority for one in found} == {0.0}
+    assert [one.tag for one in leading_rows(found)] == [one.tag for one in found]
+
+
+def test_a_fault_that_one_stretch_shows_comes_before_what_nothing_speaks_for() -> None:
+    made = {"verdict": "cannot tell", "kind": "unknown", "excluded_percent": float("inf")}
+    said = "one of three stretches shows a backlash of 2.5 % of span, the others cannot tell"
+    shown = row("shown", probability=0.57, why=said, indices={"shown_percent": 2.5}, **made)
+    silent = row("silent", probability=0.57, **made)
+    slow = row("slow", probability=0.2, regularity=3.0, power=0.9, period=3000.0, **made)
+    first, second, third = ranked([slow, silent, shown], {})
+    assert (first.tag, second.tag, third.tag) == ("shown", "slow", "silent")
+    assert first.priority == pytest.approx(100.0 * 0.57 * 0.7 * 2.5 / 4.5)
+    assert first.priority_reason == f"{said}; a fault of the actuator is 57 % likely"
+    assert first.label == ""
 
 
 def test_an_error_that_could_be_less_is_a_reason_where_nothing_else_is_told() -> None:

@@ -15,7 +15,7 @@ from lostmotion.report.audit_text import audit_summary
 from lostmotion.report.plant import loop_report, plant_report, table
 from lostmotion.report.plant.words import next_command, next_step, sure_words
 from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
-from tests.plant_rows import finding, plant
+from tests.plant_rows import finding, plant, sound
 from tests.plant_stores import plant_store
 
 
@@ -103,3 +103,14 @@ def test_a_study_is_proposed_only_where_its_gate_is_open(changed, command) -> No
     assert next_command(PlantLoop("FIC-1", where="FIC-1.csv"), row, view.run) == command
     alone = next_command(PlantLoop("FIC-1", where="FIC-1.csv"), finding(indices={}), replace(view.run, number=0))
     assert alone == "lostmotion solve data/FIC-1.csv", "it is diagnosed: what opens the gate is the question"
+
+
+def test_loops_that_could_not_be_told_are_not_said_to_need_nothing() -> None:
+    """In the treemap they stand apart from those with a label, and both pages say what that means."""
+    untold = tuple(judged(f"FIC-{number}", probability=0.1) for number in (6, 7))
+    view = replace(plant(), rows=(sound(), *untold), loops=(), groups=(), traces=())
+    page = plant_report(view)
+    assert "no area given: 2 loops that cannot be told: not cleared, priority low or none" in page
+    assert "no area given: 1 loops normal, priority low or none" in page
+    assert "need nothing" not in page
+    assert "cannot be told and are not cleared" in page

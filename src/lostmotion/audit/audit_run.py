@@ -13,6 +13,7 @@ from lostmotion import _verbs
 from lostmotion.audit.history import LoopHistory, history
 from lostmotion.audit.live_points import live_estimates
 from lostmotion.audit.plant_view import FAULTS, PlantView
+from lostmotion.audit.row_facts import order
 from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
@@ -76,7 +77,7 @@ class AuditRun:
                 raise DataError.expected(
                     f"a run of {store.name}", number, f"it has {known}; run `lostmotion audit` first"
                 )
-            rows = sorted(store.rows(wanted), key=_order)
+            rows = sorted(store.rows(wanted), key=lambda row: (order(row), row.tag, row.window_start))
             tags = {row.tag for row in rows}
             loops = tuple(as_loop(loop) for loop in store.loops() if loop.tag in tags)
             unread = tuple(Unread(one.where, one.why, one.failed) for one in store.unread(wanted))
@@ -174,10 +175,6 @@ class AuditRun:
 def as_loop(loop: LoopRow) -> PlantLoop:
     """Loop of the store as one of a plant."""
     return PlantLoop(**vars(loop))
-
-
-def _order(row: AssessmentRow) -> tuple[bool, float, str, Any]:
-    return row.priority is None, -(row.priority or 0.0), row.tag, row.window_start
 
 
 def _plain(value: Any) -> Any:

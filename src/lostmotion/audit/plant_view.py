@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
 
+from lostmotion.audit.row_facts import order
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.rows import DENIED, FAULTS, AssessmentRow, GroupRow, Stage, TraceRow
 
@@ -208,16 +209,9 @@ def leading_rows(rows: tuple[AssessmentRow, ...] | list[AssessmentRow]) -> tuple
     for row in rows:
         if row.tag not in best or _says(row) > _says(best[row.tag]):
             best[row.tag] = row
-    return tuple(sorted(best.values(), key=lambda row: (_last(row), row.tag)))
+    return tuple(sorted(best.values(), key=lambda row: (order(row), row.tag)))
 
 
 def _says(row: AssessmentRow) -> tuple[float, bool, bool, datetime]:
     priority = -1.0 if row.priority is None else row.priority
     return priority, row.stage is Stage.ASSESSED, row.verdict in FAULTS, row.window_start
-
-
-def _last(row: AssessmentRow) -> tuple[float, int, float]:
-    """Order of a ranking: by priority, else faults before what cannot be told before what is none, by size."""
-    priority = -1.0 if row.priority is None else row.priority
-    place = 0 if row.verdict in FAULTS else 2 if row.verdict in DENIED else 1
-    return -priority, place + 3 * (row.stage is Stage.FAILED), -(row.size_percent or 0.0)

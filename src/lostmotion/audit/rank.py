@@ -19,7 +19,7 @@ from datetime import datetime
 
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, of_measurement, stuck, usual_scatter
-from lostmotion.audit.row_facts import ends_percent
+from lostmotion.audit.row_facts import ends_percent, order
 from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
@@ -109,7 +109,7 @@ def ranked(
         tells = loop is not None and loop.pv_span is not None and kind != "level"
         around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, tells)
         found.append(_with_priority(row, around))
-    return sorted(found, key=lambda row: (row.priority is None, -(row.priority or 0.0), row.tag, row.window_start))
+    return sorted(found, key=lambda row: (order(row), row.tag, row.window_start))
 
 
 def _steady(rows: Sequence[AssessmentRow], groups: Sequence[GroupRow]) -> set[tuple[str, datetime]]:
@@ -207,11 +207,8 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
         way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
         return ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing]
     if row.verdict == "cannot tell":
-        fault = row.probability or 0.0
-        words = f"cannot tell; a fault of the actuator is {probability(fault)} likely"
-        lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
         error, about_error = _avoidable(row, around)
-        return UNTOLD * (lost + (1.0 - LOST) * max(swing, error)), [words, *about_swing, *about_error]
+        return _untold(row, max(swing, error), [*about_swing, *about_error])
     if row.verdict == "saturation":
         at = max(row.limited or 0.0, swing)
         return (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
@@ -230,6 +227,22 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
     weak = WEAK.get(row.performance, 0.0)
     known = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
     return sure * weak, [*known, *(about_swing if source else [])]
+
+
+def _untold(row: AssessmentRow, moves: float, about: list[str]) -> tuple[float, list[str]]:
+    """Of a loop that cannot be told; `moves`: what counts of its swing and its error of control, `about`: in words.
+
+    A fault that one stretch shows, and none denies, counts as one that was found, as probable as all stretches are.
+    """
+    fault = row.probability or 0.0
+    likely = f"a fault of the actuator is {probability(fault)} likely"
+    shown = row.indices.get("shown_percent")
+    if shown is None:
+        lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
+        return UNTOLD * (lost + (1.0 - LOST) * moves), ["cannot tell", likely, *about]
+    size = shown if _of_span(row) else USUAL
+    worth = fault * LOST * size / (size + USUAL) + max(UNTOLD, fault) * (1.0 - LOST) * moves
+    return worth, [row.why, likely, *about]
 
 
 def _left_open(row: AssessmentRow) -> float:

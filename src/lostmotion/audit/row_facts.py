@@ -2,11 +2,34 @@
 
 from __future__ import annotations
 
+import math
+
 from lostmotion.audit.rules import rule_of
 from lostmotion.store.changed import ends_percent
-from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.rows import DENIED, FAULTS, AssessmentRow, Stage
 
-__all__ = ["ends_percent", "said_words", "status_words"]
+__all__ = ["ends_percent", "order", "said_words", "status_words"]
+
+
+def order(row: AssessmentRow) -> tuple[float, int, float, float, float]:
+    """Key of the ranking: by priority, what has none last.
+
+    Among equals faults come before what cannot be told, that before what is none, what failed last; then by size, by
+    probability of a fault, and by what the record leaves open.
+
+    Examples
+    --------
+    >>> from lostmotion.store.rows import UNDATED
+    >>> made = {"stage": Stage.ASSESSED, "priority": 0.0}
+    >>> rows = [AssessmentRow(f"FIC-{p}", UNDATED, UNDATED, probability=p, **made) for p in (0.04, 0.24)]
+    >>> [row.tag for row in sorted(rows, key=order)]
+    ['FIC-0.24', 'FIC-0.04']
+    """
+    priority = -1.0 if row.priority is None else row.priority
+    place = 0 if row.verdict in FAULTS else 2 if row.verdict in DENIED else 1
+    left = math.inf if row.excluded_percent is None else row.excluded_percent
+    place += 3 * (row.stage is Stage.FAILED)
+    return -priority, place, -(row.size_percent or 0.0), -(row.probability or 0.0), -left
 
 
 def status_words(row: AssessmentRow) -> str:

@@ -15,8 +15,8 @@ from lostmotion.store.schema import assessment, loop
 
 OF_LOOP = ("tag", "area", "type", "search")
 OF_ROW = (  # all of them in the index assessment_page: the rows themselves are not read
-    "verdict", "label", "split", "stage", "priority", "size_percent", "confidence", "period", "power", "harris",
-    "variability", "travel", "manual", "limited", "missing",
+    "verdict", "label", "split", "stage", "priority", "size_percent", "excluded_percent", "confidence",
+    "probability", "period", "power", "harris", "variability", "travel", "manual", "limited", "missing",
 )  # fmt: skip
 Columns = dict[str, tuple[Any, ...]]  # by name, for data frames: rows one by one would take longer than the query
 STAGES = {str(stage): stage for stage in Stage}

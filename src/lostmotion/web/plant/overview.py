@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
+from math import inf
 
 import polars as pl
 from markupsafe import Markup
@@ -209,16 +210,18 @@ def _moment(start: str | datetime) -> datetime:
 
 
 def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
-    """In the order of the report: by priority, else faults before what cannot be told before what is none."""
+    """In the order of the report, as :func:`lostmotion.audit.row_facts.order` has it."""
     assessed, failed = pl.col("stage") == Stage.ASSESSED, pl.col("stage") == Stage.FAILED
     kind = pl.when(pl.col("verdict").is_in(FAULTS)).then(0).when(pl.col("verdict").is_in(DENIED)).then(2).otherwise(1)
     said = pl.when(assessed).then("verdict").when(failed).then(pl.lit("failed")).otherwise(pl.lit("not assessed"))
     added = frame.with_columns(
         said.alias("said"), (kind + 3 * failed.cast(pl.Int32)).alias("place"),
         pl.col("priority").fill_null(-1.0).alias("urgent"), pl.col("size_percent").fill_null(0.0).alias("sized"),
+        pl.col("probability").fill_null(0.0).alias("likely"), pl.col("excluded_percent").fill_null(inf).alias("left"),
     )  # fmt: skip
-    ordered = added.sort("urgent", "place", "sized", "tag", descending=[True, False, True, False])
-    return ordered.drop("urgent", "place", "sized").with_row_index("rank")
+    keys = ("urgent", "place", "sized", "likely", "left")
+    ordered = added.sort(*keys, "tag", descending=[True, False, True, True, True, False])
+    return ordered.drop(keys).with_row_index("rank")
 
 
 def _counts(words: Mapping[str, int], name: str) -> tuple[tuple[str, int, str], ...]:

@@ -1,4 +1,4 @@
-"""Treemap of a plant: areas, in them loops by priority; a tile for those that need nothing."""
+"""Treemap of a plant: areas, in them loops by priority; the rest of each label together in a tile."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def arranged(
         links[_named(area, known), label] = others(area, label) if others and area in known else ""
     for (name, label), count in counts.items():
         if count:
-            said = f"{name}: {count} loops {label or 'without a label'}, priority low or none"
+            said = f"{name}: {count} loops {label or 'that cannot be told: not cleared'}, priority low or none"
             weight = max(OTHERS * count**0.5, 0.5 * LEAST)
             tiles[name].append(Tile(weight, str(count), said, label, links[name, label]))
     found = [(area, sorted(inside, key=lambda tile: -tile.weight)) for area, inside in tiles.items()]
