@@ -9,7 +9,7 @@ import pytest
 import typer
 
 import lostmotion as lm
-from lostmotion.cli import app
+from lostmotion.cli import app, main
 from lostmotion.cli.commands import COMMANDS, Loaded, _function
 from lostmotion.cli.groups import spread
 from lostmotion.cli.output import OutputOptions, places
@@ -91,3 +91,21 @@ def test_a_figure_that_cannot_be_drawn_is_refused_before_any_work(tmp_path):
     OutputOptions().refuse(None, figures=(None, tmp_path / "a.PNG"))
     said = refusal(lm.FileAccessError, OutputOptions().refuse, figures=(tmp_path / "a.bmp",))
     assert "png, pdf or svg" in said
+
+
+@pytest.mark.parametrize("name", ["diagnose", "check", "design", "export", "online"])
+def test_help_of_two_numbers_says_that_a_blank_is_between_them(name, capsys):
+    with pytest.raises(SystemExit):
+        main([name, "--help"])
+    text = capsys.readouterr().out
+    assert "LOW HIGH" in text
+    assert "float,float" not in text
+
+
+@pytest.mark.parametrize("words", [["--op-span", "0", "100"], ["--op-span", "0,100"], ["--op-span=0,100"]])
+def test_two_numbers_are_taken_with_a_blank_or_a_comma(words, capsys, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time_s,OP,PV\n" + "".join(f"{row},{row % 7 + 40},{row % 9}\n" for row in range(400)))
+    with pytest.raises(SystemExit):
+        main(["check", str(path), *words])
+    assert "% of span" in capsys.readouterr().out

@@ -14,6 +14,7 @@ import lostmotion
 from lostmotion.cli.closed_output import SHOWN, full_output
 from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.failure import say_error
+from lostmotion.cli.pairs import apart
 from lostmotion.errors import LostMotionError
 
 app = typer.Typer(
@@ -41,7 +42,7 @@ def _whole(version: Version = False) -> None:
 
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; errors of lostmotion become one line and exit code 1."""
-    words = sys.argv[1:] if arguments is None else arguments
+    words = apart(sys.argv[1:] if arguments is None else arguments)
     SHOWN.set(False)
     try:
         return _told(words)

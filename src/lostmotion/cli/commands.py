@@ -10,6 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from lostmotion.cli.groups import spread
+from lostmotion.cli.pairs import named
 from lostmotion.cli.wording import OFFERED, RUNNING
 
 COMMANDS = {  # the first line of each command's docstring; a test compares them
@@ -51,6 +52,7 @@ def command(name: str) -> Any:
     alone = typer.Typer(**PLAIN)
     alone.command(name)(spread(_function(name)))
     made = typer.main.get_command(alone)
+    named(made.params)
     RUNNING.set(name)
     OFFERED.set(frozenset(option for parameter in made.params for option in parameter.opts))
     return made
