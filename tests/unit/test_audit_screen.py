@@ -300,3 +300,19 @@ def test_the_amplitude_of_what_rings_comes_and_goes_and_of_a_forced_swing_stays(
     assert amplitude_spread(holes, 50.0, 1.0) < 0.1
     assert amplitude_spread(forced[:400], 50.0, 1.0) is None
     assert amplitude_spread(np.zeros(5000), 50.0, 1.0) is None
+
+
+@pytest.mark.parametrize(
+    ("loop", "dt", "words"),
+    [
+        (replace(LOOP, pv_span=None), 1.0, "span of PV unknown: a noisy measurement cannot be told"),
+        (LOOP, 10.0, "rows are 10 s apart: a noisy measurement cannot be told"),
+        (LOOP, 5.0, ""),
+    ],
+)
+def test_where_a_noisy_measurement_cannot_be_seen_that_is_told(loop, dt, words):
+    row = row_of(replace(base(), dt=dt), loop)
+    assert said(row, "a noisy measurement cannot be told") == bool(words)
+    assert said(row, words)
+    assert row.indices["pv_span_known"] == float(loop.pv_span is not None)
+    assert ("scatter_percent" in row.indices) != bool(words)

@@ -198,3 +198,10 @@ def test_the_same_record_under_two_names_is_remarked(tmp_path):
     notes = {loop.tag: " ".join(loop.notes) for loop in propose(open_plant(tmp_path))}
     assert "Begins with the values of A" in notes["B"]
     assert "Begins" not in notes["A"] + notes["C"]
+
+
+def test_limits_of_pv_that_are_missing_are_remarked(tmp_path):
+    put(tmp_path / "A.csv", side_by_side().select("time", OP="FIC101.OP", PV="FIC101.PV"))
+    (loop,) = propose(open_plant(tmp_path))
+    assert loop.pv_span is None
+    assert "fill in pv_low and pv_high, else a noisy measurement is not told" in propose_text(tmp_path)

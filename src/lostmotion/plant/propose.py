@@ -22,6 +22,7 @@ from lostmotion.records.movement import PERCENT
 from lostmotion.records.record import LoopRecord
 
 FRACTION = (0.0, 1.0)
+NO_PV_SPAN = "PV limits are not in the data: fill in pv_low and pv_high, else a noisy measurement is not told."
 Begun = dict[bytes, list[tuple[str, FloatArray]]]
 BATCH = 64  # loops that are read together
 COMPARED = 200  # first values by which two records are taken for the same
@@ -77,8 +78,16 @@ def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: Beg
         notes.append(f"Begins with the values of {same}: perhaps the same record.")
     if record.start is None:
         notes.append("Not dated.")
+    if record.pv_span is None:
+        notes.append(NO_PV_SPAN)
     return replace(
-        loop, loop_type=kind, op_span=span, op_unit=record.op_unit, pv_unit=record.pv_unit, notes=tuple(notes)
+        loop,
+        loop_type=kind,
+        op_span=span,
+        pv_span=record.pv_span,
+        op_unit=record.op_unit,
+        pv_unit=record.pv_unit,
+        notes=tuple(notes),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.screen.rows import ScreenRows
+from lostmotion.audit.screen.scatter import MOST_DT
 from lostmotion.records import LoopRecord, limits
 from lostmotion.records.clipping import beyond
 from lostmotion.records.compression import compression
@@ -50,7 +51,7 @@ def health_of(rows: ScreenRows) -> Health:
     missing, stale = missing_share(record), rows.share(rows.standing & rows.known)
     live = int(rows.known.sum() - (rows.standing & rows.known).sum())
     stopping = list(_stopping(rows, live, missing, stale))
-    parts = (_about_sp(rows), _about_archive(record), _about_op(rows), _about_dates(record))
+    parts = (_about_sp(rows), _about_archive(record), _about_op(rows), _about_scatter(record), _about_dates(record))
     rest = [] if _nothing(record) else [found for part in parts for found in part]
     told = [*_about_missing(missing, stale), *(one for one, _ in rest)]
     grave = [*stopping, *(one for one, stops in rest if stops)]
@@ -130,6 +131,14 @@ def _about_op(rows: ScreenRows) -> Iterator[tuple[str, bool]]:
         yield f"span of OP unknown: % are of the range seen, {rows.span.low:.4g} .. {rows.span.high:.4g}", False
     if not rows.modes_known and rows.share(rows.manual) > TOLD:
         yield f"no mode recorded: OP held for {_percent(rows.share(rows.manual))} of the time counts as manual", False
+
+
+def _about_scatter(record: LoopRecord) -> Iterator[tuple[str, bool]]:
+    """Why a noisy measurement would not be seen."""
+    if record.pv_span is None:
+        yield "span of PV unknown: a noisy measurement cannot be told, % of PV are of the range seen", False
+    elif record.dt > MOST_DT:
+        yield f"rows are {record.dt:g} s apart: a noisy measurement cannot be told, {MOST_DT:g} s is the most", False
 
 
 def _about_dates(record: LoopRecord) -> Iterator[tuple[str, bool]]:

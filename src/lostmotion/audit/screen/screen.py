@@ -128,6 +128,7 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "stuck": rows.share(rows.stuck & ~rows.stopped & rows.known & ~rows.manual),
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
+        "pv_span_known": float(rows.record.pv_span is not None),
         "scatter_percent": _scatter(rows),
         "amplitude_spread": _amplitude_spread(rows, one.swing),
     }
