@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from lostmotion.audit.audit_run import AuditRun
+from lostmotion.audit.health import health_of
 from lostmotion.audit.rank import ranked
 from lostmotion.audit.rules import FORCED, FROZEN, NOISY, RINGING, WEARING, rule_of
 from lostmotion.plant import PlantLoop
@@ -114,3 +115,42 @@ def test_loops_that_could_not_be_told_are_not_said_to_need_nothing() -> None:
     assert "no area given: 1 loops normal, priority low or none" in page
     assert "need nothing" not in page
     assert "cannot be told and are not cleared" in page
+
+
+def test_reasons_that_differ_in_numbers_show_their_ends() -> None:
+    """Not a template with points in the place of the numbers."""
+    said = "dead zone up to {} % of span is not excluded; the tolerance is 1 %"
+    rows = tuple(judged(f"FIC-{size}", why=said.format(size)) for size in ("2.5", "11", "1.2"))
+    (reason,) = health_of(replace(plant(), rows=rows, loops=())).not_judged
+    assert reason.text == f"cannot tell: {said.format('1.2 to 11')}"
+    assert len(reason.tags) == 3
+    dated = tuple(judged(f"FIC-{one}", why=f"recorded -{one} by v{one}.3.4") for one in (1, 2))
+    assert (
+        health_of(replace(plant(), rows=dated, loops=()))
+        .not_judged[0]
+        .text.startswith("cannot tell: recorded -2 to -1")
+    )
+
+
+def test_what_could_not_be_told_is_not_cleared_and_that_is_said_first() -> None:
+    view = replace(plant(), rows=(sound(), *(judged(f"LIC-{n}") for n in range(41))), loops=())
+    said = "1 of 42 loops could be judged; 41 cannot be told from these records: they are not cleared."
+    assert health_of(view).sentence() == said
+    assert " ".join(audit_summary(view).split()).index(said) < audit_summary(view).index("Verdicts")
+    assert "cleared" not in health_of(replace(view, rows=(sound(),))).sentence()
+
+
+def test_the_summary_says_how_many_are_worth_a_look() -> None:
+    rows = tuple(finding(f"FIC-{n}", priority=20.0 if n < 3 else 1.0) for n in range(14))
+    text = " ".join(audit_summary(replace(plant(), rows=rows, loops=())).split())
+    assert "3 of the 14 with a priority are worth a look (priority 5 and more); 4 more are in the report." in text
+
+
+def test_a_percentage_is_of_a_span_only_where_one_is_known() -> None:
+    view = plant().loop_view("FIC-1")
+    seen = replace(view, row=replace(view.row, indices={"op_span_known": 0.0, "pv_span_known": 0.0}))
+    assert "2.1 % of the range of PV seen" in loop_report(seen)
+    assert "% of the OP range seen an hour" in loop_report(seen)
+    known = replace(view, loop=replace(view.loop, pv_span=(0.0, 50.0)))
+    assert "2.1 % of the span of PV" in loop_report(known)
+    assert "2.1 % of the range of PV seen" in loop_report(view), "a row of an older run, a loop without a span"

@@ -79,7 +79,8 @@ def test_script_and_style_can_be_taken_out(page):
 def test_health_comes_before_the_ranking_and_says_why(page):
     words = page.words
     assert words.index("could be judged") < words.index("The first 2 of 5 loops")
-    assert "2 of 5 loops could be judged; 1 assessed, but the data cannot tell, 1 not assessed, 1 failed." in words
+    said = "2 of 5 loops could be judged; 1 cannot be told from these records, 1 not assessed, 1 failed"
+    assert f"{said}: they are not cleared." in words
     assert "not assessed: in manual for 97 % of the time" in words
     assert "failed: expected a column 'OP', got none; name it" in words
     assert "stale for 31 % of it" in words

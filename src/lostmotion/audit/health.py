@@ -15,7 +15,7 @@ from lostmotion.store.rows import AssessmentRow, Stage
 from lostmotion.store.run_rows import UnreadRow
 
 EXAMPLES = 3  # tags that are named with a reason
-_NUMBER = re.compile(r"\d[\d.,]*(?:e[+-]?\d+)?")
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:[.,]\d+)*(?:e[+-]?\d+)?|\d+")
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Reason:
     Attributes
     ----------
     text : str
-        Numbers as "..", where they differ.
+        Numbers that differ from loop to loop as "least to most".
     tags : tuple of str
     """
 
@@ -75,13 +75,13 @@ class Health:
         """In one line."""
         said = f"{self.judged} of {self.loops} loops could be judged"
         parts = [
-            (self.cannot_tell, "assessed, but the data cannot tell"),
+            (self.cannot_tell, "cannot be told from these records"),
             (self.screened, "not assessed"),
             (self.failed, "failed"),
             (self.without_row, "not reached"),
         ]
         rest = ", ".join(f"{count} {what}" for count, what in parts if count)
-        return f"{said}; {rest}." if rest else f"{said}."
+        return f"{said}; {rest}: they are not cleared." if rest else f"{said}."
 
 
 def health_of(view: PlantView) -> Health:
@@ -122,7 +122,7 @@ def why_not(row: AssessmentRow | Judged) -> str:
 
 @lru_cache(maxsize=4096)
 def _form(text: str) -> str:
-    return _NUMBER.sub("..", text)
+    return _NUMBER.sub("\0", text.replace("\0", ""))
 
 
 def _reasons(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
@@ -133,5 +133,33 @@ def _reasons(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
         form = _form(text)
         tags[form].append(tag)
         texts[form].add(text)
-    found = [Reason(texts[form].pop() if len(texts[form]) == 1 else form, tuple(mine)) for form, mine in tags.items()]
+    found = [Reason(_joined(form, texts[form]), tuple(mine)) for form, mine in tags.items()]
     return tuple(sorted(found, key=lambda one: -len(one.tags)))
+
+
+def _joined(form: str, texts: set[str]) -> str:
+    """Texts of one form as one, with the least and the most of each number.
+
+    Examples
+    --------
+    >>> texts = {f"steps of {step} in a range of 2" for step in ("0.5", "0.1", "1.2")}
+    >>> _joined(_form("steps of 1 in a range of 2"), texts)
+    'steps of 0.1 to 1.2 in a range of 2'
+    """
+    if len(texts) == 1:
+        return next(iter(texts))
+    each = zip(*(_NUMBER.findall(text) for text in texts), strict=True)
+    parts = form.split("\0")
+    return parts[0] + "".join(_between(numbers) + part for numbers, part in zip(each, parts[1:], strict=True))
+
+
+def _between(numbers: Sequence[str]) -> str:
+    ordered = sorted(set(numbers), key=_value)
+    return ordered[0] if len(ordered) == 1 else f"{ordered[0]} to {ordered[-1]}"
+
+
+def _value(number: str) -> tuple[float, str]:
+    try:
+        return float(number.replace(",", "")), number
+    except ValueError:  # a version, or a date with points
+        return 0.0, number

@@ -22,6 +22,7 @@ from lostmotion.store.rows import AssessmentRow, Stage
 from lostmotion.text_table import text_table
 
 FIRST = 10  # rows of the ranking
+WORTH_A_LOOK = 5.0  # priority: a suspicion that is hardly over the prior of any valve has 4.4
 SHORT = 5  # rows of everything else
 HEAD = ("#", "loop", "area", "verdict", "% of span", "95 %", "sure", "priority", "")
 WIDTHS = (3, 18, 14, 18, 9, 16, 9, 8, 0)
@@ -74,8 +75,10 @@ def _ranking(view: PlantView) -> str:
         return "\nNo loop needs a hand, as far as the data tell."
     rows = [_cells(view, row, place) for place, row in enumerate(ranked[:FIRST], 1)]
     lines = ["", "Where to look first", *text_table(HEAD, WIDTHS, rows)]
-    left = len(ranked) - len(rows)
-    return "\n".join(lines + ([f"and {left} more."] if left > 0 else []))
+    worth = sum((row.priority or 0.0) >= WORTH_A_LOOK for row in ranked)
+    left = f"; {len(ranked) - len(rows)} more are in the report" if len(ranked) > len(rows) else ""
+    said = f"{worth} of the {len(ranked)} with a priority are worth a look (priority {WORTH_A_LOOK:g} and more){left}."
+    return "\n".join([*lines, fill(said)])
 
 
 def _cells(view: PlantView, row: AssessmentRow, place: int) -> tuple[str, ...]:

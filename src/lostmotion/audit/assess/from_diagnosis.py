@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -38,8 +39,13 @@ def row_of(loop: PlantLoop, window_start: datetime, window_end: datetime, diagno
         period=finite(swing.period * record.dt),
         regularity=finite(swing.regularity),
         power=finite(swing.share),
-        **said(diagnosis),
+        **_said(diagnosis),
     )
+
+
+def _said(diagnosis: Diagnosis) -> dict[str, Any]:
+    found = said(diagnosis)
+    return found | {"indices": {**found["indices"], "pv_span_known": float(diagnosis.record.pv_span is not None)}}
 
 
 def trace_of(loop: PlantLoop, window_start: datetime, diagnosis: Diagnosis) -> TraceRow:

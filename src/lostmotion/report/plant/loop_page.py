@@ -9,6 +9,7 @@ from markupsafe import Markup
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.audit.rules import advice_of
 from lostmotion.diagnose.evidence_words import LABEL
+from lostmotion.plant import PlantLoop
 from lostmotion.report.digits import bracketed, plain, signed
 from lostmotion.report.plant.changes import said
 from lostmotion.report.plant.sizes import history_picture, history_rows
@@ -115,7 +116,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         has_live=any(point.live for point in view.history),
         growth=view.growth,
         oscillation=_oscillation(view),
-        performance=_performance(row),
+        performance=_performance(row, loop),
         windows=windows[:MOST_WINDOWS] if len(windows) > 1 else [],
         windows_left=max(len(windows) - MOST_WINDOWS, 0),
         health=row.health,
@@ -190,12 +191,13 @@ def _oscillation(view: LoopView) -> list[tuple[str, str]]:
     return found
 
 
-def _performance(row: AssessmentRow) -> list[tuple[str, str]]:
+def _performance(row: AssessmentRow, loop: PlantLoop) -> list[tuple[str, str]]:
+    known = row.indices.get("pv_span_known", float(loop.pv_span is not None))
     return [
         ("Class", row.performance),
         ("Harris index", _with(row.harris, "(1 is best)")),
-        ("Deviation of SP - PV", _with(row.variability, "% of the span of PV")),
-        ("Travel of OP", _with(row.travel, "% of span an hour")),
+        ("Deviation of SP - PV", _with(row.variability, f"% of the {'span of PV' if known else 'range of PV seen'}")),
+        ("Travel of OP", _with(row.travel, f"% {of_what(row)} an hour")),
         ("Turns of OP", _with(row.reversals, "an hour")),
         ("Not in automatic", share_words(row.manual)),
         ("OP at a limit", share_words(row.limited)),
