@@ -232,7 +232,8 @@ def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
 def _untold(row: AssessmentRow, moves: float, about: list[str]) -> tuple[float, list[str]]:
     """Of a loop that cannot be told; `moves`: what counts of its swing and its error of control, `about`: in words.
 
-    A fault that one stretch shows, and none denies, counts as one that was found, as probable as all stretches are.
+    A fault that one stretch shows, and none denies, counts as one of the usual size at most that was found, as probable
+    as all stretches are.
     """
     fault = row.probability or 0.0
     likely = f"a fault of the actuator is {probability(fault)} likely"
@@ -240,7 +241,7 @@ def _untold(row: AssessmentRow, moves: float, about: list[str]) -> tuple[float, 
     if shown is None:
         lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
         return UNTOLD * (lost + (1.0 - LOST) * moves), ["cannot tell", likely, *about]
-    size = shown if _of_span(row) else USUAL
+    size = min(shown, USUAL) if _of_span(row) else USUAL  # of one stretch: it may be far too wide
     worth = fault * LOST * size / (size + USUAL) + max(UNTOLD, fault) * (1.0 - LOST) * moves
     return worth, [row.why, likely, *about]
 
