@@ -2,11 +2,16 @@
 
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from functools import cache
 
 import numpy as np
 import pytest
 
 from lostmotion.audit.groups.groups import groups
+from lostmotion.audit.groups.shared import NOTHING, shared
+from lostmotion.audit.groups.swinging import POWER
+from lostmotion.audit.screen.lines import bands_in, lines_of
+from lostmotion.audit.screen.spectrum import spectrum_of
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow, Stage
 
@@ -15,14 +20,35 @@ DAY = timedelta(days=1)
 LOW, HIGH = 1e-4, 0.5
 
 
-def spectrum(tag, period, share=0.8, harmonics=(0.0, 0.0), start=START, **more):
-    """A flat floor, a line of width 5 %, and lines at twice and three times its frequency."""
+STEP = 10.0  # seconds between rows
+
+
+def swing(period, of, hours=24.0, wander=0.05, begin=0.0):
+    """A swing whose period comes and goes, from a moment on; the same `of`, the same swing."""
+    times = np.arange(0.0, hours * 3600.0, STEP) + begin
+    steps = np.random.default_rng(of).normal(size=20 * 8640)[: int(times[-1] / STEP) + 1]
+    phase = 2.0 * np.pi / period * STEP * np.arange(steps.size) + wander * np.cumsum(steps)
+    return np.sin(phase[int(begin / STEP) :])[: times.size]
+
+
+@cache
+def kept(period, of, noise=0.1, seed=0, **more):
+    """Lines of a swing behind noise of a loop's own."""
+    error = swing(period, of, **more)
+    error = error + noise * np.random.default_rng([seed, of]).normal(size=error.size)
+    return lines_of(error, np.arange(error.size) * STEP, STEP, spectrum_of(error, STEP))
+
+
+def spectrum(tag, period, share=0.8, harmonics=(0.0, 0.0), start=START, of=None, **more):
+    """A flat floor, a line of width 5 %, and lines at twice and three times its frequency; phases of the swing `of`."""
     edges = np.geomspace(LOW, HIGH, 97)
     power = np.full(96, (1.0 - share) / 96)
     for order, part in ((1, 1.0), (2, harmonics[0]), (3, harmonics[1])):
         place = int(np.searchsorted(edges, order / period)) - 1
         power[place] += share * part / (1.0 + sum(harmonics))
-    return SpectrumRow(tag, start, LOW, HIGH, power.astype("<f4").tobytes(), **more)
+    which = round(period, -1) if of is None else of
+    lines = kept(float(which), int(which), seed=ord(tag[0]))
+    return SpectrumRow(tag, start, LOW, HIGH, power.astype("<f4").tobytes() + lines, **more)
 
 
 def row(tag, period, power=0.8, start=START, **more):
@@ -87,14 +113,109 @@ def test_the_sticking_valve_is_named_whatever_the_order():
     assert groups(spectra[::-1], rows[::-1]) == (group,)
 
 
-def test_periods_further_apart_than_five_percent_are_two_swings():
-    spectra = [spectrum("A", 300.0), spectrum("B", 330.0)]
-    assert groups(spectra, [row("A", 300.0), row("B", 330.0)]) == ()
+def test_loops_of_one_period_that_share_nothing_are_no_group():
+    """Random loads of like periods have like spectra."""
+    spectra = [spectrum("A", 300.0, of=300), spectrum("B", 300.0, of=301)]
+    assert groups(spectra, [row("A", 300.0), row("B", 300.0)]) == ()
+    carried = replace(row("B", 20.0, power=0.2), regularity=0.5)
+    assert groups(spectra, [row("A", 300.0), carried]) == ()
 
 
-def test_spectra_that_differ_are_no_group():
-    other = spectrum("B", 300.0, share=0.3, harmonics=(6.0, 6.0))
-    assert groups([spectrum("A", 300.0), other], [row("A", 300.0), row("B", 300.0, power=0.3)]) == ()
+def test_estimates_of_one_period_may_lie_apart_where_the_swing_is_shared():
+    """136 and 161 s, coherence 0.96: a steam pressure that sticks and the temperature behind it."""
+    spectra = [spectrum("A", 276.0, of=300), spectrum("B", 326.0, of=300)]
+    (group,) = groups(spectra, [row("A", 276.0), row("B", 326.0)])
+    assert sorted(tags(group)) == ["A", "B"]
+    assert groups(spectra, [row("A", 276.0), row("B", 346.0)]) == (), "more than a fifth"
+
+
+def test_who_swings_with_most_of_a_group_belongs_though_its_leader_is_too_far_in_period():
+    spectra = [spectrum(tag, period, of=300) for tag, period in zip("ABCD", (270.0, 310.0, 312.0, 340.0), strict=True)]
+    rows = [
+        row(tag, period, 0.9 - 0.1 * n)
+        for n, (tag, period) in enumerate(zip("ABCD", (270.0, 310.0, 312.0, 340.0), strict=True))
+    ]
+    (group,) = groups(spectra, rows)
+    assert sorted(tags(group)) == list("ABCD")
+
+
+def test_without_lines_nobody_knows_whether_a_swing_is_shared():
+    spectra = [replace(one, power=one.power[:POWER]) for one in (spectrum("A", 300.0), spectrum("B", 300.0))]
+    assert groups(spectra, [row("A", 300.0), row("B", 300.0)]) == ()
+
+
+def windows(period, of, later=0.0, **more):
+    return [(START + timedelta(seconds=later), bands_in(kept(period, of, begin=later, **more)))]
+
+
+@pytest.mark.parametrize("later", [0.0, 5.0, 7000.0])
+def test_windows_that_begin_at_other_times_are_compared_in_what_they_have_in_common(later):
+    later = round(later / STEP) * STEP
+    one, other = windows(300.0, 1), windows(300.0, 1, later, seed=1)
+    found = shared(one, other, 300.0)
+    assert found.coherence > 0.8
+    assert found.chance < 1e-3
+    assert shared(other, one, 300.0).coherence == pytest.approx(found.coherence, abs=0.02)
+    alone = shared(one, windows(300.0, 2, later), 300.0)
+    assert alone.coherence < 0.3
+    assert shared(one, windows(300.0, 1, 3e5), 300.0) == NOTHING
+
+
+def test_what_two_loops_that_share_nothing_have_in_common_is_chance():
+    """The probability that is told is that of chance."""
+    periods = np.random.default_rng(1).uniform(270.0, 330.0, (60, 2))
+    found = [
+        shared(windows(a, 2 * n, seed=n), windows(b, 2 * n + 1, seed=n), float(np.sqrt(a * b)))
+        for n, (a, b) in enumerate(periods.tolist())
+    ]
+    assert np.mean([one.chance <= 0.1 for one in found]) <= 0.15
+    assert np.mean([one.chance <= 0.5 for one in found]) >= 0.2, "nor much more than it"
+    assert not any(one.chance <= 0.03 and one.coherence >= 0.4 for one in found)
+
+
+@pytest.mark.parametrize(("hours", "least", "most"), [(24.0, 0.003, 0.03), (2.0, 0.03, 1.0)])
+def test_pure_tones_at_one_place_are_coherent_by_chance_and_their_place_counts(hours, least, most):
+    """The longer the record, the less likely is one place for two: 145 and 24 periods."""
+    one, other = (
+        windows(period, n, wander=0.0, noise=0.3, seed=n, hours=hours) for n, period in enumerate((300.0, 300.3))
+    )
+    found = shared(one, other, 300.0)
+    assert found.coherence > 0.8
+    assert least < found.chance < most
+
+
+def test_lines_come_back_from_the_store_with_their_phases():
+    times = np.arange(0.0, 86400.0, STEP)
+    error = np.cos(2.0 * np.pi * times / 300.0 + 0.7)
+    (found,) = (
+        one for one in bands_in(lines_of(error, times, STEP, spectrum_of(error, STEP))).values() if one.seconds > 5e4
+    )
+    numbers = found.first + np.arange(found.values.size)
+    middle = times[(times > 0.4 * found.seconds) & (times < 0.6 * found.seconds)]
+    wave = np.exp(2j * np.pi * np.outer(middle, numbers) / found.seconds) @ found.values
+    expected = np.exp(2j * np.pi * middle / 300.0 + 0.7j)
+    cosine = np.vdot(expected, wave) / np.linalg.norm(expected) / np.linalg.norm(wave)
+    assert abs(cosine) > 0.99
+    assert abs(np.angle(cosine)) < 0.2, "a lag of half a block"
+
+
+def test_a_gap_in_the_rows_does_not_shift_the_phases():
+    """Of 44,000 s that are compared 9,000 are missing."""
+    times = np.arange(0.0, 86400.0, STEP)
+    there = (times < 20000.0) | (times > 29020.0)
+    error = np.cos(2.0 * np.pi * times / 300.0 + 0.7)
+    whole, pieces = (
+        bands_in(lines_of(error[rows], times[rows], STEP, spectrum_of(error[rows], STEP)))
+        for rows in (np.ones_like(there), there)
+    )
+    assert shared([(START, whole)], [(START, pieces)], 300.0).coherence > 0.6
+
+
+def test_of_nothing_no_lines_are_kept():
+    times = np.arange(0.0, 86400.0, STEP)
+    some = np.sin(times)
+    assert lines_of(np.full(times.size, np.nan), times, STEP, spectrum_of(some, STEP)) == b""
+    assert bands_in(b"") == {}
 
 
 def test_the_group_with_most_power_comes_first():

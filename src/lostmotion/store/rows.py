@@ -180,7 +180,8 @@ class SpectrumRow:
     low, high : float
         Hz: the bins are equal in the logarithm of the frequency between them.
     power : bytes
-        96 little-endian float32: share of the power in each bin; they add up to 1.
+        96 little-endian float32: share of the power in each bin; they add up to 1. Behind them, in rows of a screen,
+        what phases the power has (:func:`lostmotion.audit.screen.lines.lines_of`).
     nonlinearity : float, optional
         Strength of what a Gaussian linear process cannot make (Thornhill 2005: surrogate statistic of PV).
     op_nonlinearity : float, optional

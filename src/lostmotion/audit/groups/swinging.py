@@ -5,17 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.audit.groups.shared import Shared, shared
+from lostmotion.audit.screen.lines import Lines, bands_in
+from lostmotion.audit.screen.spectrum import BINS
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow
 
 LEAST_REGULAR = 1.0  # as published: below, zero crossings of the autocorrelation come as they like
 LEAST_POWER = 0.1  # of the variance: a smaller swing is nobody's reason to look
-SAME_PERIOD = 0.05  # relative
-LEAST_LIKE = 0.6  # cosine of the spectra about the oscillation; members in simulated plants lie at 0.6 to 1
+SAME_PERIOD = 0.05  # relative, of windows of one loop
+NEAR_PERIOD = 0.2  # relative, of loops that may swing together: estimates of one swing lie up to 17 % apart
+LEAST_SHARED = 0.4  # coherence; members of groups in simulated plants lie at 0.44 to 1, what chance makes below 0.3
+LEVEL = 0.03  # share of what chance makes among those that are taken for members
+POWER = 4 * BINS  # bytes of the spectrum; behind them are its lines
 LEAST_OVERLAP = 0.5  # of the shorter of two times
 BELOW, ABOVE, BANDS = 0.5, 6.0, 24  # of the frequency: what is compared, in bands as wide as a bin of 96
 PEAK, BESIDE = 1.08, 1.6  # a peak is so far up and down in frequency; what it stands out of, up to so far
@@ -46,12 +53,12 @@ class Swinging:
     spectra: tuple[SpectrumRow, ...]
     clock: str = ""
 
-    @property
+    @cached_property
     def period(self) -> float:
         """Seconds, median of the windows."""
         return float(np.median([row.period or 0.0 for row in self.rows]))
 
-    @property
+    @cached_property
     def power(self) -> float:
         """Share of the variance, mean of the windows."""
         return float(np.mean([row.power or 0.0 for row in self.rows]))
@@ -76,6 +83,15 @@ class Swinging:
     def times(self) -> tuple[tuple[datetime, datetime], ...]:
         """Begin and end of each window."""
         return tuple((row.window_start, row.window_end) for row in self.rows)
+
+    @cached_property
+    def windows(self) -> tuple[tuple[datetime, dict[int, Lines]], ...]:
+        """Beginning of each window and its lines."""
+        return tuple((one.window_start, bands_in(one.power[POWER:])) for one in self.spectra)
+
+    def shared(self, other: Swinging, period: float) -> Shared:
+        """What two loops have in common about a period."""
+        return shared(self.windows, other.windows, period)
 
     def peak(self, period: float) -> tuple[float, float]:
         """How far the power about a frequency stands out of that beside it, as a ratio; and in its deviations."""
@@ -105,7 +121,7 @@ def unsteady(
 ) -> list[Swinging]:
     """Loops that swing with no period of their own, but may be carried along by another's."""
     mine = {one.tag for one in known}
-    spectrum = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
+    spectrum = {(one.tag, one.window_start): one for one in spectra if any(one.power[:POWER])}
     return [
         Swinging(row.tag, (row,), (spectrum[row.tag, row.window_start],), _clock(row, loops))
         for row in sorted(rows, key=lambda row: (row.tag, row.window_start))
@@ -117,7 +133,7 @@ def swinging(
     spectra: Sequence[SpectrumRow], rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop]
 ) -> list[Swinging]:
     """Loops that swing; windows of one loop with the same period are one."""
-    known = {(one.tag, one.window_start): one for one in spectra if any(one.power)}
+    known = {(one.tag, one.window_start): one for one in spectra if any(one.power[:POWER])}
     found: dict[str, list[Swinging]] = {}
     for row in sorted(rows, key=lambda row: (row.tag, row.window_start)):
         spectrum = known.get((row.tag, row.window_start))
@@ -129,22 +145,52 @@ def swinging(
 def together(loops: Sequence[Swinging]) -> Iterator[tuple[float, list[tuple[Swinging, float]]]]:
     """Period of each group, and its loops with their likeness, the one that swings most first; some stand alone.
 
-    A leader takes all that are like it; then the mean of these takes its place once, so that who was first does not
-    decide who belongs.
+    A leader takes all that share its swing; then come those that share the swing of most of these, so that who was
+    first does not decide who belongs.
     """
     left = sorted(loops, key=lambda one: (-one.power * len(one.rows), one.tag))
     while left:
         leader = left[0]
-        period, members = leader.period, _like(leader.form(leader.period), leader.period, leader, left)
+        members = [leader, *sharing(leader, leader.period, _near(leader, leader.period, left))]
+        period = float(np.median([one.period for one in members]))
         if len(members) > 1:
-            period = float(np.median([one.period for one, _ in members]))
-            middle = np.mean([one.form(period) for one, _ in members], axis=0)
-            again = _like(middle / np.linalg.norm(middle), period, leader, left)
-            members = again if any(one is leader for one, _ in again) else members
-            members.sort(key=lambda pair: pair[0] is not leader)
-        taken = {id(one) for one, _ in members} | {id(leader)}
+            members += [one for one in _near(leader, period, left, members) if _with_most(one, members)]
+            period = float(np.median([one.period for one in members]))
+        taken = {id(one) for one in members}
         left = [one for one in left if id(one) not in taken]
-        yield period, members
+        middle = np.mean([one.form(period) for one in members], axis=0)
+        yield period, [(one, likeness(middle, one, period)) for one in members]
+
+
+def sharing(leader: Swinging, period: float, others: Sequence[Swinging]) -> list[Swinging]:
+    """Those that share more of the leader's swing than chance makes, in their order.
+
+    Of the ones that are taken, a share of LEVEL is chance (Benjamini and Hochberg 1995): many that are nearly sure
+    speak for each other.
+    """
+    found = [(leader.shared(one, period), one) for one in others]
+    chances = np.sort([one.chance for one, _ in found])
+    below = np.flatnonzero(chances <= LEVEL * np.arange(1, chances.size + 1) / max(chances.size, 1))
+    most = float(chances[below[-1]]) if below.size else -1.0
+    return [one for each, one in found if each.chance <= most and each.coherence >= LEAST_SHARED]
+
+
+def _near(leader: Swinging, period: float, loops: Sequence[Swinging], but: Sequence[Swinging] = ()) -> list[Swinging]:
+    """Those of about this period, with time in common with the leader."""
+    known = {id(leader), *map(id, but)}
+    near = [one for one in loops if abs(np.log(one.period / period)) <= NEAR_PERIOD and id(one) not in known]
+    return [one for one in near if overlap(leader, one) >= LEAST_OVERLAP]
+
+
+def _with_most(one: Swinging, members: Sequence[Swinging]) -> bool:
+    found = [one.shared(member, member.period) for member in members]
+    return sum(each.chance <= LEVEL and each.coherence >= LEAST_SHARED for each in found) > 0.5 * len(members)
+
+
+def likeness(form: FloatArray, one: Swinging, period: float) -> float:
+    """Cosine of the spectrum about a period to a form, 0 to 1."""
+    length = max(float(np.linalg.norm(form)), 1e-300)
+    return float(np.clip(form @ one.form(period) / length, 0.0, 1.0))
 
 
 def _clock(row: AssessmentRow, loops: Mapping[str, PlantLoop]) -> str:
@@ -169,13 +215,6 @@ def _add(mine: list[Swinging], new: Swinging) -> None:
     mine.append(new)
 
 
-def _like(form: FloatArray, period: float, leader: Swinging, loops: Sequence[Swinging]) -> list[tuple[Swinging, float]]:
-    """Those of the same period, like form, and time in common with the leader."""
-    near = [one for one in loops if abs(np.log(one.period / period)) <= SAME_PERIOD]
-    likeness = [(one, float(np.clip(form @ one.form(period), 0.0, 1.0))) for one in near]
-    return [(one, like) for one, like in likeness if like >= LEAST_LIKE and overlap(leader, one) >= LEAST_OVERLAP]
-
-
 def overlap(first: Swinging, second: Swinging) -> float:
     """Time in common, as a share of the shorter of both; 0 where it cannot be known."""
     if first.clock != second.clock:
@@ -193,14 +232,18 @@ def _bands(row: SpectrumRow, period: float) -> FloatArray:
 
 
 def carried(leader: Swinging, period: float, others: Sequence[Swinging]) -> list[tuple[Swinging, float]]:
-    """Loops without a period of their own whose spectrum has a peak at that of a group, with their likeness."""
-    form, found = leader.form(period), []
-    for one in others:
-        if overlap(leader, one) >= LEAST_OVERLAP:
-            ratio, deviations = one.peak(period)
-            if ratio >= STANDS_OUT and deviations >= DEVIATIONS:
-                found.append((one, float(np.clip(form @ one.form(period), 0.0, 1.0))))
-    return found
+    """Loops without a period of their own that share the swing of a group, with their likeness.
+
+    Their spectrum has a peak at its period.
+    """
+    peaks = [one for one in others if overlap(leader, one) >= LEAST_OVERLAP and _has_peak(one, period)]
+    form = leader.form(period)
+    return [(one, likeness(form, one, period)) for one in sharing(leader, period, peaks)]
+
+
+def _has_peak(one: Swinging, period: float) -> bool:
+    ratio, deviations = one.peak(period)
+    return ratio >= STANDS_OUT and deviations >= DEVIATIONS
 
 
 def _stands_out(row: SpectrumRow, frequency: float) -> FloatArray:
@@ -217,6 +260,6 @@ def _between(row: SpectrumRow, ends: FloatArray) -> float:
 
 
 def _cumulative(row: SpectrumRow, frequencies: FloatArray) -> FloatArray:
-    power = np.frombuffer(row.power, dtype="<f4").astype(np.float64)
+    power = np.frombuffer(row.power[:POWER], dtype="<f4").astype(np.float64)
     edges = np.linspace(np.log(row.low), np.log(row.high), power.size + 1)
     return np.asarray(np.interp(np.log(frequencies), edges, np.r_[0.0, np.cumsum(power)]))

@@ -12,6 +12,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.screen.harris import harris_of, natural_factor
 from lostmotion.audit.screen.health import Health, health_of
+from lostmotion.audit.screen.lines import lines_of
 from lostmotion.audit.screen.rows import ScreenRows, of_loop
 from lostmotion.audit.screen.scatter import scatter
 from lostmotion.audit.screen.spectrum import Spectrum, spectrum_of
@@ -207,20 +208,20 @@ def _performance(rows: ScreenRows, one: _Loop, open_share: float) -> str:
 def _spectrum_row(row: AssessmentRow, rows: ScreenRows, one: _Loop) -> SpectrumRow | None:
     if one.spectrum is None:
         return None
-    made = SpectrumRow(
-        row.tag, row.window_start, one.spectrum.low, one.spectrum.high, one.spectrum.bins.astype("<f4").tobytes()
-    )
+    record, dt = rows.record, rows.record.dt
+    clock = _clock(record, row.window_start)
+    power = one.spectrum.bins.astype("<f4").tobytes() + lines_of(rows.error, clock, dt, one.spectrum)
+    made = SpectrumRow(row.tag, row.window_start, one.spectrum.low, one.spectrum.high, power)
     swing = one.swing
     if swing is None or swing.regularity <= 1.0:
         return made
-    record, dt = rows.record, rows.record.dt
     pv, op = (np.where(rows.live, signal, np.nan) for signal in (record.pv, record.op))
     return replace(
         made,
         nonlinearity=nonlinearity(pv, swing.period, dt),
         op_nonlinearity=nonlinearity(op, swing.period, dt),
         harmonics=_finite(one.spectrum.harmonics(swing.period)),
-        phase=phase_at(pv, _clock(record, row.window_start), swing.period, dt),
+        phase=phase_at(pv, clock, swing.period, dt),
     )
 
 
