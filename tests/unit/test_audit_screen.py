@@ -165,6 +165,17 @@ def test_hand_and_limits_leave_nothing_to_be_told():
     assert "limit of OP" in full.reason
 
 
+def test_a_master_has_no_valve_to_be_diagnosed():
+    """28 % "likely at fault, move OP in manual" was said of levels whose OP is the set point of a flow."""
+    alone, master = row_of(base()), row_of(base(), replace(LOOP, slave="FIC-2"))
+    assert alone.value > 0.0
+    assert master.value == 0.0
+    assert "OP is the set point of FIC-2" in master.reason
+    assert (master.period, master.power, master.travel) == (alone.period, alone.power, alone.travel)
+    by_hand = row_of(replace(base(), mode=np.full(ROWS, "MAN")), replace(LOOP, slave="FIC-2"))
+    assert "manual" in by_hand.reason, "what is wrong with the data comes first"
+
+
 @pytest.mark.parametrize(("every", "share"), [(100, 0.5), (4000, 0.0)])
 def test_integral_action_that_creeps_on_tells_a_sensor_that_stands_from_a_recording(every, share):
     """PV stands near SP: OP goes by a step in a hundred rows, which row by row is a recording that stopped."""

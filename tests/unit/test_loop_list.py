@@ -14,7 +14,7 @@ from lostmotion.plant import PlantLoop, loop_list_text, open_plant, parse_loop_l
 from lostmotion.records import LoopRecord
 from tests.plants import TAGS, N, frame, make, put, side_by_side, signals
 
-HEADER = "tag,op,pv,type,op_low,op_high,weight,file"
+HEADER = "tag,op,pv,type,op_low,op_high,weight,file,time,slave"
 
 
 def errors(text):
@@ -35,7 +35,8 @@ def errors(text):
         ("F1,,,,0,full", "expected op_high as a number, got 'full' in line 2 of loops.csv; correct it"),
         ("F1,,,,,,nan", "expected weight as a number, got 'nan' in line 2 of loops.csv; correct it"),
         ("F1,,,,,,-1", "expected weight >= 0, got -1 in line 2 of loops.csv; 1 is usual"),
-        ("F1,,,,,,,f,g", "expected 8 cells, got 9 in line 2 of loops.csv; quote cells that hold a comma"),
+        ("F1,,,,,,,f,,F1", "expected another loop as slave, got 'F1' itself in line 2 of loops.csv; leave it out"),
+        ("F1,,,,,,,f,,,g", "expected 10 cells, got 11 in line 2 of loops.csv; quote cells that hold a comma"),
     ],
 )  # fmt: skip
 def test_a_wrong_line_is_named(line, said):

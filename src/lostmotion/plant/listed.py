@@ -28,6 +28,7 @@ OVER = (
     "area",
     "notes",
     "dt",
+    "slave",
     "time",
 )
 

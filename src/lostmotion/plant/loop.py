@@ -37,6 +37,8 @@ class PlantLoop:
         Sampling time in seconds, where the data do not tell it or tell it wrong.
     time : str
         Column of times; "none": it is not to be believed, and `dt` counts alone. Empty: as the reader finds it.
+    slave : str
+        Of a master: tag of the loop whose set point its OP is. It has no valve of its own. Empty: none.
     """
 
     tag: str
@@ -57,3 +59,4 @@ class PlantLoop:
     notes: tuple[str, ...] = ()
     dt: float | None = None
     time: str = ""
+    slave: str = ""

@@ -19,7 +19,7 @@ from lostmotion.plant.loop import PlantLoop
 
 COLUMNS = (
     "tag", "op", "pv", "sp", "mode", "type", "op_low", "op_high", "pv_low", "pv_high", "op_unit", "pv_unit", "area",
-    "weight", "file", "dt", "time", "remarks",
+    "weight", "file", "dt", "time", "slave", "remarks",
 )  # fmt: skip
 TYPES = ("flow", "pressure", "temperature", "level", "analyser", "concentration", "other")
 _OWN = {"type", "op_low", "op_high", "pv_low", "pv_high", "area", "weight"}  # what no record has
@@ -27,7 +27,7 @@ SHOWN = 10  # errors of one list
 LONGEST_SHOWN = 60  # characters of a name in a message
 MOST_COLUMNS = 1000
 _SETTING = re.compile(r"(?<!\w)(dt|time|op|pv|sp|mode)=(?=[\w'<])")
-_TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time")
+_TEXTS = ("op", "pv", "sp", "mode", "op_unit", "pv_unit", "area", "time", "slave")
 
 
 @dataclass(frozen=True)
@@ -183,6 +183,8 @@ def _loop(header: Sequence[str], cells: Sequence[str], where: str) -> PlantLoop:
     if bool(row.get("op")) != bool(row.get("pv")):
         given, other = ("op", "pv") if row.get("op") else ("pv", "op")
         raise DataError.expected("op and pv, or neither", f"{given} without {other} in {where}", "name both columns")
+    if row.get("slave") == row["tag"]:
+        raise DataError.expected("another loop as slave", f"{row['tag']!r} itself in {where}", "leave it out")
     texts: dict[str, Any] = {name: row.get(name, "") for name in _TEXTS}
     weight, dt = _number(row, "weight", where), _number(row, "dt", where)
     if weight is not None and weight < 0:
@@ -231,7 +233,7 @@ def loop_list_text(loops: Iterable[PlantLoop]) -> str:
     Examples
     --------
     >>> print(loop_list_text([PlantLoop("FIC101", "FV101", "FT101", op_span=(0, 100))]).splitlines()[1])
-    FIC101,FV101,FT101,,,,0,100,,,,,,1,,,,
+    FIC101,FV101,FT101,,,,0,100,,,,,,1,,,,,
     """
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
@@ -245,7 +247,7 @@ def _cells(loop: PlantLoop) -> list[str]:
     return [
         loop.tag, loop.op, loop.pv, loop.sp, loop.mode, loop.loop_type, *(_shown(end) for end in ends), loop.op_unit,
         loop.pv_unit, loop.area, _shown(loop.weight), loop.where, _shown("" if loop.dt is None else loop.dt),
-        loop.time, " ".join(loop.notes),
+        loop.time, loop.slave, " ".join(loop.notes),
     ]  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from lostmotion.files.hints import likely
 from lostmotion.files.joined import path_stem
 from lostmotion.files.tags import loop_type
 from lostmotion.plant.address import Place, written
+from lostmotion.plant.cascades import Cascades
 from lostmotion.plant.files_source import FilesSource
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.plant.source import PlantSource
@@ -56,12 +57,24 @@ def propose(source: PlantSource, progress: Callable[[int, int], None] | None = N
     loops = source.loops()
     done: dict[str, PlantLoop] = {}
     begun: Begun = {}
+    cascades = Cascades()
     for start in range(0, len(loops), BATCH):
         for loop, record in source.read(loops[start : start + BATCH]):
             done[loop.tag] = _looked_at(loop, record, begun)
+            if isinstance(record, LoopRecord):
+                cascades.add(loop.tag, record)
             if progress is not None:
                 progress(len(done), len(loops))
+    _tie(done, cascades.slaves())
     return (*(done[loop.tag] for loop in loops if loop.tag in done), *_guessed(source, {loop.tag for loop in loops}))
+
+
+def _tie(loops: dict[str, PlantLoop], slaves: Mapping[str, str]) -> None:
+    """Name the slave of each master, and say so to both."""
+    for master, slave in slaves.items():
+        said = f"OP is the set point of {slave}: a master, without a valve of its own."
+        loops[master] = replace(loops[master], slave=slave, notes=(*loops[master].notes, said))
+        loops[slave] = replace(loops[slave], notes=(*loops[slave].notes, f"SP is OP of {master}."))
 
 
 def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: Begun) -> PlantLoop:

@@ -32,6 +32,7 @@ from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
 MIDDLE = (0.02, 0.98)  # quantiles of OP: a single excursion shows no lost motion
 MOVES = 8192  # of OP, from all over the window, of which the noise is taken
 NOISE = 1.4826  # deviation over median absolute value
+MASTER = "a master: its OP is the set point of {}, it has no valve of its own; look there"
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,8 @@ def screen(
             row, spectrum = _screened(row, ScreenRows(of_loop(loop, record)), settings)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
         row, spectrum = failed(row, error), None
+    if loop.slave and row.value > 0.0:
+        row = replace(row, value=0.0, reason=MASTER.format(loop.slave))
     return replace(row, seconds=time.process_time() - began), spectrum
 
 
