@@ -4,7 +4,8 @@ Run: ``.venv/bin/python benchmarks/audit/groups.py`` (about 30 minutes on one th
 goes on where it was when it is started again: the rows of each plant are kept in a store, by the version of the code
 that decides about loops, so that another way to find groups and sources takes seconds. ``--plants N`` for fewer,
 ``--screen-only`` without diagnoses (a tenth of the time), ``--eastman`` for that plant too, which is installed into
-``.venv-tep``.
+``.venv-tep``; ``--chance`` compares loops of different plants instead, of all that are in the store: they share
+nothing.
 
 A plant has 8 to 20 loops and one source that swings and reaches at least two others: 60 % worn valves (two thirds
 stiction, one third backlash), 20 % tight loops, 20 % from outside. What it reaches is known from the same plant with
@@ -29,6 +30,7 @@ from collections import Counter  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from dataclasses import asdict, dataclass, replace  # noqa: E402
 from datetime import timedelta  # noqa: E402
+from itertools import combinations, pairwise  # noqa: E402
 from typing import Any  # noqa: E402
 
 import numpy as np  # noqa: E402
@@ -37,6 +39,7 @@ from swinging_plants import SOURCES, swinging_plant  # noqa: E402
 
 from lostmotion.audit.assess.assess import assess  # noqa: E402
 from lostmotion.audit.groups.groups import groups  # noqa: E402
+from lostmotion.audit.groups.swinging import LEAST_SHARED, LEVEL, NEAR_PERIOD, swinging  # noqa: E402
 from lostmotion.audit.runner.code import code_version  # noqa: E402
 from lostmotion.audit.runner.plan import loop_row  # noqa: E402
 from lostmotion.audit.screen.screen import screen  # noqa: E402
@@ -52,7 +55,8 @@ from pages.sources import ROOT  # noqa: E402
 
 KEPT = ROOT / STORE / "audit-groups.db"
 PLANTS, FAMILY = 100, 0
-NEAR = 0.15  # of the period: the group that is meant
+NEAR = NEAR_PERIOD  # of the period: the group that is meant
+CYCLES = (3.0, 15.0, 30.0, 60.0, np.inf)
 ENDS = ("found", "cannot tell", "wrong", "no group")
 Rows = tuple[list[AssessmentRow], list[SpectrumRow]]
 
@@ -133,6 +137,28 @@ def measured(store: Store, number: int, family: int, diagnosed: bool) -> dict[st
     }  # fmt: skip
 
 
+def by_chance(store: Store) -> list[str]:
+    """Loops of different plants that swing with about one period: how many would be taken for members of a group."""
+    plants = [one.number for one in store.runs() if one.state is RunState.FINISHED and one.code == code_version()]
+    loops = [(run, one) for run in plants for one in swinging(store.spectra(run), store.rows(run), {})]
+    found = [
+        (min(one.cycles, other.cycles), one.shared(other, one.period))
+        for (run, one), (another, other) in combinations(loops, 2)
+        if run != another and abs(np.log(one.period / other.period)) <= NEAR_PERIOD
+    ]
+    lines = [
+        f"| periods | pairs | chance 0.5 and less | {LEVEL} and less | that, and coherent |",
+        "|---|---|---|---|---|",
+    ]
+    for low, high in (*pairwise(CYCLES), (CYCLES[0], CYCLES[-1])):
+        mine = [shared for cycles, shared in found if low <= cycles < high]
+        less = [sum(one.chance <= level for one in mine) for level in (0.5, LEVEL)]
+        taken = sum(one.chance <= LEVEL and one.coherence >= LEAST_SHARED for one in mine)
+        shares = " | ".join(f"{100.0 * count / max(len(mine), 1):.2f} %" for count in (*less, taken))
+        lines.append(f"| {low:g} to {high:g} | {len(mine)} | {shares} |")
+    return lines
+
+
 def eastman(diagnosed: bool) -> list[str]:
     """Tennessee Eastman with its sticking valve: groups, and what the loop of the valve gets."""
     from plant.runs import loops  # noqa: PLC0415  an environment of its own
@@ -176,10 +202,14 @@ def main() -> None:
     parser.add_argument("--family", type=int, default=FAMILY, help="others than 0 are for development")
     parser.add_argument("--screen-only", action="store_true")
     parser.add_argument("--eastman", action="store_true")
+    parser.add_argument("--chance", action="store_true")
     given = parser.parse_args()
     results = []
     KEPT.parent.mkdir(parents=True, exist_ok=True)
     with Store(KEPT) as store:
+        if given.chance:
+            print("\n".join(by_chance(store)))
+            return
         for number in range(given.plants):
             one = measured(store, number, given.family, not given.screen_only)
             results.append(one)

@@ -170,12 +170,12 @@ def test_what_two_loops_that_share_nothing_have_in_common_is_chance():
     ]
     assert np.mean([one.chance <= 0.1 for one in found]) <= 0.15
     assert np.mean([one.chance <= 0.5 for one in found]) >= 0.2, "nor much more than it"
-    assert not any(one.chance <= 0.03 and one.coherence >= 0.4 for one in found)
+    assert not any(one.chance <= 0.05 and one.coherence >= 0.4 for one in found)
 
 
-@pytest.mark.parametrize(("hours", "least", "most"), [(24.0, 0.003, 0.03), (2.0, 0.03, 1.0)])
+@pytest.mark.parametrize(("hours", "least", "most"), [(24.0, 0.003, 0.03), (2.0, 0.005, 0.05)])
 def test_pure_tones_at_one_place_are_coherent_by_chance_and_their_place_counts(hours, least, most):
-    """The longer the record, the less likely is one place for two: 145 and 24 periods."""
+    """What tones 0.1 % apart have, 145 periods long and 24: they may be one swing, and need not."""
     one, other = (
         windows(period, n, wander=0.0, noise=0.3, seed=n, hours=hours) for n, period in enumerate((300.0, 300.3))
     )

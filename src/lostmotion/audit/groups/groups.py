@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 
+from lostmotion.audit.groups.carried import Peaks, carried
 from lostmotion.audit.groups.likely_source import Suspect, name, suspect
-from lostmotion.audit.groups.swinging import carried, swinging, together, unsteady
+from lostmotion.audit.groups.swinging import swinging, together, unsteady
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow
 
@@ -32,10 +33,12 @@ def groups(
 
     Notes
     -----
-    A group: periods within 5 %, spectra alike about the oscillation (they are powers, so a lag between loops does not
-    matter), at least half of the time in common. Records without dates have no time in common with others, but for
-    those of the same file; in memory for those that are as long. Loops that do something else most of the time, but
-    whose spectrum has a clear peak at the period, are carried along.
+    A group: periods within 20 % (so far estimates of one swing lie apart), at least half of the time in common, and a
+    swing that is shared: coherence about the period, at whatever lag, of 0.4 and more, which loops that share nothing
+    have by a chance of 5 % at most. Like spectra are not asked for: loads that wander alike have them. Records without
+    dates have no time in common with others, but for those of the same file; in memory for those that are as long.
+    Loops that do something else most of the time, but whose spectrum has a clear peak at the period, are carried along
+    where they share the swing.
 
     The source: each loop has log odds from its diagnosis and from how much of its variance the oscillation is; one
     alternative is that it comes from outside, which coupled phases (Choudhury, Shah and Thornhill 2004) and an
@@ -61,7 +64,7 @@ def suspects_of(
 ) -> Iterator[tuple[float, tuple[Suspect, ...]]]:
     """Period of each group, and its loops with what speaks for them as its source."""
     known = swinging(spectra, rows, loops)
-    others = unsteady(spectra, rows, known, loops)
+    others = Peaks(unsteady(spectra, rows, known, loops))
     for period, members in together(known):
         along = carried(members[0][0], period, others)
         if len({one.tag for one, _ in [*members, *along]}) > 1:

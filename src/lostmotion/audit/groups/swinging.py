@@ -20,16 +20,11 @@ LEAST_REGULAR = 1.0  # as published: below, zero crossings of the autocorrelatio
 LEAST_POWER = 0.1  # of the variance: a smaller swing is nobody's reason to look
 SAME_PERIOD = 0.05  # relative, of windows of one loop
 NEAR_PERIOD = 0.2  # relative, of loops that may swing together: estimates of one swing lie up to 17 % apart
-LEAST_SHARED = 0.4  # coherence; members of groups in simulated plants lie at 0.44 to 1, what chance makes below 0.3
-LEVEL = 0.03  # share of what chance makes among those that are taken for members
+LEAST_SHARED = 0.4  # coherence: with less two loops have other swings beside the one they share
+LEVEL = 0.05  # share of chance among members; a coherence besides: under 1 % of pairs of different plants have both
 POWER = 4 * BINS  # bytes of the spectrum; behind them are its lines
 LEAST_OVERLAP = 0.5  # of the shorter of two times
 BELOW, ABOVE, BANDS = 0.5, 6.0, 24  # of the frequency: what is compared, in bands as wide as a bin of 96
-PEAK, BESIDE = 1.08, 1.6  # a peak is so far up and down in frequency; what it stands out of, up to so far
-GUARD = 1.18  # between both: the Hann window and the wandering of a period smear a peak
-PEAK_WIDTH, WINDOW = 0.15, 1.5  # of a peak, in frequencies; lines that the Hann window makes of one
-STANDS_OUT, DEVIATIONS = 1.5, 3.0  # ratio and deviations at which a loop is carried along
-LAST = 5  # harmonic: 99.9 % of the power of a triangle
 SMOOTH = (0.25, 0.5, 0.25)  # periods that differ by less than a band fall into neighbours
 
 
@@ -92,19 +87,6 @@ class Swinging:
     def shared(self, other: Swinging, period: float) -> Shared:
         """What two loops have in common about a period."""
         return shared(self.windows, other.windows, period)
-
-    def peak(self, period: float) -> tuple[float, float]:
-        """How far the power about a frequency stands out of that beside it, as a ratio; and in its deviations."""
-        found = np.mean([_stands_out(one, 1.0 / period) for one in self.spectra], axis=0)
-        ratio = float(found[0] / max(found[1], 1e-300))
-        lines = PEAK_WIDTH * self.seconds / period
-        return ratio, (ratio - 1.0) / float(np.sqrt(WINDOW / max(lines, 1e-9)))
-
-    def harmonics(self, period: float) -> float:
-        """Power at twice to five times a frequency that stands out of what is beside it, over that at the frequency."""
-        powers = [np.mean([_stands_out(one, n / period) for one in self.spectra], axis=0) for n in range(1, LAST + 1)]
-        above = [max(middle - beside, 0.0) for middle, beside in powers]
-        return float(sum(above[1:]) / above[0]) if above[0] > 0.0 else 0.0
 
     def form(self, period: float) -> FloatArray:
         """Power in bands about a frequency, of length 1; shape (24,)."""
@@ -229,34 +211,6 @@ def overlap(first: Swinging, second: Swinging) -> float:
 def _bands(row: SpectrumRow, period: float) -> FloatArray:
     """Share of the power in bands from half to six times the frequency; shape (24,)."""
     return np.diff(_cumulative(row, np.geomspace(BELOW / period, ABOVE / period, BANDS + 1)))
-
-
-def carried(leader: Swinging, period: float, others: Sequence[Swinging]) -> list[tuple[Swinging, float]]:
-    """Loops without a period of their own that share the swing of a group, with their likeness.
-
-    Their spectrum has a peak at its period.
-    """
-    peaks = [one for one in others if overlap(leader, one) >= LEAST_OVERLAP and _has_peak(one, period)]
-    form = leader.form(period)
-    return [(one, likeness(form, one, period)) for one in sharing(leader, period, peaks)]
-
-
-def _has_peak(one: Swinging, period: float) -> bool:
-    ratio, deviations = one.peak(period)
-    return ratio >= STANDS_OUT and deviations >= DEVIATIONS
-
-
-def _stands_out(row: SpectrumRow, frequency: float) -> FloatArray:
-    """Power about a frequency, and what there would be if it were as beside it."""
-    inside = np.array([1.0 / PEAK, PEAK])
-    below, above = np.array([1.0 / BESIDE, 1.0 / GUARD]), np.array([GUARD, BESIDE])
-    middle, low, high = (_between(row, frequency * ends) for ends in (inside, below, above))
-    density = (low + high) / (2.0 * np.log(BESIDE / GUARD))
-    return np.array([middle, 2.0 * np.log(PEAK) * density])
-
-
-def _between(row: SpectrumRow, ends: FloatArray) -> float:
-    return float(np.diff(_cumulative(row, ends))[0])
 
 
 def _cumulative(row: SpectrumRow, frequencies: FloatArray) -> FloatArray:

@@ -32,7 +32,7 @@ from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
 MIDDLE = (0.02, 0.98)  # quantiles of OP: a single excursion shows no lost motion
 MOVES = 8192  # of OP, from all over the window, of which the noise is taken
 NOISE = 1.4826  # deviation over median absolute value
-MASTER = "a master: its OP is the set point of {}, it has no valve of its own; look there"
+MASTER = "a master, without a valve of its own: the loop to look at is its slave, {}"
 
 
 @dataclass(frozen=True)
