@@ -70,7 +70,24 @@ def he(u, band, jump, start):
     return np.array(positions)
 
 
-MODELS = {"choudhury": choudhury, "kano": kano, "he": he}
+def he_ramp(u, band, jump, start):
+    """He's valve behind a command that goes in straight lines: slip by slip, each when the force is enough."""
+    fs, uv, old, means = (band + jump) / 2, start, start, []
+    for new in u:
+        mean = uv
+        while abs(np.real(new - uv)) > np.real(fs):
+            way = sign(np.real(new - uv))
+            when = (uv + way * fs - old) / (new - old) if new != old else 0.0
+            if not 0.0 < np.real(when) < 1.0:
+                when = min(max(np.real(when), 0.0), 1.0)
+            mean = mean + way * jump * (1.0 - when)
+            uv = uv + way * jump
+        means.append(mean)
+        old = new
+    return np.array(means)
+
+
+MODELS = {"choudhury": choudhury, "kano": kano, "he": he, "he ramp": he_ramp}
 STEP = 1e-30
 
 

@@ -28,7 +28,7 @@ from lostmotion.kernels.slips import (
     pattern,
     through_process,
 )
-from lostmotion.kernels.stiction import HE, KANO
+from lostmotion.kernels.stiction import HE, HE_RAMP, KANO, run
 from tests.naive import slips as slow
 
 MODELS = (KANO, HE)
@@ -300,3 +300,51 @@ def test_a_valve_that_hardly_turns_is_not_called_sticking():
     y += 0.02 * random.normal(size=800) + 0.5 * (np.arange(800) > 300)
     places = slips_of(scaled_data(u, y), lags_of(scaled_data(u, y), Asked()))
     assert all(not np.isfinite(place.cost) for place in places)
+
+
+@given(st.integers(0, 10_000), st.floats(0.2, 3.0), st.floats(0.0, 1.0), st.floats(-0.99, 0.99))
+@settings(max_examples=40, deadline=None)
+def test_a_slip_between_two_rows_is_a_change_of_each(seed, band, share, rest):
+    u = np.cumsum(np.random.default_rng(seed).normal(scale=0.4, size=200))
+    start, n = u[0] + 0.5 * rest * band * (1.0 + share), u.size
+    x, sums = np.empty(n), np.zeros(n + 1 + LAGS)
+    slips, changes = np.empty(n + 1, np.int64), np.empty(n + 1)
+    count, turns = trace(HE_RAMP, u, band, share * band, start, x, sums, slips, changes)
+    np.testing.assert_array_equal(x, run(HE_RAMP, u, band, share * band, start))
+    np.testing.assert_allclose(sums[1 : n + 1], np.cumsum(x), atol=1e-9)
+    rebuilt = np.full(n, start)
+    for row, change in zip(slips[:count], changes[:count], strict=True):
+        rebuilt[row:] -= change
+    np.testing.assert_allclose(rebuilt, x, atol=1e-9)
+    assert turns <= count
+
+
+def sticking_at_rest(band, jump, lag, seed, noise=0.02, rows=1500):
+    """A loop that swings at a set point at rest; He's valve in fine steps behind a lag breaks away between the rows."""
+    rng, fine = np.random.default_rng(seed), 20
+    reach, behind, keep = 0.5 * (band + jump), 0.5 * (band - jump), np.exp(-1.0 / (fine * lag))
+    pole, gain, integral = np.exp(-1.0 / (fine * 8.0)), 0.8, 0.1
+    u, total, force, x, y = np.full(rows, 50.0), 0.0, 50.0, 50.0, 0.0
+    delayed, pv = np.full(3 * fine, 50.0), np.empty(rows)
+    for k in range(rows):
+        pv[k] = y + noise * rng.normal()
+        total += integral * (2.4 - pv[k])
+        u[k] = 50.0 + gain * (2.4 - pv[k]) + total
+        for _ in range(fine):
+            force = u[k] + keep * (force - u[k])
+            if abs(force - x) > reach:
+                x = force - np.sign(force - x) * behind
+            delayed = np.append(delayed[1:], x)
+            y = pole * y + (1.0 - pole) * (delayed[0] - 50.0)
+    return lm.LoopRecord(u, pv, np.full(rows, 2.4), dt=1.0, op_span=(0.0, 100.0))
+
+
+@pytest.mark.statistics
+def test_a_valve_that_breaks_away_between_the_rows_is_found_with_its_size():
+    valves = [(4.0, 1.0, 0.3), (3.0, 1.0, 0.3), (5.0, 2.0, 0.5)]
+    told = [(valve[0], lm.diagnose(sticking_at_rest(*valve, seed))) for valve in valves for seed in range(2)]
+    named = [(band, found) for band, found in told if found.verdict == "stiction"]
+    assert len(named) >= 5
+    for band, found in named:
+        assert found.size == pytest.approx(band, rel=0.1)
+        assert found.fit.nonlinearity.model == "he ramp"

@@ -12,7 +12,7 @@ from tests.refusals import refusal
 NAN, INF = float("nan"), float("inf")
 SEEDS = range(6)
 MODELS = ("choudhury", "kano", "he")
-CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE}
+CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE, "he ramp": kernel.HE_RAMP}
 RUNS = {"choudhury": kernel.run_choudhury, "kano": kernel.run_kano, "he": kernel.run_he}
 SENSITIVITIES = {
     "choudhury": kernel.sensitivities_choudhury,

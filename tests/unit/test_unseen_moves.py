@@ -162,6 +162,5 @@ def test_no_size_is_excluded_that_unseen_scans_hide(monkeypatch):
     ("a", "b", "settles"), [([0.2], [0.9], True), ([-0.9], [0.05], False), ([], [0.0, 1.0], False)]
 )
 def test_few_moves_of_sp_leave_open_whether_a_fast_loop_settles_between_the_rows(a, b, settles):
-    parts = SimpleNamespace(a=np.array(a), b=np.array(b))
-    assert may_be_settled(SimpleNamespace(unseen=Unseen(untold=True)), parts) == settles
-    assert not may_be_settled(SimpleNamespace(unseen=Unseen()), parts)
+    assert may_be_settled(SimpleNamespace(unseen=Unseen(untold=True)), np.array(a), np.array(b)) == settles
+    assert not may_be_settled(SimpleNamespace(unseen=Unseen()), np.array(a), np.array(b))

@@ -1,6 +1,7 @@
 """From features to a verdict: what each rule does, one at a time."""
 
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,11 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import COMMANDED, FOLLOWED, SILENT, Features, Measured, _command
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.shown import NOT_SHOWN, SEEN_TO_MISLEAD
+from lostmotion.diagnose.shown import NOT_SHOWN, SEEN_TO_MISLEAD, not_shown
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
+from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
 from tests.diagnoses import example
 from tests.fits import made_fit
@@ -323,3 +325,19 @@ def test_cleared_is_what_leaves_nothing_open_that_matters(name, excluded, cleare
     found = replace(example(), verdict=name, excluded={"backlash": excluded, "stiction": 0.1}, tolerance=1.0)
     assert found.cleared is cleared
     assert not replace(found, excluded={}).cleared
+
+
+@pytest.mark.parametrize(
+    ("model", "status", "names"),
+    [("he", lm.Status.MISFIT, True), ("he ramp", lm.Status.OK, True), ("he ramp", lm.Status.MISFIT, False)],
+)
+def test_slips_between_the_rows_that_leave_a_structure_over_name_no_valve_where_only_pv_moves_op(model, status, names):
+    fit = SimpleNamespace(
+        status=status,
+        model=SimpleNamespace(nonlinearity=lm.Stiction(3.0, 1.0, model)),
+        evidence=SimpleNamespace(only_fed_back=True, closed_loop=True),
+        kind=kind_of("stiction"),
+        data=SimpleNamespace(unseen=SimpleNamespace(settled=False)),
+        interval=lambda name: (2.8, 3.2),
+    )
+    assert (not_shown(fit) == "") == names

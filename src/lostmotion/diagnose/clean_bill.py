@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lostmotion.diagnose.drawn_rows import only_one_step_ahead
 from lostmotion.diagnose.excitation import FOREKNOWN, NO_ANSWER, ONLY_PV
 from lostmotion.diagnose.features import CARRIES, Measured, swing_of
 from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
@@ -17,9 +18,6 @@ from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, faults
 # probability of no fault of the actuator, from which on the form of a swing says that no valve makes it, whatever sizes
 # the likelihood leaves open: of such claims on real loops left out seven in eight were right (docs/diagnosis.md)
 FORM_CLEARS = 0.9
-# Swings and steps of load beside the process: where there are more, and they with it do not reproduce PV, they tell the
-# record one step ahead, not OP. So a backlash of 7 % of span was excluded down to 0.4 % in an independent simulation
-MOST_LOADS = 12
 # of log-likelihood: where a valve that bends is ahead of a dead zone with two slopes by more, these slopes are not its
 # bend, and no width beside them is excluded. In three loops of an independent simulation, with 1.2 to 2.2 % of span, it
 # was ahead by 50 to 156, and down to 0.3 % was excluded; of two sound ones (a positioner of DAMADICS) by 12 and 16
@@ -137,7 +135,7 @@ def _bent_away(fit: HammersteinFit) -> list[str]:
 
 def _is_not_described(fit: HammersteinFit) -> bool:
     """Whether the model is none of this record; errors that depend on OP matter where the loop itself moves OP."""
-    if len(fit.chosen.loads) > MOST_LOADS and fit.fit_percent <= 0.0:
+    if only_one_step_ahead(fit):
         return True
     tested = fit.status is Status.MISFIT and fit.evidence.free_moves >= OUTSIDE
     return fit.preferred == "cannot tell" and fit.status is not Status.CANNOT_TELL and not tested

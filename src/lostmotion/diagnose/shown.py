@@ -6,7 +6,7 @@ import numpy as np
 
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
-from lostmotion.models import Saturation
+from lostmotion.models import Saturation, Stiction
 from lostmotion.records.sampling import runs
 
 # of a dead zone that fits: its other side, or that it ends inside the range of OP, the record does not show
@@ -30,7 +30,9 @@ def not_shown(fit: HammersteinFit) -> str:
     """Why the record does not show the fault of this fit, in words; empty where it does.
 
     Neither a valve that sticks in a loop that settles between the rows, which look the same behind a sound one, nor one
-    whose interval begins at 0: in an independent simulation four of five such claims were of sound valves.
+    whose interval begins at 0: in an independent simulation four of five such claims were of sound valves. Nor one that
+    slips between the rows where nothing but PV moves OP and it leaves a structure over: two positions that a controller
+    goes between are what a saw tooth of load, and a valve that sticks upstream, look like (0.99 and 0.88).
     """
     if fit.status is Status.SAME_SIGNAL:
         return ONE_SIGNAL
@@ -43,6 +45,8 @@ def not_shown(fit: HammersteinFit) -> str:
     vague = fit.kind.sticks or fit.status is Status.WIDE
     if fit.kind.size is not None and vague and fit.interval(fit.kind.size)[0] <= 0.0:
         return f"a {name} fits, but of what size, if of any, the record does not tell"
+    if isinstance(actuator, Stiction) and actuator.model == "he ramp" and _as_loads(fit):
+        return f"a {name} fits, but so would loads in steps: nothing but PV moves OP, and it leaves something over"
     if not fit.kind.dead_between:
         return ""
     if fit.status in NOT_SHOWN:
@@ -64,6 +68,10 @@ def not_deniable(fit: HammersteinFit) -> str:
         f"a {fit.kind.name} predicts PV far better ({gain:+.0f}), too much to deny it, but what it leaves over is not"
         " white, which is too little to name it"
     )
+
+
+def _as_loads(fit: HammersteinFit) -> bool:
+    return fit.evidence.only_fed_back and fit.status in DOUBTFUL
 
 
 def _wound_up(fit: HammersteinFit, stops: Saturation) -> bool:

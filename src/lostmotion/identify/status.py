@@ -47,7 +47,7 @@ def weigh(
         unseen_moves=data.unseen.about(kind.sticks) if kind.sticks or (kind.dead_between and loop.closed) else 0.0,
         answered=data.answered if loop.closed else True,
         foreknown=loop.closed
-        and (data.unseen.mostly or may_be_settled(data, fitted.parts) or data.foretold.against(gain)),
+        and (data.unseen.mostly or may_be_settled(data, fitted.parts.a, fitted.parts.b) or data.foretold.against(gain)),
     )
 
 

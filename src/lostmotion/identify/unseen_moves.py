@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from lostmotion.arrays import FloatArray
 from lostmotion.identify.controller_rows import OTHERWISE, controller_rows
 from lostmotion.identify.settled import settled_by
 
 if TYPE_CHECKING:
     from lostmotion.identify.data import IdentificationData
-    from lostmotion.identify.likelihood.problem import Parts
 
 # of the noise of OP. A controller with an integral leaves less than this between its rows; one that answers the slope
 # of PV up to `OTHERWISE`, as the noise of every scan moves OP in full: in another simulation 0.26 to 0.44, and at most
@@ -90,15 +90,15 @@ class Unseen:
         return self.done > HIDDEN
 
 
-def may_be_settled(data: IdentificationData, parts: Parts) -> bool:
-    """Whether the loop may have settled before the next row, for what the record and its process tell.
+def may_be_settled(data: IdentificationData, a: FloatArray, b: FloatArray) -> bool:
+    """Whether the loop may have settled before the next row, for what the record and its process B/A tell.
 
     A flow recorded every fifth scan, in stretches with few moves of SP, is no different in its rows from a loop that
     somebody else moves: 0.5 to 0.8 % of span were excluded where 2 % is lost. But its process has given a quarter of
     its answer and more within a row.
     """
-    level = float(parts.b.sum()) / max(1.0 + float(parts.a.sum()), 1e-12)
-    return data.unseen.untold and abs(float(parts.b[0])) > SETTLED * abs(level)
+    level = float(b.sum()) / max(1.0 + float(a.sum()), 1e-12)
+    return data.unseen.untold and abs(float(b[0])) > SETTLED * abs(level)
 
 
 def unseen_moves(data: IdentificationData) -> Unseen:

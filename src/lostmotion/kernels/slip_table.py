@@ -4,8 +4,8 @@ Between two slips the position is constant, so a sum of products with a lagged s
 position times a difference of the signal's running sum: some hundred terms instead of all rows.
 
 After a slip at the command v in direction d the position is v - d (S - J) / 2; the valve goes on in that direction
-from v + d J, and back from v - d S. Kano's valve follows the command until it turns, He's stays after every sample
-(both of :mod:`lostmotion.kernels.stiction`, with the same arithmetic).
+from v + d J, and back from v - d S. Kano's valve follows the command until it turns, He's stays after every sample, and
+so it does where the command comes in a ramp (all of :mod:`lostmotion.kernels.stiction`, with the same arithmetic).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numba import njit
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
 from lostmotion.kernels.products import explained
-from lostmotion.kernels.stiction import KANO
+from lostmotion.kernels.stiction import HE_RAMP, KANO, SHORTEST_SLIP, slips_on_ramp
 
 LAGS = 4 * WIDTH  # of which sums are made at a time
 
@@ -40,6 +40,8 @@ def trace(
     """
     if model == KANO:
         return _trace_kano(u, band, jump, start, x, sums, slips, changes)
+    if model == HE_RAMP:
+        return _trace_on_ramp(u, band, jump, start, x, sums, slips, changes)
     return _trace_he(u, band, jump, start, x, sums, slips, changes)
 
 
@@ -122,6 +124,44 @@ def _trace_he(
         x[k] = position
         total += position
         sums[k + 1] = total
+    return count, turns
+
+
+@njit(cache=True, nogil=True)
+def _trace_on_ramp(
+    u: FloatArray,
+    band: float,
+    jump: float,
+    start: float,
+    x: FloatArray,
+    sums: FloatArray,
+    slips: IntArray,
+    changes: FloatArray,
+) -> tuple[int, int]:
+    """A slip between two rows changes the mean position of the row in which it ends, and of the next."""
+    reach = 0.5 * (band + jump)
+    long = max(jump, SHORTEST_SLIP * reach)
+    position = mean = last = start
+    direction = 0.0
+    count = turns = 0
+    sums[0] = total = 0.0
+    for k in range(u.size):
+        v, before = u[k], mean
+        mean = position
+        if abs(v - position) > reach:
+            number, way, at = slips_on_ramp(last, v, position, reach, long)
+            turns += direction * way < 0.0
+            direction = way
+            later = 0.5 * number * (number - 1) * long / abs(v - last) if number > 1 and v != last else 0.0
+            mean = position + way * long * (number * (1.0 - at) - later)
+            position += way * number * long
+        if mean != before:
+            slips[count], changes[count] = k, before - mean
+            count += 1
+        x[k] = mean
+        total += mean
+        sums[k + 1] = total
+        last = v
     return count, turns
 
 

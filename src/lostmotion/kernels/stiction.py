@@ -1,6 +1,6 @@
-"""Stiction of a valve: the three data-driven models, on the band S and the slip jump J.
+"""Stiction of a valve: three data-driven models, and one of them between samples, on the band S and the slip jump J.
 
-All three rest at x until the command u has gone far enough, then jump, and while they move
+All rest at x until the command u has gone far enough, then jump, and while they move
 
     x = u - d (S - J) / 2,    d = direction of motion,
 
@@ -26,6 +26,11 @@ Industrial and Engineering Chemistry Research 46 (2007) 4549-4560.
     abs(u - x) > fs it jumps to x = u - d fd, then needs fs again. Along a ramp it makes steps of J where the
     others glide; abs(u - x) <= fs always. It needs no memory but x, and holding u changes nothing.
 
+He's valve in time that goes on ("he ramp"): an actuator never sees the steps of a sampled command, but follows in a
+    fraction of a sample. The command goes in a straight line from sample to sample, the valve breaks away on the way,
+    where abs(u - x) is fs, and so every slip is J long, wherever in its sample u is. x of a sample is its mean over
+    the sample. Of a sampled model that jumps to u - d fd the length of a slip depends on how far u went beyond.
+
 With J = 0 Kano and He are the play of width S, Choudhury where every run of u is longer than S. With S = J = 0
 all are x = u. Holding a sample (du = 0) stops a moving valve in Choudhury and Kano, so with J > 0 these two
 depend on the sampling; He's does not on held samples, but does on how finely a ramp is sampled.
@@ -39,7 +44,8 @@ from numba import njit
 
 from lostmotion.arrays import FloatArray
 
-CHOUDHURY, KANO, HE = 0, 1, 2
+CHOUDHURY, KANO, HE, HE_RAMP = 0, 1, 2, 3
+SHORTEST_SLIP = 1e-9  # of fs: without a jump the valve slips ever so often
 
 # State of all models: position, last command, command at the last stop, direction of motion (0: none yet),
 # moving in this sample, stopped without a turn.
@@ -116,6 +122,40 @@ def step_he(u: float, band: float, jump: float, state: FloatArray) -> None:
 
 
 @njit(cache=True)
+def slips_on_ramp(last: float, u: float, x: float, reach: float, jump: float) -> tuple[int, float, float]:
+    """How often a valve slips while the command goes from `last` to u, which way (-1, 1), and when first (0 to 1)."""
+    force = u - x
+    if abs(force) <= reach:
+        return 0, 0.0, 0.0
+    direction = 1.0 if force > 0.0 else -1.0
+    count = int((abs(force) - reach) / jump) + 1
+    at = (x + direction * reach - last) / (u - last) if u != last else 0.0
+    return count, direction, min(max(at, 0.0), 1.0)
+
+
+@njit(cache=True)
+def step_he_ramp(u: float, band: float, jump: float, state: FloatArray) -> float:
+    """Move `state` on by the finite command u, to which it goes in a straight line; the mean position on the way.
+
+    Of n slips, each J behind the one before it, the first at t: x + d J (n (1 - t) - n (n - 1) / 2 J / abs(du)).
+    """
+    reach = 0.5 * (band + jump)
+    jump = max(jump, SHORTEST_SLIP * reach)
+    last, before = state[LAST], state[X]
+    state[MOVING], state[LAST] = 0.0, u
+    if reach <= 0.0:  # a valve that follows
+        state[X] = u
+        return u
+    if not abs(u - before) > reach:
+        return float(before)
+    count, direction, at = slips_on_ramp(last, u, before, reach, jump)
+    state[MOVING], state[DIRECTION] = 1.0, direction
+    state[X] = before + direction * count * jump
+    later = 0.5 * count * (count - 1) * jump / abs(u - last) if count > 1 and u != last else 0.0
+    return float(before + direction * jump * (count * (1.0 - at) - later))
+
+
+@njit(cache=True)
 def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> float:
     """Position after the command u; NaN in u leaves the state and gives NaN."""
     if np.isnan(u):
@@ -123,6 +163,8 @@ def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> f
     if np.isnan(state[X]):
         state[X] = u
         state[LAST] = u
+    if model == HE_RAMP:
+        return step_he_ramp(u, band, jump, state)
     if model == CHOUDHURY:
         step_choudhury(u, band, jump, state)
     elif model == KANO:
@@ -149,8 +191,12 @@ def sensitivities(
     """Position and its derivatives with respect to band and jump; `x` (n,) and `dx` (2, n) are filled.
 
     Along the path with the times of break-away held fixed: -d/2 and d/2 where the valve moves, and what they
-    were when it stopped where it rests. x itself jumps where a break-away changes its sample, except for J = 0.
+    were when it stopped where it rests. x itself jumps where a break-away changes its sample, except for J = 0 and on a
+    ramp.
     """
+    if model == HE_RAMP:
+        sensitivities_on_ramp(u, band, jump, start, 0.0, x, dx)
+        return
     state = init(start)
     dx[:, :] = 0.0
     by_band = 0.0
@@ -160,6 +206,35 @@ def sensitivities(
             by_band = -0.5 * state[DIRECTION]
         dx[0, k] = by_band
         dx[1, k] = -by_band
+
+
+@njit(cache=True)
+def sensitivities_on_ramp(
+    u: FloatArray, band: float, jump: float, start: float, by_size: float, x: FloatArray, dx: FloatArray
+) -> None:
+    """The same of a valve that breaks away between the samples: how often it slips in each is held, not when.
+
+    `by_size` is the derivative of `start` with respect to either; a valve that slips by J never forgets it.
+    """
+    state = init(start)
+    reach, long = 0.5 * (band + jump), max(jump, SHORTEST_SLIP * 0.5 * (band + jump))
+    by_jump = by_size  # of the position where it rests
+    for k in range(u.size):
+        before, last = state[X], state[LAST]
+        if np.isnan(before):
+            before = last = u[k]
+        x[k] = step(HE_RAMP, u[k], band, jump, state)
+        dx[0, k], dx[1, k] = by_size, by_jump
+        if state[MOVING] != 1.0:
+            continue
+        count, direction, at = slips_on_ramp(last, u[k], before, reach, long)
+        rise, inside = u[k] - last, 0.0 < at < 1.0
+        later = 0.5 * count * (count - 1) / abs(rise) if rise != 0.0 else 0.0
+        dx[1, k] += direction * (count * (1.0 - at) - 2.0 * later * long)
+        if inside:
+            dx[0, k] -= direction * long * count * (by_size + 0.5 * direction) / rise
+            dx[1, k] -= direction * long * count * (by_jump + 0.5 * direction) / rise
+        by_jump += direction * count
 
 
 @njit(cache=True)

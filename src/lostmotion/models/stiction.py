@@ -17,13 +17,13 @@ from lostmotion.models.fundamentals import gliding_sine
 from lostmotion.models.kernel_view import padded
 from lostmotion.models.registry import actuator
 
-CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE}
+CODES = {"choudhury": kernel.CHOUDHURY, "kano": kernel.KANO, "he": kernel.HE, "he ramp": kernel.HE_RAMP}
 
 
 @actuator
 @dataclass(frozen=True)
 class Stiction:
-    """Valve that sticks, then slips: three published models on the same two parameters.
+    """Valve that sticks, then slips: three published models, and one of them between samples, on two parameters.
 
     It rests until u has gone far enough, jumps, and moves with ``x = u - d (band - jump) / 2``, d = direction.
     ``jump < band`` undershoots, ``jump == band`` is pure stick-slip, ``jump > band`` overshoots, ``jump == 0`` is
@@ -37,13 +37,16 @@ class Stiction:
         move that follows. Not negative.
     jump : float
         Slip jump J in units of u, not negative.
-    model : {"kano", "choudhury", "he"}
+    model : {"kano", "choudhury", "he", "he ramp"}
         - ``"choudhury"`` (2005): counts S from the last turn of u and J from a hold. Small reversals inside the
           band start the count again, so under noise the valve may never move.
         - ``"kano"`` (2004): remembers u where the valve stopped, so that ``abs(u - x) <= (band + jump) / 2`` for
           every u.
         - ``"he"`` (2007): static friction ``(band + jump) / 2`` and dynamic friction ``(band - jump) / 2``; comes
           to rest after every sample and so follows a ramp in steps of `jump`.
+        - ``"he ramp"``: the same where u goes in a straight line from sample to sample, as it arrives at a valve
+          behind an actuator: the valve breaks away between samples, every slip is `jump` long, and x is the mean
+          position over the sample.
 
     Raises
     ------
@@ -101,12 +104,12 @@ class Stiction:
         Raises
         ------
         ParameterError
-            Model "he", which moves in steps that depend on the sampling: use
+            Models "he" and "he ramp", which move in steps that depend on the sampling: use
             :func:`~lostmotion.models.describing_function`.
         """
         size = positive("amplitude", amplitude)
-        if self.model == "he":
-            raise ParameterError.expected("model 'choudhury' or 'kano'", "'he'", "use describing_function()")
+        if self.model in ("he", "he ramp"):
+            raise ParameterError.expected("model 'choudhury' or 'kano'", repr(self.model), "use describing_function()")
         return gliding_sine(self.band / size, self.jump / size)
 
     @property

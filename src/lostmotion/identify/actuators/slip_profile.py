@@ -24,11 +24,12 @@ from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, even_draws, s
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.slip_table import LAGS, explained_by_slips
-from lostmotion.kernels.stiction import HE, KANO
+from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 
 MOST_ROWS = 20_000  # of the profile: its cost hardly depends on them
 BANDS = 60  # over the range of OP, 8 % apart: the funnel is wider
 SHARES = (0.04, 0.12, 0.22, 0.33, 0.45, 0.57, 0.7, 0.85, 1.0)  # jump over band
+RAMP_SHARES = (0.1, 0.25, 0.45, 0.7, 1.0)  # the same where a slip is no needle
 RESTS = (-0.6, 0.0, 0.6)  # of the grid
 # half the width of a box, relative to the band, and how many places are the middle of one
 BOXES = ((0.05, 40), (0.03, 24), (0.018, 14), (0.011, 8), (0.006, 5))
@@ -177,6 +178,7 @@ class SlipProfile:
         regression, count = self.regression, len(rests)
         codes = np.broadcast_to(np.asarray(models, np.int64), count).copy()
         etas = np.column_stack([np.broadcast_to(bands, count), np.broadcast_to(jumps, count)])
+        etas[:, 1] = np.where(codes == HE_RAMP, np.minimum(etas[:, 1], etas[:, 0]), etas[:, 1])
         lags, floor = regression.lags, RIDGE * regression.samples
         squares = regression.alone - explained_by_slips(
             codes, etas, rests, self.u, self._totals, self._pieces, lags.outputs, lags.delay, lags.inputs,
@@ -267,7 +269,7 @@ def _rested(profile: SlipProfile, places: Places) -> Places:
 
 
 def _coarse(profile: SlipProfile, span: float) -> Places:
-    """Places of a grid with He's valve, and the best of them with Kano's.
+    """Places of a grid with He's valve, in the samples and between them, and the best of the first with Kano's.
 
     A valve of a smaller band than OP moves in a sample would slip all the time.
     """
@@ -275,10 +277,19 @@ def _coarse(profile: SlipProfile, span: float) -> Places:
     moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
     smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
     number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
-    bands, shares, rests = np.meshgrid(np.geomspace(smallest, LARGEST * span, number), SHARES, RESTS, indexing="ij")
-    begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
-    best = profile.places(HE, bands.ravel(), (shares * bands).ravel(), begun).apart(*BOXES[0])
-    return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
+    bands = np.geomspace(smallest, LARGEST * span, number)
+
+    def of_grid(model: int, tried: FloatArray, shares: tuple[float, ...]) -> Places:
+        every, jumps, rests = np.meshgrid(tried, shares, RESTS, indexing="ij")
+        begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
+        return profile.places(model, every.ravel(), (jumps * every).ravel(), begun).apart(*BOXES[0])
+
+    best = of_grid(HE, bands, SHARES)
+    others = (
+        profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests),
+        of_grid(HE_RAMP, bands[::2], RAMP_SHARES),
+    )
+    return best.joined(*others)
 
 
 def settled_place(profile: SlipProfile, place: Place) -> Place:
@@ -317,10 +328,10 @@ def cost_of(place: Place) -> float:
 
 def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
     """Best places of a record apart from each other, best first."""
-    return seek_slips(*_profiles(data, lags))
+    return seek_slips(*profiles(data, lags))
 
 
-def _profiles(data: ScaledData, lags: Lags) -> tuple[SlipProfile, SlipProfile, float]:
+def profiles(data: ScaledData, lags: Lags) -> tuple[SlipProfile, SlipProfile, float]:
     """On rows that leave out the beginning, and on all; and the range of OP without its tails."""
     late = data.segments.copy()
     lengths = late[:, 1] - late[:, 0]

@@ -55,6 +55,34 @@ class StictionFamily(MemoryFamily):
         return replace(self, model=next(model for model in STICTION_MODELS if model != self.model))
 
 
+@dataclass(frozen=True)
+class RampFamily(StictionFamily):
+    """He's valve that breaks away between the rows, while OP goes in a straight line from row to row.
+
+    A slip that moves from one row to the next changes nothing at once: its likelihood has no needles. All slips are J
+    long, which the gain of the process undoes: in a limit cycle J is known by its upper limit alone (friction pulls,
+    J <= S), and the refinement leaves it where the profile has put it.
+    """
+
+    model: str = "he ramp"
+    needles: ClassVar[bool] = False
+    kinks: ClassVar[bool] = True
+
+    def valid(self, eta: FloatArray) -> FloatArray:
+        """A jump of no more than the band."""
+        band, jump = super().valid(eta).tolist()
+        return np.array([band, min(jump, band)])
+
+    def act(self, eta: FloatArray, u: FloatArray, x: FloatArray, dx: FloatArray) -> None:
+        """Mean position from row to row, from rest at the first command of each segment."""
+        for start, stop, rest in self.begun():
+            part, slopes = np.empty(stop - start), np.empty((2, stop - start))
+            position = u[start] + 0.5 * rest * (eta[0] + eta[1])
+            kernel.sensitivities_on_ramp(u[start:stop], eta[0], eta[1], position, 0.5 * rest, part, slopes)
+            x[start:stop], dx[0, start:stop] = part, slopes[0]
+        dx[1] = 0.0
+
+
 def own(family: Family) -> StictionFamily:
     """The family, known to be one of stiction.
 
