@@ -15,16 +15,8 @@ from lostmotion.identify.actuators.memory_family import LARGEST
 from lostmotion.identify.actuators.operator_profile import LaggedRegression
 from lostmotion.identify.actuators.polish import MOST_SEGMENTS
 from lostmotion.identify.actuators.slip_draws import even_draws
-from lostmotion.identify.actuators.slip_profile import (
-    MOST_ROWS,
-    SCANT,
-    Place,
-    Places,
-    SlipProfile,
-    cost_of,
-    range_of,
-    settled_place,
-)
+from lostmotion.identify.actuators.slip_places import Place, Places, cost_of
+from lostmotion.identify.actuators.slip_profile import MOST_ROWS, SCANT, SlipProfile, range_of, settled_place
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.stiction import HE

@@ -9,7 +9,7 @@ it matters most, until the other two are found.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,18 +21,26 @@ from lostmotion.identify.actuators.memory_family import LARGEST, SMALLEST
 from lostmotion.identify.actuators.operator_profile import RIDGE, TAIL, LaggedRegression
 from lostmotion.identify.actuators.polish import MOST_SEGMENTS
 from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, even_draws, spaced_rests
+from lostmotion.identify.actuators.slip_places import Place, Places, cost_of
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.slip_table import LAGS, explained_by_slips
 from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 
 MOST_ROWS = 20_000  # of the profile: its cost hardly depends on them
+PAYS, GLIDES, PLAYS = (
+    15.0,
+    1e-3,
+    25,
+)  # of log-likelihood for a jump; that of a play, in widths, of which so many are tried
 BANDS = 60  # over the range of OP, 8 % apart: the funnel is wider
 SHARES = (0.04, 0.12, 0.22, 0.33, 0.45, 0.57, 0.7, 0.85, 1.0)  # jump over band
-RAMP_SHARES = (0.1, 0.25, 0.45, 0.7, 1.0)  # the same where a slip is no needle
+SHARES_BETWEEN = (0.1, 0.25, 0.45, 0.7, 1.0)  # the same between the rows, where a slip is no needle
 RESTS = (-0.6, 0.0, 0.6)  # of the grid
 # half the width of a box, relative to the band, and how many places are the middle of one
 BOXES = ((0.05, 40), (0.03, 24), (0.018, 14), (0.011, 8), (0.006, 5))
+NEARLY = 0.45  # of what the best place gains: then places between the rows are worth a search
+BOXES_BETWEEN = ((0.05, 24), (0.03, 16), (0.018, 10), (0.011, 6), (0.006, 4))  # the same between the rows
 FUNNEL = 0.02  # nearer places are in one funnel, of which one is enough
 APART = 0.06  # the same of those that are settled
 DRAWS = 24  # places in a box
@@ -48,97 +56,6 @@ SCANS = 2  # of one parameter after the other over all that it can be
 SCAN_BANDS = np.geomspace(0.88, 1.12, 61)
 SCAN_SHARES = np.linspace(0.0, 1.2, 61)
 MOST = 3  # places that are settled
-
-
-@dataclass(frozen=True)
-class Place:
-    """One sticking valve.
-
-    Attributes
-    ----------
-    model : int
-        Of :mod:`lostmotion.kernels.stiction`.
-    band, jump : float
-    rests : tuple of float
-        First position in each segment, in halves of the band from its middle.
-    cost : float
-        Minus log-likelihood of the profile, up to a constant.
-    squares : float
-        Residual sum of squares.
-    """
-
-    model: int
-    band: float
-    jump: float
-    rests: tuple[float, ...]
-    cost: float
-    squares: float
-
-
-@dataclass(frozen=True)
-class Places:
-    """Many of them, row by row; as in :class:`Place`.
-
-    Attributes
-    ----------
-    models : ndarray, shape (n,)
-    etas : ndarray, shape (n, 2)
-        Bands and jumps.
-    rests : ndarray, shape (n, s)
-    costs, squares : ndarray, shape (n,)
-    """
-
-    models: IntArray
-    etas: FloatArray
-    rests: FloatArray
-    costs: FloatArray
-    squares: FloatArray
-
-    def __getitem__(self, at: int) -> Place:
-        """One of them."""
-        band, jump = self.etas[at].tolist()
-        rests = tuple(self.rests[at].tolist())
-        return Place(int(self.models[at]), band, jump, rests, float(self.costs[at]), float(self.squares[at]))
-
-    def __iter__(self) -> Iterator[Place]:
-        """All of them."""
-        return (self[at] for at in range(self.costs.size))
-
-    @property
-    def best(self) -> Place:
-        """The one of least cost."""
-        return self[int(np.argmin(self.costs))]
-
-    def taken(self, rows: IntArray) -> Places:
-        """Some of them."""
-        return Places(self.models[rows], self.etas[rows], self.rests[rows], self.costs[rows], self.squares[rows])
-
-    def joined(self, *others: Places) -> Places:
-        """These and others."""
-        every = (self, *others)
-        return Places(
-            np.concatenate([one.models for one in every]),
-            np.concatenate([one.etas for one in every]),
-            np.concatenate([one.rests for one in every]),
-            np.concatenate([one.costs for one in every]),
-            np.concatenate([one.squares for one in every]),
-        )
-
-    def apart(self, reach: float, most: int) -> Places:
-        """The best of them that are not in a box about a better one, best first."""
-        order = np.argsort(self.costs, kind="stable")
-        models, (bands, jumps) = self.models[order], self.etas[order].T
-        sizes = np.log(np.maximum(bands, 1e-300))
-        kept: list[int] = []
-        open_, at = np.ones(order.size, bool), 0
-        while len(kept) < most and open_[at]:
-            kept.append(int(order[at]))
-            near = np.abs(sizes - sizes[at]) < reach
-            near &= (np.abs(jumps - jumps[at]) < 1.5 * reach * bands) & (models == models[at])
-            open_ &= ~near
-            open_[at] = False
-            at = int(np.argmax(open_))
-        return self.taken(np.array(kept))
 
 
 @dataclass(frozen=True)
@@ -234,6 +151,10 @@ class SlipProfile:
 def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place]:
     """Best places apart from each other, best first.
 
+    Those of a valve that slips between the rows only where one is best, and its jump pays: a play that follows OP
+    between the rows explains more than one that follows it in steps, too. They are sought by themselves, where they
+    crowd nothing out, as their likelihood has no needles; and only where a coarse grid of them explains nearly as much.
+
     Parameters
     ----------
     late, whole : SlipProfile
@@ -241,18 +162,45 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
     span : float
         Range of OP without its tails.
     """
-    draws = even_draws(DRAWS * sum(most for _, most in BOXES))
-    live, at = _coarse(late, span), 0
-    for step, (reach, most) in enumerate(BOXES):
+    live, between = _shrunk(late, _coarse(late, span), BOXES), _coarse_between(late, span)
+    gained, more = late.linear - float(live.costs.min()), late.linear - float(between.costs.min())
+    found = _settled(late, whole, live)
+    if more < max(NEARLY * gained, SCANT):
+        return found
+    others = _settled(late, whole, _shrunk(late, between, BOXES_BETWEEN))
+    if others[0].cost < found[0].cost and _jumps(whole, others[0]):
+        return sorted([*others, *found], key=cost_of)
+    return found
+
+
+def _shrunk(late: SlipProfile, live: Places, boxes: tuple[tuple[float, int], ...]) -> Places:
+    """The best of boxes that shrink about places."""
+    draws, at = even_draws(DRAWS * sum(most for _, most in boxes)), 0
+    for step, (reach, most) in enumerate(boxes):
         if step and live.costs.min() > late.linear - SCANT:
-            return [settled_place(whole, live.best)]
+            break
         live = live.apart(max(reach, FUNNEL), most)
         if step == 1:
             live = _rested(late, live)
         trials = DRAWS * live.costs.size
         live = live.joined(late.about(live, reach, draws[at : at + trials]))
         at += trials
-    return sorted((settled_place(whole, place) for place in live.apart(APART, MOST)), key=cost_of)
+    return live
+
+
+def _settled(late: SlipProfile, whole: SlipProfile, live: Places) -> list[Place]:
+    """The best of them on all rows, best first; one, where there is nothing to sharpen."""
+    most = MOST if live.costs.min() <= late.linear - SCANT else 1
+    return sorted((settled_place(whole, place) for place in live.apart(APART, most)), key=cost_of)
+
+
+def _jumps(profile: SlipProfile, place: Place) -> bool:
+    """Whether a valve that slips between the rows explains more than one that glides there."""
+    widths = np.linspace(max(place.band - place.jump, 0.5 * place.band), 1.1 * place.band, PLAYS)
+    widths = np.repeat(widths, RESTS_AGAIN)
+    rests = np.tile(np.linspace(-1.0, 1.0, RESTS_AGAIN), PLAYS)[:, None].repeat(len(place.rests), axis=1)
+    glides = profile.places(HE_RAMP, widths, GLIDES * widths, rests)
+    return bool(glides.costs.min() > place.cost + PAYS)
 
 
 def _rested(profile: SlipProfile, places: Places) -> Places:
@@ -269,27 +217,29 @@ def _rested(profile: SlipProfile, places: Places) -> Places:
 
 
 def _coarse(profile: SlipProfile, span: float) -> Places:
-    """Places of a grid with He's valve, in the samples and between them, and the best of the first with Kano's.
+    """Places of a grid with He's valve, and the best of them with Kano's."""
+    best = _of_grid(profile, HE, _bands(profile, span), SHARES)
+    return best.joined(profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests))
 
-    A valve of a smaller band than OP moves in a sample would slip all the time.
-    """
-    segments = min(len(profile.segments), MOST_SEGMENTS)
+
+def _coarse_between(profile: SlipProfile, span: float) -> Places:
+    """Places of a coarser grid with He's valve between the rows."""
+    return _of_grid(profile, HE_RAMP, _bands(profile, span)[::2], SHARES_BETWEEN)
+
+
+def _bands(profile: SlipProfile, span: float) -> FloatArray:
+    """Of a grid; a valve of a smaller band than OP moves in a sample would slip all the time."""
     moves = np.concatenate([np.diff(profile.u[start:stop]) for start, stop in profile.segments.tolist()])
     smallest = max(SMALLEST * span, min(float(np.sqrt(np.mean(moves**2))), 0.5 * LARGEST * span))
     number = max(round(BANDS * np.log(LARGEST * span / smallest) / np.log(LARGEST / SMALLEST)), 2)
-    bands = np.geomspace(smallest, LARGEST * span, number)
+    return np.geomspace(smallest, LARGEST * span, number)
 
-    def of_grid(model: int, tried: FloatArray, shares: tuple[float, ...]) -> Places:
-        every, jumps, rests = np.meshgrid(tried, shares, RESTS, indexing="ij")
-        begun = np.repeat(rests.reshape(-1, 1), segments, axis=1)
-        return profile.places(model, every.ravel(), (jumps * every).ravel(), begun).apart(*BOXES[0])
 
-    best = of_grid(HE, bands, SHARES)
-    others = (
-        profile.places(KANO, best.etas[:, 0], best.etas[:, 1], best.rests),
-        of_grid(HE_RAMP, bands[::2], RAMP_SHARES),
-    )
-    return best.joined(*others)
+def _of_grid(profile: SlipProfile, model: int, tried: FloatArray, shares: tuple[float, ...]) -> Places:
+    """The best places of bands, jumps and first positions."""
+    bands, jumps, rests = np.meshgrid(tried, shares, RESTS, indexing="ij")
+    begun = np.repeat(rests.reshape(-1, 1), min(len(profile.segments), MOST_SEGMENTS), axis=1)
+    return profile.places(model, bands.ravel(), (jumps * bands).ravel(), begun).apart(*BOXES[0])
 
 
 def settled_place(profile: SlipProfile, place: Place) -> Place:
@@ -319,11 +269,6 @@ def _better(place: Place, others: Places) -> Place:
 def _minus_log_likelihood(regression: LaggedRegression, squares: FloatArray | float) -> FloatArray:
     """Minus that of the profile, up to a constant."""
     return 0.5 * regression.samples * np.log(np.maximum(squares, 1e-300))
-
-
-def cost_of(place: Place) -> float:
-    """Minus log-likelihood of a place."""
-    return place.cost
 
 
 def slips_of(data: ScaledData, lags: Lags) -> list[Place]:
