@@ -4,6 +4,7 @@ import numpy as np
 
 import lostmotion as lm
 from lostmotion.kernels.stamps import count_samples
+from lostmotion.kernels.stiction import sensitivities_on_ramp
 
 if __name__ == "__main__":
     loop = lm.routine_operation(600, seed=0)
@@ -13,6 +14,8 @@ if __name__ == "__main__":
     for valve in (lm.Backlash(0.5), lm.Stiction(0.5, 0.3), lm.Saturation(-1.0, 1.0)):
         lm.simulate_loop(lm.Hammerstein(valve, lm.LinearModel((-0.8,), (0.2,), 1, 0.1)), lm.PI(0.5, 0.5), np.ones(50))
         valve(loop.command)
+    rows = loop.command.size
+    sensitivities_on_ramp(loop.command, 0.5, 0.3, 0.0, 0.0, np.empty(rows), np.empty((2, rows)))
     faults: dict[str, lm.DeadZone | lm.Backlash | lm.Stiction] = {
         "dead zone": lm.DeadZone(-1.0, 1.0),
         "backlash": lm.Backlash(1.0),

@@ -55,7 +55,7 @@ def _health(health: Health) -> str:
     both = (*health.not_judged[:SHORT], *health.data[:SHORT])
     lines += [fill(f"- {len(one.tags)} x {one.text} ({one.examples})") for one in both]
     more = max(len(health.not_judged) - SHORT, 0) + max(len(health.data) - SHORT, 0)
-    return "\n".join(lines + ([f"- and {more} more reasons"] if more else []))
+    return "\n".join(lines + ([f"- and {more} more reason{'s' if more > 1 else ''}"] if more else []))
 
 
 def _counts(view: PlantView) -> str:
