@@ -229,3 +229,11 @@ def test_crossings_of_a_fit_saved_before_are_there_and_back():
     saved = json.loads(json.dumps(made_fit("dead zone").facts.to_dict()))
     saved["evidence"]["crossings"] = [1, 9]
     assert lm.FitFacts.from_dict(saved).evidence.crossings == 2
+
+
+def test_two_moves_need_a_jump_that_the_record_shows():
+    fit = made_fit("stiction")
+    fit = replace(fit, model=replace(fit.model, nonlinearity=replace(fit.model.nonlinearity, model="he ramp")))
+    with pytest.raises(lm.ParameterError, match="slips between the rows"):
+        block_from_fit(fit, method="two moves", accept="a test", span=(0.0, 100.0))
+    assert block_from_fit(fit, accept="a test", span=(0.0, 100.0)).kind == "stiction knocker"

@@ -161,6 +161,9 @@ def block_from_fit(
         notes.append(f"factor {factor:.3f}: {said}")
     if options.get("method") == "two moves" and facts.chosen.integrating:
         raise ParameterError.expected("a self-regulating process", "an integrating one", "take method='knocker'")
+    if options.get("method") == "two moves" and getattr(facts.nonlinearity, "model", "") == "he ramp":
+        known = "one that the gain of the process undoes, as the valve slips between the rows"
+        raise ParameterError.expected("a slip jump that the record shows", known, "take method='knocker'")
     _require_span(facts, span)
     if op_noise is None and facts.closed_loop and facts.op_noise:
         op_noise = facts.op_noise
