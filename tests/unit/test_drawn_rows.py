@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from lostmotion.diagnose.drawn_rows import MANY_LOADS, hidden_size, only_one_step_ahead
+from lostmotion.diagnose.drawn_rows import hidden_size
+from lostmotion.diagnose.shown import MANY_LOADS, only_one_step_ahead
 
 
 def fit(loads, percent, sticks=True):

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.diagnose.drawn_rows import only_one_step_ahead
 from lostmotion.diagnose.excitation import FOREKNOWN, NO_ANSWER, ONLY_PV
 from lostmotion.diagnose.features import CARRIES, Measured, swing_of
 from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
+from lostmotion.diagnose.shown import only_one_step_ahead
 from lostmotion.diagnose.verdict import OUTSIDE, Verdict
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit

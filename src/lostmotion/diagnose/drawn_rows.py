@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from lostmotion.diagnose.shown import MANY_LOADS, only_one_step_ahead
 from lostmotion.diagnose.verdict import Verdict
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.data import IdentificationData
@@ -12,13 +13,6 @@ from lostmotion.identify.data import IdentificationData
 # 81 to 87 % four were; the four faulty ones, with 59 to 76 %, rightly (docs/other-simulation.md).
 MOST_FOR_A_KIND = 0.8
 BETWEEN = "the loop does much of its answer between the rows, which do not show how far OP goes there"
-# Swings and steps of load beside the process: where there are more, and they with it do not reproduce PV, they tell the
-# record one step ahead, not OP. So a backlash of 7 % of span was excluded down to 0.4 % in an independent simulation
-MOST_LOADS = 12
-# The same for a size: valves that climb in stairs, behind a load that drifts, show the jump and hardly the band. Of 35
-# sizes of valves that stick behind models that reproduce nothing 10 of 16 were wrong with 7 loads and more, of up to 3
-# loads 1 of 19 (loops after published papers)
-MANY_LOADS = 6
 UNREPRODUCED = "with {} swings and steps of load the model foretells PV row by row, but OP alone reproduces none of it"
 RAW = "Export raw values from the control system or the historian, with compression off, and diagnose them."
 
@@ -28,11 +22,6 @@ def hidden_size(fit: HammersteinFit) -> str:
     if fit.kind.sticks and only_one_step_ahead(fit, MANY_LOADS):
         return UNREPRODUCED.format(len(fit.chosen.loads))
     return size_hidden_in(fit.data, fit.evidence.closed_loop, fit.kind.sticks)
-
-
-def only_one_step_ahead(fit: HammersteinFit, loads: int = MOST_LOADS) -> bool:
-    """Whether a model with more than so many swings and steps of load tells the record one step ahead, OP nothing."""
-    return len(fit.chosen.loads) > loads and fit.fit_percent <= 0.0
 
 
 def size_hidden_in(data: IdentificationData, closed_loop: bool, sticks: bool) -> str:

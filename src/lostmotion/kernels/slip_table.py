@@ -16,7 +16,7 @@ from numba import njit
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
 from lostmotion.kernels.products import explained
-from lostmotion.kernels.stiction import HE_RAMP, KANO, SHORTEST_SLIP, slips_on_ramp
+from lostmotion.kernels.stiction import HE_RAMP, KANO, SHORTEST_SLIP, mean_on_ramp, slips_on_ramp
 
 LAGS = 4 * WIDTH  # of which sums are made at a time
 
@@ -152,8 +152,7 @@ def _trace_on_ramp(
             number, way, at = slips_on_ramp(last, v, position, reach, long)
             turns += direction * way < 0.0
             direction = way
-            later = 0.5 * number * (number - 1) * long / abs(v - last) if number > 1 and v != last else 0.0
-            mean = position + way * long * (number * (1.0 - at) - later)
+            mean = mean_on_ramp(position, way, number, at, long, v - last)
             position += way * number * long
         if mean != before:
             slips[count], changes[count] = k, before - mean

@@ -134,6 +134,13 @@ def slips_on_ramp(last: float, u: float, x: float, reach: float, jump: float) ->
 
 
 @njit(cache=True)
+def mean_on_ramp(x: float, direction: float, count: int, at: float, jump: float, rise: float) -> float:
+    """Mean position of a sample of `count` slips from x on, the first `at`, while the command goes by `rise`."""
+    later = 0.5 * count * (count - 1) * jump / abs(rise) if count > 1 and rise != 0.0 else 0.0
+    return x + direction * jump * (count * (1.0 - at) - later)
+
+
+@njit(cache=True)
 def step_he_ramp(u: float, band: float, jump: float, state: FloatArray) -> float:
     """Move `state` on by the finite command u, to which it goes in a straight line; the mean position on the way.
 
@@ -151,8 +158,7 @@ def step_he_ramp(u: float, band: float, jump: float, state: FloatArray) -> float
     count, direction, at = slips_on_ramp(last, u, before, reach, jump)
     state[MOVING], state[DIRECTION] = 1.0, direction
     state[X] = before + direction * count * jump
-    later = 0.5 * count * (count - 1) * jump / abs(u - last) if count > 1 and u != last else 0.0
-    return float(before + direction * jump * (count * (1.0 - at) - later))
+    return float(mean_on_ramp(before, direction, count, at, jump, u - last))
 
 
 @njit(cache=True)

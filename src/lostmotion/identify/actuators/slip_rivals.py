@@ -20,7 +20,7 @@ from lostmotion.identify.scaled import ScaledData
 
 # of what the likeliest place gains over a valve that follows OP: a place that gains so much less is as good where the
 # model is none of the valve. Of ten limit cycles of valves with mass and friction, simulated in fine steps with the set
-# point at rest, whose interval about one place missed the size, the true one was so near in eight
+# point at rest, whose interval about one place missed the size, the true one was so near in six
 MODEL_SHARE = 0.15
 
 
