@@ -6,6 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lostmotion.audit.groups.swinging import POWER
+from lostmotion.audit.screen.lines import bands_in
 from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.plant.loop import PlantLoop
@@ -63,7 +65,10 @@ def test_screen_never_fails(record, span):
     numbers = [row.manual, row.limited, row.missing, row.travel, row.reversals, row.variability, row.harris]
     numbers += [row.period, row.regularity, row.power, *row.indices.values()]
     assert all(value is None or math.isfinite(value) for value in numbers)
-    if spectrum is not None:
-        power = np.frombuffer(spectrum.power, "<f4")
+    if spectrum is not None:  # behind the powers are the lines
+        power = np.frombuffer(spectrum.power[:POWER], "<f4")
         assert power.size == 96
         assert abs(float(power.sum()) - 1.0) < 1e-3
+        for lines in bands_in(spectrum.power[POWER:]).values():
+            assert np.isfinite(lines.values).all()
+            assert abs(float(np.abs(lines.values).max()) - 1.0) < 1e-9
