@@ -13,11 +13,11 @@ from lostmotion.identify.settled import settled_by
 BAND = 4.0
 
 
-def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.0, step=0.0):
+def flow(scans, *, band=BAND, rows=1500, seed=1, gain=1.2, noise=0.05, slower=1.0, step=0.0, moves=True):
     """Every row has so many scans of a PI loop that settles in about five; SP moves, and a load drifts."""
     random = np.random.default_rng(seed)
     n = rows * scans
-    sp = np.repeat(random.uniform(-8.0, 8.0, rows // 60 + 1), 60 * scans)[:n]
+    sp = np.repeat(random.uniform(-8.0, 8.0, rows // 60 + 1), 60 * scans)[:n] * moves
     load = 0.02 / np.sqrt(scans) * random.normal(size=n).cumsum()
     op, pv = np.zeros(n), np.zeros(n)
     valve = state = integral = 0.0

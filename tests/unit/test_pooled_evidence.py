@@ -171,6 +171,17 @@ def test_moves_that_rounding_may_hide_count_as_those_that_are_there():
     assert perhaps.largest_known == pytest.approx(known.interval()[1] - 0.6)
 
 
+def test_moves_of_which_nothing_tells_count_for_a_size_and_for_no_exclusion():
+    none, possible = (
+        pooled(*[replace(record(backlash=hill(2.0, 0.02)), unseen=unseen)] * 5).sized["backlash"]
+        for unseen in (Unseen(), Unseen(untold=True, possible=0.3))
+    )
+    (low, high), plain = possible.interval(), none.interval()
+    assert (plain[0] - low, high - plain[1]) == pytest.approx((0.3, 0.6))
+    assert possible.largest() == none.largest()
+    assert possible.largest_known == pytest.approx(none.largest_known)
+
+
 def test_what_a_sound_valve_has_is_no_fault():
     small = hill(0.2, 0.03)
     still = [record(backlash=small, dead_zone=flat(-30.0), stiction=flat(-30.0))] * 5

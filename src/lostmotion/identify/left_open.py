@@ -49,7 +49,7 @@ def may_be_denied(found: HammersteinFit, kinds: KindChoice, sound: float) -> boo
 def largest_known(found: HammersteinFit) -> float:
     """Upper end of the size of a kind that has one, without moves of OP that may or may not be between the rows."""
     end = float(found.interval(str(found.kind.size))[1])
-    return found.data.unseen.doubted(end, found.kind.sticks)
+    return found.data.unseen.doubted(end, found.evidence.unseen_moves, found.kind.sticks)
 
 
 def surely_ahead(kinds: KindChoice) -> float:

@@ -44,7 +44,7 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
-        unseen_moves=data.unseen.about(kind.sticks) if kind.sticks or (kind.dead_between and loop.closed) else 0.0,
+        unseen_moves=data.unseen.of_size(kind.sticks, loop.closed) if kind.sticks or kind.dead_between else 0.0,
         answered=data.answered if loop.closed else True,
         foreknown=loop.closed
         and (data.unseen.mostly or may_be_settled(data, fitted.parts.a, fitted.parts.b) or data.foretold.against(gain)),

@@ -48,6 +48,9 @@ class Unseen:
     untold : bool
         Whether more than half of OP's noise comes from what is in no row, and SP moves too rarely to tell whether the
         loop settles between the rows.
+    possible : float
+        Deviation of OP's noise where it is untold: in a loop it may lie between the rows. It counts for a size that is
+        told, not for what is excluded. Else 0.
     """
 
     moves: float = 0.0
@@ -55,6 +58,12 @@ class Unseen:
     done: float = 0.0
     perhaps: float = 0.0
     untold: bool = False
+    possible: float = 0.0
+
+    def of_size(self, sticks: bool, closed: bool) -> float:
+        """The moves that count for the size of a fault that was found."""
+        known = self.about(sticks) if sticks or closed else 0.0
+        return max(known, self.possible) if sticks and closed else known
 
     def about(self, sticks: bool) -> float:
         """The moves that hide a lost motion: a valve that sticks remembers them, a dead zone is filled by them.
@@ -63,15 +72,17 @@ class Unseen:
         """
         return max(self.moves, self.perhaps) if sticks else self.moves * min(self.rest / FILLS, 1.0)
 
-    def doubted(self, end: float, sticks: bool) -> float:
-        """Upper end of a size without the moves of which it is not known whether there are any."""
-        return end - beyond_unseen(0.0, self.about(sticks)) if self.perhaps > 0.0 else end
+    def doubted(self, end: float, moves: float, sticks: bool) -> float:
+        """Upper end of a size without the moves counted in it, where it is not known whether there are any."""
+        return end if self.moves > 0.0 else end - beyond_unseen(0.0, moves, sticks)
 
     def words(self, moves: float) -> str:
         """What is known of moves of this size in units of OP."""
         said = f"OP moves by about {moves:.2g} between the rows"
         if self.moves > 0.0:
             return f"The controller acts more often than it is recorded: {said}"
+        if self.possible > 0.0:
+            return f"Most of what moves OP is in no row, as where the controller acts between them: then {said}"
         return f"Rounded rows do not tell whether the controller acts more often than it is recorded: then {said}"
 
     @property
@@ -117,7 +128,8 @@ def unseen_moves(data: IdentificationData) -> Unseen:
     done = settled_by(data.y, data.sp, data.segments) if rest >= MOSTLY else 0.0
     if rest < OTHERWISE or done > SETTLED:
         return Unseen(found.own, rest, done)
-    return Unseen(untold=data.sp is not None and done == 0.0)
+    untold = data.sp is not None and done == 0.0
+    return Unseen(untold=untold, possible=found.own if untold else 0.0)
 
 
 def beyond_unseen(size: float, moves: float, sticks: bool = True) -> float:

@@ -50,7 +50,9 @@ class SizeEvidence:
     sticks : bool
         Whether the kind has a memory of it.
     doubt : float
-        What of the upper end of its interval is there only as rounding hides whether OP does anything there.
+        What of the upper end of its interval is there only as nobody knows whether OP does anything there.
+    moves : float
+        What counts so for a size that is told: `unseen`, or more.
     """
 
     sizes: FloatArray
@@ -59,6 +61,7 @@ class SizeEvidence:
     unseen: float = 0.0
     sticks: bool = True
     doubt: float = 0.0
+    moves: float = 0.0
 
     def table(self, without: int | None = None) -> FloatArray:
         """Log of prior times likelihood, shape (tau, g); without one record, if asked for."""
@@ -90,7 +93,7 @@ class SizeEvidence:
         """Where the common size lies with this probability."""
         tail = 0.5 * (1.0 - level)
         low, high = self._quantile(self.posterior, tail), self._quantile(self.posterior, 1.0 - tail)
-        return within_unseen(low, self.unseen, self.sticks), beyond_unseen(high, self.unseen, self.sticks)
+        return within_unseen(low, self.moves, self.sticks), beyond_unseen(high, self.moves, self.sticks)
 
     @property
     def largest_known(self) -> float:
@@ -177,7 +180,8 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
     anything = _anything(curves, free)
     linear = _or_wild(np.zeros(len(profiles)), anything)
     unseen = {sticks: float(np.median([one.unseen.about(sticks) for one in profiles])) for sticks in (True, False)}
-    doubt = {s: -float(np.median([one.unseen.doubted(0.0, s) for one in profiles])) for s in (True, False)}
+    moves = {s: float(np.median([one.unseen.of_size(s, closed=True) for one in profiles])) for s in (True, False)}
+    doubt = {s: -float(np.median([one.unseen.doubted(0.0, moves[s], s) for one in profiles])) for s in moves}
     scattered = {name: _scattered(values, sizes) for name, values in curves.items()}
     return Evidence(
         {
@@ -188,6 +192,7 @@ def evidence_of(profiles: Sequence[RecordProfile], low: float, high: float) -> E
                 unseen[kind_of(name).sticks],
                 kind_of(name).sticks,
                 doubt[kind_of(name).sticks],
+                moves[kind_of(name).sticks],
             )
             for name, values in scattered.items()
         },

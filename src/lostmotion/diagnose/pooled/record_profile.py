@@ -205,7 +205,8 @@ def profile_record(prepared: Prepared, sizes: FloatArray, integrating: bool | No
     fed_back = only_fed_back(loop.closed, moved_freely(data, loop.free), data.sp) or (
         loop.closed and (foreknown or not data.answered)
     )
-    own = (data.unseen, size_hidden_in(data, loop.closed, sticks=True), swing_of_rows(data))
+    unseen = data.unseen if loop.closed else replace(data.unseen, possible=0.0)
+    own = (unseen, size_hidden_in(data, loop.closed, sticks=True), swing_of_rows(data))
     return RecordProfile(curves, gains, span, data.u.size, models, fed_back, *own)
 
 
