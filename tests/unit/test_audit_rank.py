@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lostmotion.audit.labels import label_of, split_of
 from lostmotion.audit.plant_view import leading_rows
-from lostmotion.audit.rank import label_of, ranked, split_of
+from lostmotion.audit.rank import ranked
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, Stage
 

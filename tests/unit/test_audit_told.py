@@ -10,7 +10,8 @@ import pytest
 from lostmotion.audit.audit_run import AuditRun
 from lostmotion.audit.health import health_of
 from lostmotion.audit.rank import ranked
-from lostmotion.audit.rules import FORCED, FROZEN, NOISY, RINGING, WEARING, rule_of
+from lostmotion.audit.rules import FORCED, FROZEN, NOISY, RINGING, RULES, WEARING, rule_of
+from lostmotion.errors import DataError
 from lostmotion.plant import PlantLoop
 from lostmotion.report.audit_text import audit_summary
 from lostmotion.report.plant import loop_report, plant_report, table
@@ -71,6 +72,18 @@ def test_a_loop_whose_priority_a_rule_decides_says_one_thing(rule, row, sure, co
     assert rule.name in audit_summary(view)
     line = table(view.rows, view.by_tag).row(0, named=True)
     assert (line["rule"], line["verdict"], line["advice"]) == (rule.name, row.verdict, " ".join(rule.advice))
+
+
+def test_the_rule_stands_in_the_row_and_is_not_read_from_its_words() -> None:
+    """Ranked again without its reason it is gone; a rule of another version is refused."""
+    _, frozen, *_ = DECIDED[0]
+    assert frozen.rule == "frozen measurement"
+    assert rule_of(replace(frozen, priority_reason="in other words")) is FROZEN
+    assert rule_of(replace(frozen, rule="")) is None
+    assert ranked([replace(frozen, indices={})], {})[0].rule == ""
+    assert [RULES[name].name for name in RULES] == list(RULES)
+    with pytest.raises(DataError, match=r"expected one of frozen measurement, .*, got 'broken wire'; run the audit"):
+        rule_of(replace(frozen, rule="broken wire"))
 
 
 def test_a_ringing_loop_is_labelled_normal_only_where_its_valve_is_cleared() -> None:

@@ -37,9 +37,10 @@ def assert_refused(match, address, **settings):
 
 
 def schema(path):
+    """Tables and indices as SQLite keeps them, but for white space: a column that is added stands in one line."""
     with closing(sqlite3.connect(path)) as plain:
         rows = plain.execute("SELECT name, sql FROM sqlite_master WHERE name NOT LIKE '%schema_version%' ORDER BY name")
-        return rows.fetchall()
+        return [(name, " ".join((sql or "").replace(",", ", ").split())) for name, sql in rows]
 
 
 def test_migrations_make_the_tables_that_the_code_has(tmp_path):
@@ -64,7 +65,7 @@ def test_the_version_is_the_last_migration():
     assert ScriptDirectory("src/lostmotion/store/migrations").get_current_head() == VERSION
 
 
-@pytest.mark.parametrize("version", ["0001", "0002", "0003"])
+@pytest.mark.parametrize("version", ["0001", "0002", "0003", "0004"])
 def test_an_older_store_names_the_command_that_upgrades_it(version, tmp_path):
     path = made(tmp_path / "old.db", version)
     for settings in ({}, {"write": False}):
@@ -93,6 +94,52 @@ def test_an_upgrade_keeps_what_is_there(tmp_path):
     with Store(path) as store:
         assert [one.tag for one in store.loops()] == list(tags)
         assert (store.watches(), store.estimates("FIC-1")) == ([], [])
+
+
+REASONS = {
+    "PV stood still for 23 % of the time while OP moved: look at the measurement": "frozen measurement",
+    "PV scatters over 8 % of span from row to row: look at it; OP travels 90 full strokes an hour: wear": (
+        "noisy measurement"
+    ),
+    "hardly settles: retune (its amplitude comes and goes); OP travels 90 full strokes an hour: wear": "ringing",
+    "OP travels 42 full strokes an hour: wear; cannot tell; weight 0.5 of the largest": "wear by travel",
+    "OP travels 42 full strokes an hour: wear; not the actuator: look upstream, 99 % sure; swings every 300 s, 90 % of "
+    "the variance; its amplitude stays: not its tuning": "wear by travel",
+    "not the actuator: look upstream, 99 % sure; its amplitude stays: not its tuning; weight 0.5 of the largest": (
+        "forced swing"
+    ),
+    "backlash of 3 % of span, 90 % sure; OP travels 42 full strokes an hour: wear": "",
+    "not the actuator: retune, 90 % sure; swings every 300 s, 90 % of the variance": "",
+}
+
+
+def test_an_upgrade_reads_the_rule_of_each_row_from_its_reason_once(tmp_path):
+    """Until then nothing else told it; what has no priority has no rule, whatever its reason says."""
+    path = made(tmp_path / "old.db", "0004")
+    reasons = [*((reason, 35.0) for reason in REASONS), (next(iter(REASONS)), None)]
+    with closing(sqlite3.connect(path)) as plain, plain:
+        moment = "2026-03-01 00:00:00.000000"
+        needed = {
+            table: [(name, kind) for _, name, kind, needs, _, key in plain.execute(f"PRAGMA table_info({table})")
+                    if needs or key]
+            for table in ("loop", "run", "assessment")
+        }  # fmt: skip
+        values = {"TEXT": "", "DATETIME": moment, "BOOLEAN": 0, "BIGINT": 1, "INTEGER": 1, "DOUBLE": 1.0}
+
+        def put(table, **given):
+            row = {name: values[kind] for name, kind in needed[table]} | given
+            marks = ", ".join("?" * len(row))
+            names = ", ".join(row)
+            plain.execute(f"INSERT INTO {table} ({names}) VALUES ({marks})", list(row.values()))  # noqa: S608
+
+        put("run", settings="{}", state="finished")
+        texts = {"health": "[]", "advice": "[]", "evidence": "[]", "indices": "{}", "stage": "assessed"}
+        for number, (reason, priority) in enumerate(reasons, 1):
+            put("loop", id=number, tag=f"FIC-{number}", notes="[]")
+            put("assessment", loop_id=number, priority_reason=reason, priority=priority, **texts)
+    assert upgrade(path) == ("0004", VERSION)
+    with Store(path) as store:
+        assert [row.rule for row in store.rows(1)] == [*REASONS.values(), ""]
 
 
 def test_a_newer_store_is_refused(tmp_path):

@@ -50,17 +50,17 @@ def loud(row: AssessmentRow, usual: float | None = None) -> float | None:
     return None if (over < LOUD and not apart) or fast or rests or _valve_is_known(row) else over
 
 
-def of_measurement(row: AssessmentRow, usual: float | None) -> tuple[float, str] | None:
-    """Severity of what is wrong with a measurement, and its words; None: nothing is known to be."""
+def of_measurement(row: AssessmentRow, usual: float | None) -> tuple[float, str, rules.Rule] | None:
+    """Severity of what is wrong with a measurement, its words and its rule; None: nothing is known to be."""
     said, over = stuck(row), loud(row, usual)
     if said:
-        return FROZEN, said
+        return FROZEN, said, rules.FROZEN
     if over is None:
         return None
     more = "" if usual is None or over < 2.0 * usual else f", {over / usual:.0f} times what is usual in its type"
     severity = max(over / (over + LOUD), 0.0 if usual is None else 1.0 - 0.5 * LOUDER * usual / over)
     words = f"{rules.NOISY.opening} {over:.2g} % of span from row to row{more}: look at the measurement and its damping"
-    return NOISY * severity, words
+    return NOISY * severity, words, rules.NOISY
 
 
 def _valve_is_known(row: AssessmentRow) -> bool:

@@ -14,13 +14,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
+from typing import NamedTuple
 
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
-from lostmotion.audit.measurement import loud, of_measurement, stuck, usual_scatter
+from lostmotion.audit.labels import Around, disturbed, label_of, makes_it_swing, split_of, swings
+from lostmotion.audit.measurement import of_measurement, stuck, usual_scatter
 from lostmotion.audit.row_facts import ends_percent, order
-from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING
+from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING, Rule
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage
@@ -31,49 +33,20 @@ UNSIZED = 0.5  # of a fault whose size in % of span is not known
 UNTOLD = 0.5
 ELSEWHERE = 0.5  # share of a swing that does not come from the actuator: a valve is mended, a loop is retuned
 CARRIED = 0.25  # share of a swing that comes from another loop: it ends when that one is mended
-RINGS = 5.0  # regularity from which on a swing that comes and goes is the loop's own
 WEAK = {"poor": 0.02, "fair": 0.01}  # severity of a class of performance where nothing is found
 PRIOR = 0.25  # probability of a fault of any actuator: what is above it is what a record has said
-LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
 TOLD = 0.25  # of that: less is not told
 LOUD = 2.0  # % of span of PV: an error of control of this deviation matters in any loop
 BUSY = 20.0  # full strokes of OP an hour: from one in three minutes on a valve wears
 WORN = 0.3  # severity of a valve that never rests
-HAND = 0.9  # share of time in manual from which the loop counts as being worked on
-BAD = 4.0  # % of span, as severity_of has it
-STUCK = 50.0  # % of span: a valve that hardly answers at all
-SPLIT = {
-    "actuator": "actuator", "tuning": "tuning", "disturbance": "process", "set point": "process", "sensor": "sensor",
-    "none": "none",
-}  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Around:
-    """What is known about a loop beside its row.
+class Found(NamedTuple):
+    """Technical severity times confidence, what it consists of, and the rule that decides; None: the diagnosis."""
 
-    Attributes
-    ----------
-    weight : float
-        Of the largest.
-    source : str
-        Likely source of the swing of its group; empty: not known, or no group.
-    usual : float, optional
-        % of span over which loops of its type scatter.
-    steady : bool
-        Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
-    tells : bool
-        Whether its error of control does: the span of PV is known, and it is no level, which may wander as a buffer.
-    """
-
-    weight: float = 1.0
-    source: str = ""
-    usual: float | None = None
-    steady: bool = False
-    tells: bool = False
-
-
-ALONE = Around()
+    worth: float
+    words: list[str]
+    rule: Rule | None = None
 
 
 def ranked(
@@ -127,109 +100,77 @@ def _steady(rows: Sequence[AssessmentRow], groups: Sequence[GroupRow]) -> set[tu
 
 
 def _with_priority(row: AssessmentRow, around: Around) -> AssessmentRow:
-    priority, reason = _priority(row, around)
+    priority, reason, rule = _priority(row, around)
     label, split = label_of(row, around), split_of(row, around)
-    return replace(row, label=label, split=split, priority=priority, priority_reason=reason)
+    return replace(row, label=label, split=split, priority=priority, priority_reason=reason, rule=rule)
 
 
-def split_of(row: AssessmentRow, around: Around = ALONE) -> str:
-    """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
-    if stuck(row) or loud(row, around.usual) is not None:
-        return "sensor"
-    if row.verdict == "saturation":
-        return "process"  # the load or the size of the valve: its motion is not at fault
-    if _makes_it_swing(row, around):
-        return "tuning"
-    kind = "disturbance" if _disturbed(row, around) else row.kind
-    return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(kind, "cannot tell")
-
-
-def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
-    """Category of NAMUR NE 107 for the actuator (the sensor, where that is at fault); empty: cannot tell."""
-    if row.manual is not None and row.manual >= HAND:
-        return "function check"
-    if stuck(row):
-        return "failure"
-    if loud(row, around.usual) is not None:
-        return "maintenance required"
-    if row.verdict == "cannot tell":
-        return ""
-    if row.kind == "sensor":
-        return "maintenance required"
-    if row.kind != "actuator":
-        rings_untold = _makes_it_swing(row, around) and not row.cleared
-        return "" if rings_untold else "normal"  # it is to be retuned, and says nothing of the valve
-    size = row.size_percent
-    if size is not None and size >= STUCK:
-        return "failure"
-    if row.verdict == "saturation" or (size is not None and size > BAD):
-        return "out of specification"
-    return "normal" if row.severity == "low" and not swings(row) else "maintenance required"
-
-
-def swings(row: AssessmentRow) -> bool:
-    """Whether the loop swings regularly, as published: regularity above 1."""
-    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
-
-
-def rings(row: AssessmentRow) -> bool:
-    """Whether it swings as a loop that hardly settles: very regularly, with an amplitude that comes and goes."""
-    wanders = row.indices.get("amplitude_spread", 0.0) >= WANDERS
-    return swings(row) and wanders and (row.regularity or 0.0) >= RINGS
-
-
-def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str]:
+def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str, str]:
+    """Priority, its reason, and the name of the rule that decides."""
     if row.stage is Stage.FAILED:
-        return None, f"not judged: {row.error}"
-    measured = of_measurement(row, around.usual)
-    if measured is None and not row.fit_for_use:
-        return None, f"not judged: {'; '.join(row.health) or row.reason}"
-    if measured is None and row.stage is Stage.SCREENED:
-        return None, f"not assessed: {row.reason}"
-    if measured is None:
-        worth, words = _with_wear(row, *_worth(row, around))
-    else:
-        worth, words = measured[0], [measured[1]]
-        if not stuck(row):
-            worth, wear = _with_wear(row, worth, [])
-            words += wear
+        return None, f"not judged: {row.error}", ""
+    found = _found(row, around)
+    if found is None and not row.fit_for_use:
+        return None, f"not judged: {'; '.join(row.health) or row.reason}", ""
+    if found is None:
+        return None, f"not assessed: {row.reason}", ""
     weight = around.weight
-    words = [*words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else words
-    return 100.0 * worth * weight, "; ".join(words)
+    words = [*found.words, f"weight {weight:.2g} of the largest"] if weight != 1.0 else found.words
+    return 100.0 * found.worth * weight, "; ".join(words), "" if found.rule is None else found.rule.name
 
 
-def _worth(row: AssessmentRow, around: Around) -> tuple[float, list[str]]:
-    """Technical severity times confidence, and what it consists of."""
+def _found(row: AssessmentRow, around: Around) -> Found | None:
+    """What speaks for looking at a loop; None: nothing can be said of it."""
+    measured = of_measurement(row, around.usual)
+    if measured is not None:
+        found = Found(measured[0], [measured[1]], measured[2])
+        return found if stuck(row) else _with_wear(row, found)
+    if not row.fit_for_use or row.stage is Stage.SCREENED:
+        return None
+    return _with_wear(row, _worth(row, around))
+
+
+def _worth(row: AssessmentRow, around: Around) -> Found:
+    """Of a loop that was diagnosed."""
     source = around.source
     swing, about_swing = _swing(row, source)
     sure = row.confidence or 0.0
-    if _makes_it_swing(row, around):
+    if makes_it_swing(row, around):
         way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
-        return ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing]
+        return Found(ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing], RINGING)
     if row.verdict == "cannot tell":
         error, about_error = _avoidable(row, around)
         return _untold(row, max(swing, error), [*about_swing, *about_error])
     if row.verdict == "saturation":
         at = max(row.limited or 0.0, swing)
-        return (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
+        return Found(
+            (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
+        )
     if row.kind == "actuator":
         size = row.size_percent if _of_span(row) else None
         lost = UNSIZED if size is None else size / (size + USUAL)
-        return sure * (LOST * lost + (1.0 - LOST) * swing), [_fault(row), *about_swing]
+        return Found(sure * (LOST * lost + (1.0 - LOST) * swing), [_fault(row), *about_swing])
     if row.verdict == "other oscillation":
-        ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
-        way = ways.get(split_of(row, around), "upstream or tuning")
-        share = CARRIED if _disturbed(row, around) and not source else ELSEWHERE
-        stays = [] if row.kind != "tuning" or way == "retune" else [FORCED.opening]
-        return share * sure * swing, [f"not the actuator: {way}, {_sure(row)}", *about_swing, *stays]
+        return _elsewhere(row, around, swing, about_swing)
     told = row.excluded_percent is not None and math.isfinite(row.excluded_percent)
     said = [] if not told else [f"no lost motion over {row.excluded_percent:.2g} % of span"]
     weak = WEAK.get(row.performance, 0.0)
     known = [*said, *([f"control is {row.performance}"] if weak else [])] or ["nothing wrong"]
-    return sure * weak, [*known, *(about_swing if source else [])]
+    return Found(sure * weak, [*known, *(about_swing if source else [])])
 
 
-def _untold(row: AssessmentRow, moves: float, about: list[str]) -> tuple[float, list[str]]:
+def _elsewhere(row: AssessmentRow, around: Around, swing: float, about_swing: list[str]) -> Found:
+    """Of a loop that swings, and not because of its actuator."""
+    ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
+    way = ways.get(split_of(row, around), "upstream or tuning")
+    share = CARRIED if disturbed(row, around) and not around.source else ELSEWHERE
+    words = [f"not the actuator: {way}, {_sure(row)}", *about_swing]
+    stays = row.kind == "tuning" and way != "retune"
+    words += [FORCED.opening] if stays else []
+    return Found(share * (row.confidence or 0.0) * swing, words, FORCED if stays else None)
+
+
+def _untold(row: AssessmentRow, moves: float, about: list[str]) -> Found:
     """Of a loop that cannot be told; `moves`: what counts of its swing and its error of control, `about`: in words.
 
     A fault that one stretch shows, and none denies, counts as one of the usual size at most that was found, as probable
@@ -240,10 +181,10 @@ def _untold(row: AssessmentRow, moves: float, about: list[str]) -> tuple[float, 
     shown = row.indices.get("shown_percent")
     if shown is None:
         lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
-        return UNTOLD * (lost + (1.0 - LOST) * moves), ["cannot tell", likely, *about]
+        return Found(UNTOLD * (lost + (1.0 - LOST) * moves), ["cannot tell", likely, *about])
     size = min(shown, USUAL) if _of_span(row) else USUAL  # of one stretch: it may be far too wide
     worth = fault * LOST * size / (size + USUAL) + max(UNTOLD, fault) * (1.0 - LOST) * moves
-    return worth, [row.why, likely, *about]
+    return Found(worth, [row.why, likely, *about])
 
 
 def _left_open(row: AssessmentRow) -> float:
@@ -282,27 +223,15 @@ def _period(seconds: float) -> str:
     return f"{seconds / 3600.0:.3g} h"
 
 
-def _makes_it_swing(row: AssessmentRow, around: Around) -> bool:
-    """Whether a loop without a fault of its valve that is known swings by itself."""
-    untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
-    return untold and around.source in ("", row.tag) and not around.steady and rings(row)
-
-
-def _disturbed(row: AssessmentRow, around: Around) -> bool:
-    """Whether its swing comes from elsewhere: noise lets no linear loop keep its amplitude, whatever its tuning."""
-    steady = around.steady or row.indices.get("amplitude_spread", WANDERS) < STEADY
-    blamed = row.kind == "tuning" and row.tag != around.source
-    return row.kind == "disturbance" or (blamed and swings(row) and steady)
-
-
-def _with_wear(row: AssessmentRow, worth: float, words: list[str]) -> tuple[float, list[str]]:
+def _with_wear(row: AssessmentRow, found: Found) -> Found:
     """What is said of OP that never rests, first where it counts most; a lost motion that was found counts more."""
     strokes = (row.travel or 0.0) / 100.0
     if strokes < BUSY or row.kind == "actuator":
-        return worth, words
+        return found
     wear, said = WORN * (1.0 - BUSY / strokes), f"{WEARING.opening} {strokes:.0f} full strokes an hour: wear"
-    decides = wear > worth and bool(words) and not words[0].startswith(RINGING.opening)
-    return worth + wear, [said, *words] if decides else [*words, said]
+    if wear > found.worth and found.rule in (None, FORCED):
+        return Found(found.worth + wear, [said, *found.words], WEARING)
+    return Found(found.worth + wear, [*found.words, said], found.rule)
 
 
 def _fault(row: AssessmentRow) -> str:

@@ -45,8 +45,7 @@ def said_words(row: AssessmentRow) -> str:
     Examples
     --------
     >>> from lostmotion.store.rows import UNDATED
-    >>> reason = "hardly settles: retune (its amplitude comes and goes); swings every 300 s, 90 % of the variance"
-    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, priority=36.0, priority_reason=reason)
+    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, priority=36.0, rule="ringing")
     >>> said_words(row), status_words(row)
     ('ringing', 'not assessed')
     """

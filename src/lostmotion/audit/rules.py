@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lostmotion.errors import DataError
 from lostmotion.store.rows import AssessmentRow
 
 RINGS_SURE = 0.8  # that a loop is to be tuned whose swing comes and goes
@@ -16,9 +17,9 @@ class Rule:
     Attributes
     ----------
     opening : str
-        First words of the part of the reason of the priority that tells of the rule.
+        First words of what the reason of the priority tells of it.
     name : str
-        In the place of a verdict.
+        In the place of a verdict; stands in the rows that it decides.
     where : str
         Where it comes from, a sentence.
     advice : tuple of str
@@ -73,26 +74,30 @@ WEARING = Rule(
     "It comes from what drives OP: the valve never rests, and wears.",
     ("Calm OP: filter the measurement, lower the gain or the derivative action, or widen the dead band of the PI.",),
 )
-FIRST = (FROZEN, NOISY, RINGING, WEARING)  # what opens the reason decides
+RULES = {rule.name: rule for rule in (FROZEN, NOISY, RINGING, FORCED, WEARING)}
 
 
 def rule_of(row: AssessmentRow) -> Rule | None:
     """Rule that decides the priority of a row; None: its diagnosis does, or it has none.
 
+    Raises
+    ------
+    DataError
+        A rule that this version does not know.
+
     Examples
     --------
     >>> from lostmotion.store.rows import UNDATED
-    >>> reason = "PV stood still for 23 % of the time while OP moved: look at the measurement and its recording"
-    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0, priority_reason=reason)).name
-    'frozen measurement'
-    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0, priority_reason="backlash")) is None
+    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0, rule="frozen measurement")) is FROZEN
+    True
+    >>> rule_of(AssessmentRow("PIC-1", UNDATED, UNDATED, priority=35.0)) is None
     True
     """
-    if row.priority is None:
+    if not row.rule:
         return None
-    parts = row.priority_reason.split("; ")
-    decides = next((rule for rule in FIRST if parts[0].startswith(rule.opening)), None)
-    return FORCED if decides is None and FORCED.opening in parts else decides
+    if row.rule not in RULES:
+        raise DataError.expected(f"one of {', '.join(RULES)}", repr(row.rule), "run the audit with this version")
+    return RULES[row.rule]
 
 
 def sure_of(row: AssessmentRow) -> float | None:

@@ -70,6 +70,9 @@ class AssessmentRow:
         0 to 100; None: not ranked.
     priority_reason : str
         In words.
+    rule : str
+        Of the audit, by name (:mod:`lostmotion.audit.rules`), where one decides the priority and what is said; empty:
+        the diagnosis does.
     rows : int
     dt : float, optional
         Samples in the window, and seconds between them.
@@ -128,6 +131,7 @@ class AssessmentRow:
     split: str = "cannot tell"
     priority: float | None = None
     priority_reason: str = ""
+    rule: str = ""
     rows: int = 0
     dt: float | None = None
     manual: float | None = None

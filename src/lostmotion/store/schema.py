@@ -28,7 +28,7 @@ from lostmotion.store.encoded import coded, utc
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow, WatchRow
 
-VERSION = "0004"  # of the schema: the last of migrations/versions
+VERSION = "0005"  # of the schema: the last of migrations/versions
 
 
 class Utc(TypeDecorator[datetime]):
@@ -58,9 +58,9 @@ TYPES: dict[str, TypeEngine[Any]] = {
 }  # fmt: skip
 
 PAGE = (  # what tables are filtered and sorted by: read from a narrow index, a row is 2 kB
-    "verdict", "severity", "label", "split", "stage", "kind", "performance", "priority", "size", "size_percent",
-    "excluded_percent", "confidence", "probability", "manual", "limited", "missing", "travel", "reversals",
-    "variability", "harris", "period", "regularity", "power", "value",
+    "verdict", "rule", "severity", "label", "split", "stage", "kind", "performance", "priority", "size",
+    "size_percent", "excluded_percent", "confidence", "probability", "manual", "limited", "missing", "travel",
+    "reversals", "variability", "harris", "period", "regularity", "power", "value",
 )  # fmt: skip
 
 metadata = MetaData()
@@ -104,10 +104,11 @@ assessment = Table(
     "assessment",
     metadata,
     *_window(),
-    *_columns(AssessmentRow, "tag", "window_start"),
+    *_columns(AssessmentRow, "tag", "window_start", "rule"),
     _key("screened_in", "run", key=False, optional=True),  # the run that made it, and in which the spectrum lies
     _key("assessed_in", "run", key=False, optional=True),  # .. and the trace
     Column("newest", Boolean, nullable=False),  # whether it is the last window of its loop in the run
+    Column("rule", WORDS, nullable=False, server_default=""),  # where an upgrade puts it
     Index("assessment_loop", "loop_id", "run_id"),
     Index("assessment_priority", "run_id", "priority"),
     Index("assessment_page", "run_id", "newest", "loop_id", "window_start", *PAGE),

@@ -183,7 +183,7 @@ class Store(Asked):
                 writing.put_assessed(connection, run, self._ids, part, own)
 
     def put_ranks(self, run: int, rows: Sequence[AssessmentRow], *names: str) -> None:
-        """Some fields of rows that are there; of a ranking its own four."""
+        """Some fields of rows that are there; of a ranking its own."""
         for first in range(0, len(rows), ROWS):
             with self._writing(run) as connection:
                 writing.put_ranks(connection, run, self._ids, rows[first : first + ROWS], *(names or writing.RANKED))

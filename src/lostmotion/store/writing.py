@@ -16,7 +16,7 @@ from lostmotion.store.run_rows import LoopRow, UnreadRow
 from lostmotion.store.schema import assessment, estimate, loop, member, oscillation_group, spectrum, trace, unread
 
 Ids = Mapping[str, int]  # of loops, by tag
-RANKED = ("label", "split", "priority", "priority_reason")
+RANKED = ("label", "split", "priority", "priority_reason", "rule")
 
 
 def upsert(connection: Connection, table: sa.Table, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -103,8 +103,7 @@ def second_opinion(row: AssessmentRow) -> str:
 
     Examples
     --------
-    >>> reason = "PV stood still for 23 % of the time while OP moved: look at the measurement and its recording"
-    >>> made = {"stage": Stage.ASSESSED, "priority": 35.0, "priority_reason": reason, "confidence": 0.8}
+    >>> made = {"stage": Stage.ASSESSED, "priority": 35.0, "rule": "frozen measurement", "confidence": 0.8}
     >>> second_opinion(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="saturation", kind="actuator", **made))
     'diagnosis: saturation, 80 % sure'
     """

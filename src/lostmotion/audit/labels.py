@@ -1,0 +1,106 @@
+"""What a row says of a loop in one word: label of NAMUR NE 107, where the cause lies; whether it swings by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lostmotion.audit.groups.likely_source import STEADY, WANDERS
+from lostmotion.audit.measurement import loud, stuck
+from lostmotion.store.rows import AssessmentRow
+
+RINGS = 5.0  # regularity from which on a swing that comes and goes is the loop's own
+LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
+HAND = 0.9  # share of time in manual from which the loop counts as being worked on
+BAD = 4.0  # % of span, as severity_of has it
+STUCK = 50.0  # % of span: a valve that hardly answers at all
+SPLIT = {
+    "actuator": "actuator", "tuning": "tuning", "disturbance": "process", "set point": "process", "sensor": "sensor",
+    "none": "none",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Around:
+    """What is known about a loop beside its row.
+
+    Attributes
+    ----------
+    weight : float
+        Of the largest.
+    source : str
+        Likely source of the swing of its group; empty: not known, or no group.
+    usual : float, optional
+        % of span over which loops of its type scatter.
+    steady : bool
+        Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
+    tells : bool
+        Whether its error of control does: the span of PV is known, and it is no level, which may wander as a buffer.
+    """
+
+    weight: float = 1.0
+    source: str = ""
+    usual: float | None = None
+    steady: bool = False
+    tells: bool = False
+
+
+ALONE = Around()
+
+
+def split_of(row: AssessmentRow, around: Around = ALONE) -> str:
+    """Sensor, actuator, tuning or process, "none", or "cannot tell"."""
+    if stuck(row) or loud(row, around.usual) is not None:
+        return "sensor"
+    if row.verdict == "saturation":
+        return "process"  # the load or the size of the valve: its motion is not at fault
+    if makes_it_swing(row, around):
+        return "tuning"
+    kind = "disturbance" if disturbed(row, around) else row.kind
+    return "cannot tell" if row.verdict == "cannot tell" else SPLIT.get(kind, "cannot tell")
+
+
+def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
+    """Category of NAMUR NE 107 for the actuator (the sensor, where that is at fault); empty: cannot tell."""
+    if row.manual is not None and row.manual >= HAND:
+        return "function check"
+    if stuck(row):
+        return "failure"
+    if loud(row, around.usual) is not None:
+        return "maintenance required"
+    if row.verdict == "cannot tell":
+        return ""
+    if row.kind == "sensor":
+        return "maintenance required"
+    if row.kind != "actuator":
+        rings_untold = makes_it_swing(row, around) and not row.cleared
+        return "" if rings_untold else "normal"  # it is to be retuned, and says nothing of the valve
+    size = row.size_percent
+    if size is not None and size >= STUCK:
+        return "failure"
+    if row.verdict == "saturation" or (size is not None and size > BAD):
+        return "out of specification"
+    return "normal" if row.severity == "low" and not swings(row) else "maintenance required"
+
+
+def swings(row: AssessmentRow) -> bool:
+    """Whether the loop swings regularly, as published: regularity above 1."""
+    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
+
+
+def rings(row: AssessmentRow) -> bool:
+    """Whether it swings as a loop that hardly settles: very regularly, with an amplitude that comes and goes."""
+    wanders = row.indices.get("amplitude_spread", 0.0) >= WANDERS
+    return swings(row) and wanders and (row.regularity or 0.0) >= RINGS
+
+
+def makes_it_swing(row: AssessmentRow, around: Around) -> bool:
+    """Whether a loop without a fault of its valve that is known swings by itself."""
+    untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
+    return untold and around.source in ("", row.tag) and not around.steady and rings(row)
+
+
+def disturbed(row: AssessmentRow, around: Around) -> bool:
+    """Whether its swing comes from elsewhere: noise lets no linear loop keep its amplitude, whatever its tuning."""
+    steady = around.steady or row.indices.get("amplitude_spread", WANDERS) < STEADY
+    blamed = row.kind == "tuning" and row.tag != around.source
+    return row.kind == "disturbance" or (blamed and swings(row) and steady)
