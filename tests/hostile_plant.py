@@ -162,7 +162,7 @@ def read_store(path):
     with Store(path, write=False) as store:
         for run in store.runs():
             store.counts(run.number), store.areas(run.number), store.rows(run.number), store.groups(run.number)
-            store.leading(run.number, ()), store.judged(run.number, ()), store.spectra(run.number)
+            store.leading(run.number), store.judged(run.number), store.spectra(run.number)
             store.lines(run.number), store.unread(run.number), store.news(run.number)
         store.states(), store.loops(), store.history("FIC-1"), store.reviews("FIC-1")
     with Store(path) as store:

@@ -10,14 +10,15 @@ import pytest
 from lostmotion.audit.audit_run import AuditRun
 from lostmotion.audit.health import health_of
 from lostmotion.audit.rank import ranked
+from lostmotion.audit.row_facts import order
 from lostmotion.audit.rules import FORCED, FROZEN, NOISY, RINGING, RULES, WEARING, rule_of
 from lostmotion.errors import DataError
 from lostmotion.plant import PlantLoop
 from lostmotion.report.audit_text import audit_summary
 from lostmotion.report.plant import loop_report, plant_report, table
 from lostmotion.report.plant.words import next_command, next_step, sure_words
-from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
-from tests.plant_rows import finding, plant, sound
+from lostmotion.store.rows import FAULTS, FINDINGS, MEASUREMENT, UNDATED, AssessmentRow, Stage
+from tests.plant_rows import END, START, finding, plant, sound
 from tests.plant_stores import plant_store
 
 
@@ -99,6 +100,40 @@ def test_noise_and_ringing_decide_before_the_wear_that_they_make() -> None:
     rings = judged(travel=20_000.0, indices={"amplitude_spread": 0.5}, **{**TEST, **SWINGS, "power": 0.2})
     assert (rule_of(noisy), rule_of(rings)) == (NOISY, RINGING)
     assert noisy.priority_reason.endswith("OP travels 200 full strokes an hour: wear")
+
+
+def test_a_loop_that_a_rule_decides_counts_as_what_the_rule_says(tmp_path) -> None:
+    """A frozen measurement whose diagnosis reads saturation is a sensor to look at, and no valve at its limits."""
+    frozen, forced = DECIDED[0][1], replace(DECIDED[3][1], tag="FIC-2")
+    unfit = replace(sound("FIC-3"), rule="noisy measurement")
+    tags = ("FIC-1", "FIC-2", "FIC-3")
+    view = replace(plant(), rows=(frozen, forced, unfit), loops=tuple(map(PlantLoop, tags)), traces=(), previous=())
+    view = replace(view, history=(), groups=())
+    text = " ".join(audit_summary(view).split())
+    assert "Findings: 2 sensors to look at." in text
+    assert "Verdicts: 1 forced swing, 1 frozen measurement, 1 noisy measurement." in text
+    assert "3 of 3 loops could be judged. Of those judged 3 are told by a rule" in text
+    page = plant_report(view)
+    assert "Findings: 2 sensors to look at." in page
+    assert 'data-verdict="frozen measurement"' in page
+    assert 'data-verdict="saturation"' not in page
+    assert not unfit.cleared, "by a measurement that scatters"
+    assert order(frozen)[1] == 0
+    kept = replace(view, rows=tuple(replace(row, window_start=START, window_end=END) for row in view.rows))
+    run = AuditRun.of(plant_store(tmp_path, tags, kept, data=False))
+    assert [row.tag for row in run.findings] == ["FIC-1", "FIC-3"], "a swing from elsewhere is none"
+    told = run.to_dict()
+    assert [(one["tag"], one["said"], one["finding"]) for one in told["findings"]] == [
+        ("FIC-1", "frozen measurement", "sensor to look at"), ("FIC-3", "noisy measurement", "sensor to look at"),
+    ]  # fmt: skip
+    assert [one["said"] for one in told["assessments"]] == ["frozen measurement", "forced swing", "noisy measurement"]
+    assert run.loop("FIC-1").to_dict()["windows"][-1]["said"] == "frozen measurement"
+
+
+def test_what_rules_find_is_known_to_the_store() -> None:
+    """Its names are there, for counts and news, and what each finds has words."""
+    assert {rule.name for rule in RULES.values() if rule.finding} == set(FINDINGS) - set(FAULTS)
+    assert {FROZEN.name, NOISY.name} == set(MEASUREMENT)
 
 
 @pytest.mark.parametrize(

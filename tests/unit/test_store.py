@@ -227,15 +227,41 @@ def test_the_table_is_filtered_sorted_and_cut(store):
     assert tags(sort="tag", descending=False) == ["%c", "A", "a_", "b", "ä"]
     assert tags(limit=2, offset=1) == ["b", "ä"]
     assert tags(sort="area", descending=False) == ["b", "ä", "a_", "A", "%c"]
-    assert tags(Filter(verdict="stiction", severity="low")) == ["ä"]
+    assert tags(Filter(said="stiction", severity="low")) == ["ä"]
     assert tags(Filter(text="Ä")) == ["ä"]
     assert tags(Filter(text="_")) == ["a_"]
     assert tags(Filter(area="area 1", stage="assessed")) == ["%c", "A"]
-    assert store.lines(run, Filter(verdict="none"), limit=1).total == 2
+    assert store.lines(run, Filter(said="none"), limit=1).total == 2
     with pytest.raises(ParameterError, match="expected one of tag, "):
         store.lines(run, sort="evidence")
-    assert store.counts(run)["verdict"] == {"stiction": 2, "none": 2, "cannot tell": 1}
+    assert store.counts(run)["said"] == {"stiction": 2, "none": 2, "not assessed": 1}
     assert ("area 0", "stiction", "high", 1) in store.areas(run)
+
+
+def test_a_loop_counts_as_what_is_said_of_it(store):
+    """A frozen measurement whose diagnosis reads saturation is none of a valve, in filters, counts and news."""
+    first, tags = begun(store, tags=("a", "b", "c")), ("a", "b", "c")
+    ended = [row(tag, stage=Stage.ASSESSED, verdict="saturation", severity="high", fingerprint="1") for tag in tags]
+    store.put_screened(first, [Screened((one,)) for one in ended])
+    store.finish(first)
+    second = begun(store, tags=tags)
+    rules = ("frozen measurement", "", "forced swing")
+    now = [replace(one, rule=rule, fingerprint="2") for one, rule in zip(ended, rules, strict=True)]
+    store.put_screened(second, [Screened((one,)) for one in now])
+    store.finish(second)
+    assert store.counts(second)["said"] == {"frozen measurement": 1, "saturation": 1, "forced swing": 1}
+    assert [line.row.tag for line in store.lines(second, Filter(said="saturation")).lines] == ["b"]
+    assert [line.row.tag for line in store.lines(second, Filter(said="frozen measurement")).lines] == ["a"]
+    assert ("area 0", "frozen measurement", "high", 1) in store.areas(second)
+    assert store.news(second) == [New("a", "another fault", "saturation", "frozen measurement", "high", "high")]
+    third = begun(store, tags=tags)
+    mended = replace(now[0], verdict="cannot tell", fingerprint="3")
+    store.put_screened(third, [Screened((one,)) for one in (mended, *now[1:])])
+    assert store.counts(third)["said"]["frozen measurement"] == 1
+    store.put_ranks(third, [replace(mended, rule="")])
+    store.finish(third)
+    assert store.counts(third)["said"] == {"cannot tell": 1, "saturation": 1, "forced swing": 1}, "ranked again"
+    assert store.news(third) == [New("a", "no longer found", "frozen measurement", "cannot tell", "high", "high")]
 
 
 def test_reviews(store):
@@ -246,7 +272,7 @@ def test_reviews(store):
     assert store.reviews("b")[1] == ReviewRow("b", ReviewState.WORK_ORDER, "Ada", at, "4711")
     assert [one.row.tag for one in store.lines(run, Filter(review="work order")).lines] == ["b"]
     assert store.lines(run, Filter(review="new")).total == 4
-    assert store.lines(run, Filter(verdict="stiction")).lines[0].review is ReviewState.WORK_ORDER
+    assert store.lines(run, Filter(said="stiction")).lines[0].review is ReviewState.WORK_ORDER
     with pytest.raises(ParameterError, match="expected a loop of the store, got 'x'; "):
         store.review("x", ReviewState.ACCEPTED, "Ada")
 
@@ -268,7 +294,7 @@ def test_rows_that_we_have_not_written_are_told_in_one_line(tmp_path, what):
     connection.close()
     said = "got one that is damaged; take a copy of it from before, or begin a new one"
     with Store(path) as store, pytest.raises(FileAccessError, match=said):
-        store.leading(1, ()), store.rows(1), store.lines(1)
+        store.leading(1), store.rows(1), store.lines(1)
     if what == "a moment that is none":
         with Store(path) as store, pytest.raises(FileAccessError, match=said):
             store.finish(filled(store))
@@ -297,19 +323,25 @@ def test_news_and_history(store):
     assert (store.loop("x"), store.history("x")) == (None, [])
 
 
+NAMED, RULED = (0.4, 0.15, 0.15, 0.15, 0.15), (0.8, 0.1, 0.1)
+
+
 def random_run(store, rng, tags):
     run = begun(store, tags)
     rows = []
     for tag in rng.permutation(tags)[: rng.integers(len(tags) // 2, len(tags) + 1)]:
         size = float(rng.choice([0.5, 1.0, 1.5]))
         sized = {"size": size, "low": 0.8 * size, "high": 1.25 * size, "size_percent": 2.0 * size}
-        verdict, stage = str(rng.choice(["none", "stiction", "backlash", "cannot tell"])), rng.choice(list(Stage))
+        verdict = str(rng.choice(["stiction", "backlash", "none", "cannot tell", "other oscillation"], p=NAMED))
+        stage, rule = rng.choice(list(Stage), p=(0.2, 0.7, 0.1)), rng.choice(["", "ringing", "forced swing"], p=RULED)
         rows.append(
             row(
                 str(tag),
                 fingerprint=f"of run {run}",
                 verdict=verdict,
                 stage=Stage(stage),
+                rule=str(rule),
+                excluded_percent=float(rng.choice([0.5, 2.0])),
                 **sized if rng.random() < 0.8 else {},
             )
         )

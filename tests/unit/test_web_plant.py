@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import httpx
 import pytest
 
+from lostmotion.store.rows import AssessmentRow
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
 from lostmotion.web.app import create_app
@@ -258,6 +259,28 @@ def test_of_several_windows_the_one_that_says_most_is_shown(tmp_path):
     assert first["assessment"]["window_start"] == (START - day).isoformat()
     assert second["assessment"]["priority"] == 60.0
     assert "Windows of this run" in site.text("/loops/FIC-2")
+
+
+def test_loops_that_a_rule_decides_are_counted_and_chosen_by_it(tmp_path):
+    """By what the rule says, and as sure as it is; what was only screened too."""
+    address = plant_store(tmp_path, data=False)
+    rows = (
+        finding("FIC-1", 35.0, verdict="saturation", size_percent=None, rule="frozen measurement"),
+        sound("FIC-2", verdict="saturation", kind="actuator", priority=3.0, confidence=0.6),
+        AssessmentRow("FIC-3", START, END, priority=20.0, rule="ringing", reason="a master"),
+    )
+    with Store(address) as store:
+        run, _ = store.begin(RunRow("plant", digest="d3", code="c", began=START))
+        store.put_loops(run, [LoopRow(row.tag) for row in rows])
+        store.put_screened(run, [Screened((row,)) for row in rows])
+        store.finish(run)
+    site = Site(Page(address))
+    assert site.ask("/api/v1/counts").json()["verdict"] == {"frozen measurement": 1, "saturation": 1, "ringing": 1}
+    assert ranked(site.text("/?verdict=saturation")) == ["FIC-2"]
+    assert ranked(site.text("/?verdict=frozen+measurement")) == ["FIC-1"]
+    assert ranked(site.text("/?sort=sure")) == ["FIC-1", "FIC-3", "FIC-2"]
+    health = site.ask("/api/v1/health").json()
+    assert (health["judged"], health["by_rule"], health["screened"]) == (3, 2, 0)
 
 
 class Desk:

@@ -12,8 +12,9 @@ from typing import Any
 from lostmotion import _verbs
 from lostmotion.audit.history import LoopHistory, history
 from lostmotion.audit.live_points import live_estimates
-from lostmotion.audit.plant_view import FAULTS, PlantView
+from lostmotion.audit.plant_view import PlantView
 from lostmotion.audit.row_facts import order
+from lostmotion.audit.rules import finding_of
 from lostmotion.audit.run_view import view_of
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
@@ -88,8 +89,12 @@ class AuditRun:
 
     @property
     def findings(self) -> tuple[AssessmentRow, ...]:
-        """Rows that name a fault of the actuator, the most urgent first."""
-        return tuple(row for row in self.rows if row.verdict in FAULTS and row.stage is Stage.ASSESSED)
+        """Rows that name something wrong with the loop, the most urgent first.
+
+        A fault of its actuator, or what a rule of the audit says of its measurement, its tuning or its travel. A swing
+        that comes from elsewhere is none.
+        """
+        return tuple(row for row in self.rows if row.is_finding)
 
     @property
     def failures(self) -> tuple[AssessmentRow | Unread, ...]:
@@ -144,7 +149,7 @@ class AuditRun:
         return _verbs.plot(self.view, **options)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready: the run, its rows as in :meth:`table`, groups, news, what could not be read.
+        """JSON-ready: the run, its rows as in :meth:`table`, findings, groups, news, what could not be read.
 
         Numbers that JSON does not know are None: of a size that is not excluded, any size is possible.
         """
@@ -154,6 +159,10 @@ class AuditRun:
             "state": str(self.run.state),
             "loops": len(self.loops),
             "assessments": self.table().to_dicts(),
+            "findings": [
+                {"tag": row.tag, "window_start": row.window_start, "said": row.said, "finding": finding_of(row)}
+                for row in self.findings
+            ],
             "groups": [
                 {"number": one.number, "period": one.period, "source": one.source, "confidence": one.confidence,
                  "why": one.why, "members": [member[0] for member in one.members]}

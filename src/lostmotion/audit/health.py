@@ -14,6 +14,8 @@ from lostmotion.store.overview import Judged
 from lostmotion.store.rows import AssessmentRow, Stage
 from lostmotion.store.run_rows import UnreadRow
 
+OPEN = ("cannot tell", "not assessed", "failed")  # said of loops that were not judged
+BY_RULE = "Of those judged {} are told by a rule (measurement, tuning, travel, swing), which clears no valve."
 EXAMPLES = 3  # tags that are named with a reason
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:[.,]\d+)*(?:e[+-]?\d+)?|\d+")
 
@@ -45,9 +47,9 @@ class Health:
 
     Attributes
     ----------
-    loops, assessed, screened, failed, cannot_tell, unfit, without_row : int
-        Loops: all; diagnosed; screened only; failed; diagnosed without an answer; with data that allow no judgement;
-        not reached at all.
+    loops, judged, by_rule, screened, failed, cannot_tell, unfit, without_row : int
+        Loops: all; of which something is said; of these by a rule of the audit; screened only; failed; diagnosed
+        without an answer; with data that allow no judgement; not reached at all.
     not_judged, data : tuple of Reason
         Most frequent first.
     files, files_failed : int
@@ -55,7 +57,8 @@ class Health:
     """
 
     loops: int
-    assessed: int
+    judged: int
+    by_rule: int
     screened: int
     failed: int
     cannot_tell: int
@@ -65,11 +68,6 @@ class Health:
     data: tuple[Reason, ...]
     files: int
     files_failed: int
-
-    @property
-    def judged(self) -> int:
-        """Loops of which a verdict says something."""
-        return self.assessed - self.cannot_tell
 
     def sentence(self) -> str:
         """In one line."""
@@ -81,7 +79,8 @@ class Health:
             (self.without_row, "not reached"),
         ]
         rest = ", ".join(f"{count} {what}" for count, what in parts if count)
-        return f"{said}; {rest}: they are not cleared." if rest else f"{said}."
+        said = f"{said}; {rest}: they are not cleared." if rest else f"{said}."
+        return f"{said} {BY_RULE.format(self.by_rule)}" if self.by_rule else said
 
 
 def health_of(view: PlantView) -> Health:
@@ -93,15 +92,16 @@ def health_of_rows(
     rows: Sequence[AssessmentRow | Judged], tags: set[str], unread: Sequence[Unread | UnreadRow]
 ) -> Health:
     """The same from one row a loop, the tags of all loops, and what gave no loop."""
-    stages = Counter(row.stage for row in rows)
+    said = Counter(row.said for row in rows)
     seen = {row.tag for row in rows}
-    open_rows = [row for row in rows if row.stage is not Stage.ASSESSED or row.verdict == "cannot tell"]
+    open_rows = [row for row in rows if row.said in OPEN]
     return Health(
         loops=len(tags),
-        assessed=stages[Stage.ASSESSED],
-        screened=stages[Stage.SCREENED],
-        failed=stages[Stage.FAILED],
-        cannot_tell=sum(row.stage is Stage.ASSESSED and row.verdict == "cannot tell" for row in rows),
+        judged=len(rows) - len(open_rows),
+        by_rule=sum(bool(row.rule) for row in rows),
+        screened=said["not assessed"],
+        failed=said["failed"],
+        cannot_tell=said["cannot tell"],
         unfit=sum(not row.fit_for_use for row in rows),
         without_row=len(tags - seen),
         not_judged=_reasons((row.tag, why_not(row)) for row in open_rows),

@@ -153,7 +153,12 @@ class LoopHistory:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         points = [
-            {"window_start": row.window_start.isoformat(), "verdict": row.verdict, "percent": _percent(row)}
+            {
+                "window_start": row.window_start.isoformat(),
+                "said": row.said,
+                "verdict": row.verdict,
+                "percent": _percent(row),
+            }
             for row in self.rows
         ]
         live = [

@@ -65,7 +65,8 @@ class SizePoint:
         Of a live one: number of the watch.
     when : datetime
         Of the data: start of the window; of a live one its last sample.
-    verdict : str
+    said : str
+        As :attr:`lostmotion.store.rows.AssessmentRow.said`; of a live one its status.
     size, low, high : float, optional
         With the 95 % interval; None: not known.
     excluded : float, optional
@@ -77,7 +78,7 @@ class SizePoint:
     tag: str
     run: int
     when: datetime
-    verdict: str
+    said: str
     size: float | None = None
     low: float | None = None
     high: float | None = None
@@ -204,7 +205,7 @@ class LoopView:
 
 
 def leading_rows(rows: tuple[AssessmentRow, ...] | list[AssessmentRow]) -> tuple[AssessmentRow, ...]:
-    """Of every loop the row that says most: highest priority, then assessed, fault, latest; highest priority first."""
+    """Of every loop the row that says most (priority, then assessed, a finding, latest), the most urgent loop first."""
     best: dict[str, AssessmentRow] = {}
     for row in rows:
         if row.tag not in best or _says(row) > _says(best[row.tag]):
@@ -214,4 +215,4 @@ def leading_rows(rows: tuple[AssessmentRow, ...] | list[AssessmentRow]) -> tuple
 
 def _says(row: AssessmentRow) -> tuple[float, bool, bool, datetime]:
     priority = -1.0 if row.priority is None else row.priority
-    return priority, row.stage is Stage.ASSESSED, row.verdict in FAULTS, row.window_start
+    return priority, row.stage is Stage.ASSESSED, row.is_finding, row.window_start

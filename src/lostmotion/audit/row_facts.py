@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 
-from lostmotion.audit.rules import rule_of
 from lostmotion.store.changed import ends_percent
-from lostmotion.store.rows import DENIED, FAULTS, AssessmentRow, Stage
+from lostmotion.store.rows import DENIED, AssessmentRow, Stage
 
-__all__ = ["ends_percent", "order", "said_words", "status_words"]
+__all__ = ["ends_percent", "order"]
 
 
 def order(row: AssessmentRow) -> tuple[float, int, float, float, float]:
     """Key of the ranking: by priority, what has none last.
 
-    Among equals faults come before what cannot be told, that before what is none, what failed last; then by size, by
+    Among equals findings come before what cannot be told, that before what is none, what failed last; then by size, by
     probability of a fault, and by what the record leaves open.
 
     Examples
@@ -26,28 +25,7 @@ def order(row: AssessmentRow) -> tuple[float, int, float, float, float]:
     ['FIC-0.24', 'FIC-0.04']
     """
     priority = -1.0 if row.priority is None else row.priority
-    place = 0 if row.verdict in FAULTS else 2 if row.verdict in DENIED else 1
+    place = 0 if row.is_finding else 2 if row.said in DENIED else 1
     left = math.inf if row.excluded_percent is None else row.excluded_percent
     place += 3 * (row.stage is Stage.FAILED)
     return -priority, place, -(row.size_percent or 0.0), -(row.probability or 0.0), -left
-
-
-def status_words(row: AssessmentRow) -> str:
-    """Verdict of an assessed loop, else how far it came."""
-    if row.stage is Stage.ASSESSED:
-        return row.verdict
-    return "failed" if row.stage is Stage.FAILED else "not assessed"
-
-
-def said_words(row: AssessmentRow) -> str:
-    """What is said of a loop: by the rule that decides its priority, else by its diagnosis.
-
-    Examples
-    --------
-    >>> from lostmotion.store.rows import UNDATED
-    >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, priority=36.0, rule="ringing")
-    >>> said_words(row), status_words(row)
-    ('ringing', 'not assessed')
-    """
-    rule = rule_of(row)
-    return status_words(row) if rule is None else rule.name

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from lostmotion.errors import DataError
-from lostmotion.store.rows import AssessmentRow
+from lostmotion.store.rows import FAULTS, AssessmentRow
 
+SENSOR, VALVE, ENDED = "sensor to look at", "valve at fault", "valve at its limits"
 RINGS_SURE = 0.8  # that a loop is to be tuned whose swing comes and goes
 
 
@@ -24,6 +27,8 @@ class Rule:
         Where it comes from, a sentence.
     advice : tuple of str
         Most important first.
+    finding : str
+        What it finds, in the singular; empty: nothing that is wrong with the loop itself.
     sure : float, optional
         How sure it is: 1: it is measured. None: as sure as the diagnosis is that it is not the actuator.
     """
@@ -32,6 +37,7 @@ class Rule:
     name: str
     where: str
     advice: tuple[str, ...]
+    finding: str = ""
     sure: float | None = 1.0
 
 
@@ -44,6 +50,7 @@ FROZEN = Rule(
         "a local gauge.",
         "Record the loop again when PV moves: what was told of the valve rests on a PV that stood still.",
     ),
+    SENSOR,
 )
 NOISY = Rule(
     "PV scatters over",
@@ -53,12 +60,14 @@ NOISY = Rule(
         "Look at the measurement and its damping: mounting, earthing, impulse line, filter time of the transmitter.",
         "Record the loop again with less noise: the valve cannot be told behind it.",
     ),
+    SENSOR,
 )
 RINGING = Rule(
     "hardly settles: retune",
     "ringing",
     "It comes from the tuning: the loop rings, and noise builds the swing up and takes it away.",
     ("Retune: the loop hardly settles at this period. Lower the gain, or the integral action.",),
+    "loop to retune",
     RINGS_SURE,
 )
 FORCED = Rule(
@@ -66,13 +75,14 @@ FORCED = Rule(
     "forced swing",
     "It comes from outside: the swing keeps its amplitude, which that of a badly tuned loop does not.",
     ("Look upstream: the loop follows a swing that comes from elsewhere. Compare the periods of its neighbours.",),
-    None,
+    sure=None,
 )
 WEARING = Rule(
     "OP travels",
     "wear by travel",
     "It comes from what drives OP: the valve never rests, and wears.",
     ("Calm OP: filter the measurement, lower the gain or the derivative action, or widen the dead band of the PI.",),
+    "valve that never rests",
 )
 RULES = {rule.name: rule for rule in (FROZEN, NOISY, RINGING, FORCED, WEARING)}
 
@@ -98,6 +108,43 @@ def rule_of(row: AssessmentRow) -> Rule | None:
     if row.rule not in RULES:
         raise DataError.expected(f"one of {', '.join(RULES)}", repr(row.rule), "run the audit with this version")
     return RULES[row.rule]
+
+
+def finding_of(row: AssessmentRow) -> str:
+    """What is found, in the singular: by its rule, or by its diagnosis; empty: nothing.
+
+    Examples
+    --------
+    >>> from lostmotion.store.rows import UNDATED, Stage
+    >>> made = {"stage": Stage.ASSESSED, "verdict": "saturation"}
+    >>> finding_of(AssessmentRow("PIC-1", UNDATED, UNDATED, **made))
+    'valve at its limits'
+    >>> finding_of(AssessmentRow("PIC-1", UNDATED, UNDATED, rule="frozen measurement", **made))
+    'sensor to look at'
+    """
+    rule = rule_of(row)
+    if rule is not None:
+        return rule.finding
+    return (ENDED if row.said == "saturation" else VALVE) if row.said in FAULTS else ""
+
+
+def findings_words(rows: Iterable[AssessmentRow]) -> str:
+    """How many of each finding, the most frequent first; empty: none.
+
+    Examples
+    --------
+    >>> from lostmotion.store.rows import UNDATED
+    >>> names = ("ringing", "frozen measurement", "ringing", "forced swing")
+    >>> findings_words(AssessmentRow("PIC-1", UNDATED, UNDATED, rule=name) for name in names)
+    '2 loops to retune, 1 sensor to look at'
+    """
+    counted = Counter(found for row in rows if (found := finding_of(row)))
+    return ", ".join(f"{count} {_many(found) if count > 1 else found}" for found, count in counted.most_common())
+
+
+def _many(found: str) -> str:
+    first, _, rest = found.partition(" ")
+    return f"{first}s {rest.replace('its', 'their').replace('rests', 'rest')}"
 
 
 def sure_of(row: AssessmentRow) -> float | None:

@@ -96,4 +96,4 @@ def size_point(number: int, row: AssessmentRow) -> SizePoint:
     ends = ends_percent(row)
     low, high = ends if ends is not None else (None, None)
     size = row.size_percent if row.kind == "actuator" else None
-    return SizePoint(row.tag, number, row.window_start, row.verdict, size, low, high, row.excluded_percent)
+    return SizePoint(row.tag, number, row.window_start, row.said, size, low, high, row.excluded_percent)

@@ -107,7 +107,8 @@ def audit(
     and an audit that was stopped goes on where it was. `audit --show plant.db` shows the last run, `audit --propose
     FOLDER > loops.csv` writes a loop list to correct.
 
-    Exit code 0 where no valve was found at fault and all was read; 1 for a finding or a failure.
+    Exit code 0 where nothing was found and all was read; 1 for a finding (a valve at fault, a sensor to look at, a loop
+    to retune, a valve that never rests) or a failure.
     """
     given = [str(one) for one in sources or []]
     if not given:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.row_facts import ends_percent, said_words
+from lostmotion.audit.row_facts import ends_percent
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, new_figure
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def _ranking(axes: Axes, view: PlantView) -> None:
             axes.plot(row.size_percent, -place, "o", color=MODEL, ms=6)
         elif row.excluded_percent is not None:
             axes.plot([0.0, min(row.excluded_percent, TICKS[-1])], [-place] * 2, color=MEASURED, lw=1.5, ls="--")
-    names = [f"{_short(row.tag)}  {said_words(row)}  {row.priority:.0f}" for row in rows]
+    names = [f"{_short(row.tag)}  {row.said}  {row.priority:.0f}" for row in rows]
     axes.set_yticks([-place for place in range(len(rows))], names, parse_math=False)
     axes.set_xscale("symlog", linthresh=1.0)  # 1 % and 60 % in one picture
     axes.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])
@@ -61,7 +61,7 @@ def _ranking(axes: Axes, view: PlantView) -> None:
 
 
 def _verdicts(axes: Axes, view: PlantView) -> None:
-    counts = Counter(said_words(row) for row in view.leading).most_common()
+    counts = Counter(row.said for row in view.leading).most_common()
     _bars(axes, counts, MODEL)
     calm(axes, "Verdicts", "loops", "")
 

@@ -7,7 +7,7 @@ from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.row_facts import said_words
+from lostmotion.audit.rules import findings_words
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.words import (
@@ -59,14 +59,15 @@ def _health(health: Health) -> str:
 
 
 def _counts(view: PlantView) -> str:
-    rows = [row for row in view.leading if row.stage is Stage.ASSESSED]
-    verdicts = Counter(map(said_words, rows))
+    rows = [row for row in view.leading if row.stage is Stage.ASSESSED or row.rule]
+    verdicts = Counter(row.said for row in rows)
     said = [f"{verdicts[name]} {name}" for name in (*ORDER, *sorted(set(verdicts) - set(ORDER))) if verdicts[name]]
     labels = Counter(row.label or "no label" for row in rows)
     named = [f"{count} {label}" for label, count in labels.most_common()]
     if not rows:
         return ""
-    return "\n".join(["", fill(f"Verdicts: {', '.join(said)}."), fill(f"NE 107: {', '.join(named)}.")])
+    found = fill(f"Findings: {findings_words(rows) or 'none'}.")
+    return "\n".join(["", found, fill(f"Verdicts: {', '.join(said)}."), fill(f"NE 107: {', '.join(named)}.")])
 
 
 def _ranking(view: PlantView) -> str:
@@ -86,7 +87,7 @@ def _cells(view: PlantView, row: AssessmentRow, place: int) -> tuple[str, ...]:
         str(place),
         _cut(row.tag, WIDTHS[1]),
         _cut(view.by_tag[row.tag].area or "-", WIDTHS[2]),
-        said_words(row),
+        row.said,
         size_words(row) or "-",
         _interval(row),
         sure_words(row) or "-",

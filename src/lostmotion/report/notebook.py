@@ -8,7 +8,6 @@ import numpy as np
 
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.row_facts import said_words
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.diagnose.diagnosis import Item
@@ -47,7 +46,7 @@ def audit_frame(view: PlantView) -> Any:
 def audit_html(view: PlantView) -> str:
     """What could be judged, and the first of the ranking."""
     first = [row for row in view.leading if row.priority][:MOST_LOOPS]
-    rows = [(row.tag, said_words(row), f"{row.priority or 0.0:.0f}", row.priority_reason) for row in first]
+    rows = [(row.tag, row.said, f"{row.priority or 0.0:.0f}", row.priority_reason) for row in first]
     headline = f"Audit of {view.run.plant or 'a plant'}, run {view.run.number}"
     return html_panel(headline, html_table(rows, RANKING, named=True), said=(health_of(view).sentence(),))
 

@@ -66,15 +66,15 @@ class Asked:
         with self._reading() as connection:
             return queries.lines(connection, run, chosen or Filter(), **how)
 
-    def leading(self, run: int, faults: Sequence[str]) -> tuple[Columns, Columns]:
+    def leading(self, run: int) -> tuple[Columns, Columns]:
         """One narrow line a loop, of its window that says most, and all loops, as columns."""
         with self._reading() as connection:
-            return leading(connection, run, faults)
+            return leading(connection, run)
 
-    def judged(self, run: int, faults: Sequence[str]) -> list[Judged]:
+    def judged(self, run: int) -> list[Judged]:
         """Whether each loop was judged, and what is said of its data."""
         with self._reading() as connection:
-            return list(judged(connection, run, faults))
+            return list(judged(connection, run))
 
     def at(self, run: int, keys: Sequence[tuple[int, datetime]], brief: bool = False) -> tuple[Line, ...]:
         """Lines of some loops (by number) and windows, in this order; `brief`: without the lines of evidence."""
@@ -92,12 +92,12 @@ class Asked:
             return queries.windows(connection, run, tag)
 
     def counts(self, run: int) -> dict[str, dict[str, int]]:
-        """Rows by verdict, severity, label, split and stage: how many of each word."""
+        """Rows by what is said, severity, label, split and stage: how many of each word."""
         with self._reading() as connection:
             return queries.counts(connection, run)
 
     def areas(self, run: int) -> list[tuple[str, str, str, int]]:
-        """Area, verdict, severity, and how many rows."""
+        """Area, what is said, severity, and how many rows."""
         with self._reading() as connection:
             return queries.areas(connection, run)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from lostmotion.store.rows import FAULTS, AssessmentRow, Stage
+from lostmotion.store.rows import AssessmentRow, Stage
 
 ORDER = ("new finding", "grew", "another fault", "no longer found", "shrank", "new loop", "not seen any more")
 
@@ -20,7 +20,7 @@ class New:
     what : str
         Of ORDER.
     before, after : str
-        Verdicts; empty: the loop was not in that run.
+        What is said of it; empty: the loop was not in that run.
     severity_before, severity_after : str
     """
 
@@ -35,21 +35,30 @@ class New:
 def changed(before: AssessmentRow | None, now: AssessmentRow | None) -> str:
     """What has changed, of ORDER; empty: nothing that matters. Of a size only what the intervals show.
 
-    That a verdict can no longer be reached, or a swing is no longer blamed on it, is no news of the valve.
+    That a verdict can no longer be reached, or a swing is no longer blamed on the loop, is no news of it.
     """
     if before is None or now is None:
         return "new loop" if before is None else "not seen any more"
-    was, is_ = before.verdict in FAULTS, now.verdict in FAULTS
+    was, is_ = before.is_finding, now.is_finding
     if is_ and not was:
         return "new finding"
     if not is_:
-        return "no longer found" if was and now.stage is Stage.ASSESSED and now.cleared else ""
-    if before.verdict != now.verdict:
+        return "no longer found" if was and _gone(before, now) else ""
+    if before.said != now.said:
         return "another fault"
     old, new = ends_percent(before), ends_percent(now)
     if old is None or new is None:
         return ""
     return "grew" if new[0] > old[1] else "shrank" if new[1] < old[0] else ""
+
+
+def _gone(before: AssessmentRow, now: AssessmentRow) -> bool:
+    """Whether a finding is no longer there: of a valve that was cleared; a rule of the audit that no longer holds."""
+    if now.stage is not Stage.ASSESSED:
+        return False
+    if not before.rule:
+        return now.cleared
+    return now.fit_for_use and not now.rule and now.verdict != "other oscillation"
 
 
 def ends_percent(row: AssessmentRow) -> tuple[float, float] | None:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
 from lostmotion.store.changed import New, differences
 from lostmotion.store.encoded import encoded
-from lostmotion.store.rows import FAULTS, AssessmentRow, Stage
-from lostmotion.store.schema import assessment, change, comparison, loop
+from lostmotion.store.rows import FINDINGS, AssessmentRow, Stage
+from lostmotion.store.schema import assessment, change, comparison, loop, said
 from lostmotion.store.writing import ids
 
-COMPARED = ("window_start", "window_end", "stage", "verdict", "size", "low", "high", "size_percent", "severity")
+COMPARED = (
+    "window_start", "window_end", "stage", "verdict", "rule", "size", "low", "high", "size_percent", "severity",
+    "excluded_percent", "fit_for_use", "indices",
+)  # fmt: skip
 
 
 def news(connection: Connection, number: int, earlier: int, limit: int | None = None) -> list[New]:
@@ -64,15 +70,15 @@ def _kept(connection: Connection, number: int, limit: int | None) -> list[New]:
 
 
 def _in_question(number: int, earlier: int) -> sa.CompoundSelect[tuple[int]]:
-    """Loops that may have changed: in one of the runs only, or with a fault in one and another verdict or size."""
+    """Loops that may have changed: in one of the runs only, or with a finding in one and another one or size."""
     now, before = assessment.alias("now"), assessment.alias("before")
     of_runs = assessment.c.run_id.in_((number, earlier)) & assessment.c.newest
     alone = sa.select(assessment.c.loop_id).where(of_runs).group_by(assessment.c.loop_id)
     apart = _ends(now)[0] > _ends(before)[1], _ends(now)[1] < _ends(before)[0]
     both = sa.select(now.c.loop_id).join(before, before.c.loop_id == now.c.loop_id)
     both = both.where((now.c.run_id == number) & now.c.newest & (before.c.run_id == earlier) & before.c.newest)
-    both = both.where(now.c.verdict.in_(FAULTS) | before.c.verdict.in_(FAULTS))
-    both = both.where(sa.or_(now.c.verdict != before.c.verdict, *apart))
+    is_, was = said(now), said(before)
+    both = both.where(is_.in_(FINDINGS) | was.in_(FINDINGS)).where(sa.or_(is_ != was, *apart))
     return sa.union_all(alone.having(sa.func.count() < 2), both)
 
 
@@ -87,11 +93,15 @@ def _rows(connection: Connection, number: int, loops: sa.CompoundSelect[tuple[in
     asked = sa.select(loop.c.tag, *(columns[name] for name in COMPARED)).join(loop, loop.c.id == columns.loop_id)
     asked = asked.where((columns.run_id == number) & columns.newest & columns.loop_id.in_(loops))
     found = (dict(values) for values in connection.execute(asked).mappings())
-    return [AssessmentRow(**values | {"stage": Stage(values["stage"])}) for values in found]
+    return [_row(values) for values in found]
+
+
+def _row(values: dict[str, Any]) -> AssessmentRow:
+    return AssessmentRow(**values | {"stage": Stage(values["stage"]), "indices": json.loads(values["indices"])})
 
 
 def _new(what: str, before: AssessmentRow | None, now: AssessmentRow | None) -> New:
     tag = next(row.tag for row in (now, before) if row is not None)
-    verdicts = ["" if row is None else row.verdict for row in (before, now)]
+    words = ["" if row is None else row.said for row in (before, now)]
     severities = ["" if row is None else row.severity for row in (before, now)]
-    return New(tag, what, verdicts[0], verdicts[1], severities[0], severities[1])
+    return New(tag, what, words[0], words[1], severities[0], severities[1])

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
-from lostmotion.store.rows import Stage
-from lostmotion.store.schema import assessment, loop
+from lostmotion.store.rows import FINDINGS, Stage, diagnosed
+from lostmotion.store.schema import assessment, loop, said
 
 OF_LOOP = ("tag", "area", "type", "search")
 OF_ROW = (  # all of them in the index assessment_page: the rows themselves are not read
-    "verdict", "label", "split", "stage", "priority", "size_percent", "excluded_percent", "confidence",
+    "verdict", "rule", "label", "split", "stage", "priority", "size_percent", "excluded_percent", "confidence",
     "probability", "period", "power", "harris", "variability", "travel", "manual", "limited", "missing",
 )  # fmt: skip
 Columns = dict[str, tuple[Any, ...]]  # by name, for data frames: rows one by one would take longer than the query
@@ -28,14 +28,20 @@ class Judged(NamedTuple):
     tag: str
     stage: Stage
     verdict: str
+    rule: str
     fit_for_use: bool
     error: str
     reason: str
     why: str
     health: tuple[str, ...]
 
+    @property
+    def said(self) -> str:
+        """As the row has it."""
+        return self.rule or diagnosed(self.stage, self.verdict)
 
-def leading(connection: Connection, number: int, faults: Sequence[str]) -> tuple[Columns, Columns]:
+
+def leading(connection: Connection, number: int) -> tuple[Columns, Columns]:
     """Of every loop of a run the window that says most; and all loops.
 
     Parameters
@@ -43,8 +49,6 @@ def leading(connection: Connection, number: int, faults: Sequence[str]) -> tuple
     connection : Connection
     number : int
         Of the run.
-    faults : sequence of str
-        Verdicts that count more than others: of windows with the same priority one with them says most.
 
     Returns
     -------
@@ -53,7 +57,7 @@ def leading(connection: Connection, number: int, faults: Sequence[str]) -> tuple
     """
     start = sa.type_coerce(assessment.c.window_start, sa.Text).label("window_start")
     columns = [assessment.c.loop_id, start, *(assessment.c[name] for name in OF_ROW)]
-    rows = _columns(connection, sa.select(*columns).where(_says_most(connection, number, faults)))
+    rows = _columns(connection, sa.select(*columns).where(_says_most(connection, number)))
     loops = sa.select(loop.c.id.label("loop_id"), *(loop.c[name] for name in OF_LOOP))
     return rows, _columns(connection, loops)
 
@@ -65,13 +69,13 @@ def _columns(connection: Connection, asked: sa.Select[Any]) -> Columns:
     return dict(zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True))
 
 
-def judged(connection: Connection, number: int, faults: Sequence[str]) -> Iterator[Judged]:
+def judged(connection: Connection, number: int) -> Iterator[Judged]:
     """The same windows, with what is said of them in words."""
     columns = (getattr(assessment.c, name) for name in Judged._fields if name != "tag")
     asked = sa.select(loop.c.tag, *columns).join_from(assessment, loop, loop.c.id == assessment.c.loop_id)
-    for values in connection.execute(asked.where(_says_most(connection, number, faults))):
-        tag, stage, verdict, fit, error, reason, why, health = values
-        yield Judged(tag, STAGES[stage], verdict, bool(fit), error, reason, why, _texts(health))
+    for values in connection.execute(asked.where(_says_most(connection, number))):
+        tag, stage, verdict, rule, fit, error, reason, why, health = values
+        yield Judged(tag, STAGES[stage], verdict, rule, bool(fit), error, reason, why, _texts(health))
 
 
 @lru_cache(maxsize=4096)
@@ -79,8 +83,8 @@ def _texts(health: str) -> tuple[str, ...]:
     return tuple(json.loads(health))
 
 
-def _says_most(connection: Connection, number: int, faults: Sequence[str]) -> Any:
-    """One window of each loop: highest priority, then assessed, fault, latest."""
+def _says_most(connection: Connection, number: int) -> Any:
+    """One window of each loop: highest priority, then assessed, a finding, latest."""
     here = assessment.c.run_id == number
     older = sa.select(assessment.c.loop_id).where(here & ~assessment.c.newest).limit(1)
     if connection.execute(older).first() is None:
@@ -88,7 +92,7 @@ def _says_most(connection: Connection, number: int, faults: Sequence[str]) -> An
     order = (
         sa.func.coalesce(assessment.c.priority, -1.0).desc(),
         sa.case((assessment.c.stage == Stage.ASSESSED, 0), else_=1),
-        sa.case((assessment.c.verdict.in_(list(faults)), 0), else_=1),
+        sa.case((said(assessment).in_(FINDINGS), 0), else_=1),
         assessment.c.window_start.desc(),
     )
     place = sa.func.row_number().over(partition_by=assessment.c.loop_id, order_by=order).label("place")

@@ -15,9 +15,20 @@ from lostmotion.store.carry import assessment_row, run_row
 from lostmotion.store.encoded import coded, decoded
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, RunState, UnreadRow
-from lostmotion.store.schema import assessment, loop, member, oscillation_group, review, run, spectrum, trace, unread
+from lostmotion.store.schema import (
+    assessment,
+    loop,
+    member,
+    oscillation_group,
+    review,
+    run,
+    said,
+    spectrum,
+    trace,
+    unread,
+)
 
-COUNTED = ("verdict", "severity", "label", "split", "stage")
+COUNTED = ("said", "severity", "label", "split", "stage")
 SORTED = tuple(one.name for one in coded(AssessmentRow) if one.kind not in ("json", "bytes"))
 SHOWN = (RunState.FINISHED, RunState.STOPPED, RunState.RUNNING)  # what counts as the last run, if none is finished
 LOOP = [column.label(f"loop_{column.name}") for column in loop.columns if column.name != "search"]
@@ -29,7 +40,8 @@ class Filter:
 
     Attributes
     ----------
-    area, loop_type, verdict, severity, label, split, stage : str, optional
+    area, loop_type, said, severity, label, split, stage : str, optional
+        `said`: by the rule or the diagnosis that decides, as :attr:`lostmotion.store.rows.AssessmentRow.said`.
     text : str
         Part of the tag, the area, the type or a name of a column, upper case or not.
     review : str, optional
@@ -40,7 +52,7 @@ class Filter:
 
     area: str | None = None
     loop_type: str | None = None
-    verdict: str | None = None
+    said: str | None = None
     severity: str | None = None
     label: str | None = None
     split: str | None = None
@@ -164,7 +176,7 @@ def _conditions(number: int, chosen: Filter) -> tuple[Any, bool]:
     """Condition on the rows, and whether it needs the loops."""
     words = {name: getattr(chosen, name) for name in COUNTED}
     conditions = [assessment.c.run_id == number]
-    conditions += [assessment.c[name] == word for name, word in words.items() if word is not None]
+    conditions += [_counted(name) == word for name, word in words.items() if word is not None]
     of_loop = [
         column == wanted
         for column, wanted in ((loop.c.area, chosen.area), (loop.c.type, chosen.loop_type))
@@ -177,6 +189,11 @@ def _conditions(number: int, chosen: Filter) -> tuple[Any, bool]:
     if chosen.review is not None:
         conditions.append(_reviewed(chosen.review))
     return sa.and_(*conditions, *of_loop), bool(of_loop)
+
+
+def _counted(name: str) -> Any:
+    """Column of COUNTED."""
+    return said(assessment) if name == "said" else assessment.c[name]
 
 
 def _reviewed(state: str) -> Any:
@@ -227,8 +244,8 @@ def reviews(connection: Connection, tag: str) -> list[ReviewRow]:
 
 
 def counts(connection: Connection, number: int) -> dict[str, dict[str, int]]:
-    """Rows of a run by verdict, severity, label, split and stage: how many of each word."""
-    columns = [assessment.c[name] for name in COUNTED]
+    """Rows of a run by what is said, severity, label, split and stage: how many of each word."""
+    columns = [_counted(name) for name in COUNTED]
     asked = sa.select(*columns, sa.func.count()).where(assessment.c.run_id == number).group_by(*columns)
     found: dict[str, dict[str, int]] = {name: {} for name in COUNTED}
     for *words, count in connection.execute(asked):
@@ -238,11 +255,11 @@ def counts(connection: Connection, number: int) -> dict[str, dict[str, int]]:
 
 
 def areas(connection: Connection, number: int) -> list[tuple[str, str, str, int]]:
-    """Area, verdict, severity, and how many rows of a run: what a treemap shows."""
-    columns = (loop.c.area, assessment.c.verdict, assessment.c.severity)
+    """Area, what is said, severity, and how many rows of a run: what a treemap shows."""
+    columns = (loop.c.area, said(assessment).label("said"), assessment.c.severity)
     asked = sa.select(*columns, sa.func.count()).select_from(assessment.join(loop, loop.c.id == assessment.c.loop_id))
     asked = asked.where(assessment.c.run_id == number).group_by(*columns).order_by(*columns)
-    return [(area, verdict, severity, count) for area, verdict, severity, count in connection.execute(asked)]
+    return [(area, word, severity, count) for area, word, severity, count in connection.execute(asked)]
 
 
 def rows(connection: Connection, number: int) -> Iterator[AssessmentRow]:

@@ -10,6 +10,8 @@ from enum import StrEnum
 
 UNDATED = datetime(1970, 1, 1, tzinfo=UTC)  # first row of a record that does not say when it began
 FAULTS = ("dead zone", "backlash", "stiction", "saturation")  # verdicts that name a fault of the actuator
+MEASUREMENT = ("frozen measurement", "noisy measurement")  # rules of the audit by which it is at fault
+FINDINGS = (*FAULTS, *MEASUREMENT, "ringing", "wear by travel")  # of what is said of a loop, what is wrong with it
 DENIED = ("none", "other oscillation")  # verdicts that name none; whether it is cleared is another question
 USUAL_TOLERANCE = 1.0  # % of span, of a row that does not say which
 
@@ -20,6 +22,13 @@ class Stage(StrEnum):
     SCREENED = "screened"  # looked at in milliseconds, not diagnosed: `reason` says why
     ASSESSED = "assessed"
     FAILED = "failed"  # `error` says why
+
+
+def diagnosed(stage: Stage, verdict: str) -> str:
+    """Verdict of an assessed loop, else how far it came."""
+    if stage is Stage.ASSESSED:
+        return verdict
+    return "failed" if stage is Stage.FAILED else "not assessed"
 
 
 @dataclass(frozen=True)
@@ -155,8 +164,32 @@ class AssessmentRow:
     error: str = ""
 
     @property
+    def diagnosed(self) -> str:
+        """Verdict of an assessed loop, else how far it came."""
+        return diagnosed(self.stage, self.verdict)
+
+    @property
+    def said(self) -> str:
+        """What is said of the loop: by the rule that decides, else by its diagnosis.
+
+        Examples
+        --------
+        >>> row = AssessmentRow("FIC-1", UNDATED, UNDATED, priority=36.0, rule="ringing")
+        >>> row.said, row.diagnosed, row.is_finding
+        ('ringing', 'not assessed', True)
+        """
+        return self.rule or self.diagnosed
+
+    @property
+    def is_finding(self) -> bool:
+        """Whether something is wrong with the loop itself, be it its valve, its measurement or its tuning."""
+        return self.said in FINDINGS
+
+    @property
     def cleared(self) -> bool:
         """Whether no lost motion over the tolerance is left open; "none" is said only where that is so.
+
+        Nothing is cleared by a measurement that is at fault.
 
         Examples
         --------
@@ -169,7 +202,8 @@ class AssessmentRow:
         limit = 100.0 * tolerance / span if span > 0.0 else math.nan
         left = math.inf if self.excluded_percent is None else self.excluded_percent
         within = left <= (limit if math.isfinite(limit) else USUAL_TOLERANCE)
-        return self.verdict == "none" or (self.verdict in DENIED and within)
+        cleared = self.verdict == "none" or (self.verdict in DENIED and within)
+        return cleared and self.rule not in MEASUREMENT
 
 
 @dataclass(frozen=True)

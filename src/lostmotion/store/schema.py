@@ -9,10 +9,12 @@ from sqlalchemy import (
     BigInteger,
     Boolean,
     Column,
+    ColumnElement,
     DateTime,
     Dialect,
     Double,
     ForeignKey,
+    FromClause,
     Index,
     Integer,
     LargeBinary,
@@ -20,12 +22,14 @@ from sqlalchemy import (
     Table,
     Text,
     TypeDecorator,
+    case,
+    func,
 )
 from sqlalchemy.types import TypeEngine
 
 from lostmotion.store.changed import New
 from lostmotion.store.encoded import coded, utc
-from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
+from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, RunRow, UnreadRow, WatchRow
 
 VERSION = "0005"  # of the schema: the last of migrations/versions
@@ -113,6 +117,14 @@ assessment = Table(
     Index("assessment_priority", "run_id", "priority"),
     Index("assessment_page", "run_id", "newest", "loop_id", "window_start", *PAGE),
 )
+
+
+def said(of: FromClause) -> ColumnElement[str]:
+    """What is said of a loop, as :attr:`lostmotion.store.rows.AssessmentRow.said` has it; all of it in the index."""
+    diagnosed = case((of.c.stage == Stage.ASSESSED, of.c.verdict), (of.c.stage == Stage.FAILED, "failed"))
+    return case((of.c.rule != "", of.c.rule), else_=func.coalesce(diagnosed, "not assessed"))
+
+
 spectrum = Table("spectrum", metadata, *_window(), *_columns(SpectrumRow, "tag", "window_start"))
 trace = Table("trace", metadata, *_window(), *_columns(TraceRow, "tag", "window_start"))
 unread = Table(

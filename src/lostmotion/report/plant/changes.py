@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.row_facts import status_words
 from lostmotion.report.plant.words import interval_words, of_what, size_words
 from lostmotion.store.changed import differences
 from lostmotion.store.rows import AssessmentRow
@@ -42,6 +41,6 @@ def _change(what: str, before: AssessmentRow | None, now: AssessmentRow | None) 
 
 
 def said(row: AssessmentRow) -> str:
-    """Verdict and size, short."""
-    size = size_words(row)
-    return f"{status_words(row)}, {size} % {of_what(row)} ({interval_words(row)})" if size else status_words(row)
+    """What is said of it with its size, short."""
+    size = "" if row.rule else size_words(row)
+    return f"{row.said}, {size} % {of_what(row)} ({interval_words(row)})" if size else row.said

@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import LoopView, PlantView
-from lostmotion.audit.row_facts import said_words
+from lostmotion.audit.rules import finding_of, findings_words
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines
@@ -77,6 +77,7 @@ def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Cal
         "run": view.run,
         "facts": _run_facts(view),
         "health": health_of(view),
+        "findings": findings_words(view.leading),
         "unread": view.unread,
         "counts": _counts(view.leading),
         "ranking": lines(view, ranked, address, new),
@@ -116,10 +117,10 @@ def script() -> str:
 
 
 def worth_a_page(rows: Sequence[AssessmentRow]) -> list[AssessmentRow]:
-    """Loops that somebody will want to look into: assessed, not cleared, and with a priority where they are ranked."""
+    """Loops that somebody will want to look into: told, not cleared, and with a priority where they are ranked."""
     ranked = any(row.priority is not None for row in rows)
-    assessed = [row for row in rows if row.stage is Stage.ASSESSED and row.verdict != "none"]
-    return [row for row in assessed if row.priority or not ranked] or list(rows[:1])
+    told = [row for row in rows if row.said not in ("none", "not assessed", "failed")]
+    return [row for row in told if row.priority or not ranked] or list(rows[:1])
 
 
 def _assets(view: PlantView | LoopView) -> dict[str, Any]:
@@ -149,9 +150,10 @@ def _run_facts(view: PlantView) -> list[tuple[str, str]]:
 
 
 def _counts(rows: Sequence[AssessmentRow]) -> list[tuple[str, list[Count]]]:
-    """Titles and counts: verdicts, NE 107, where the cause lies, class of performance."""
+    """Titles and counts: findings, verdicts, NE 107, where the cause lies, class of performance."""
     kinds = [
-        ("Verdict", Counter(map(said_words, rows))),
+        ("Finding", Counter(found for row in rows if (found := finding_of(row)))),
+        ("Verdict", Counter(row.said for row in rows)),
         ("NE 107", Counter(row.label or "cannot tell (no label)" for row in rows)),
         ("Cause in", Counter("nothing found" if row.split == "none" else row.split for row in rows)),
         ("Performance", Counter(row.performance for row in rows)),

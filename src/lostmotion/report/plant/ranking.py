@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from lostmotion.audit.plant_view import FAULTS, PlantView
-from lostmotion.audit.row_facts import said_words
-from lostmotion.audit.rules import rule_of, sure_of
+from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.rules import sure_of
 from lostmotion.report.plant.svg.bars import size_bar
 from lostmotion.report.plant.words import (
     LETTER,
@@ -96,9 +95,9 @@ def _line(
         loop_type=loop.loop_type,
         label=row.label,
         letter=LETTER.get(row.label, "?"),
-        verdict=said_words(row),
+        verdict=row.said,
         second=second_opinion(row),
-        kind="" if rule_of(row) is not None or row.kind in ("none", "unknown", "actuator") else row.kind,
+        kind="" if row.rule or row.kind in ("none", "unknown", "actuator") else row.kind,
         size=f"{size} % {of_what(row)}" if size else "",
         interval=interval_words(row),
         excluded=excluded_words(row),
@@ -109,6 +108,6 @@ def _line(
         bar=size_bar(row, most),
         priority=row.priority,
         size_key=row.size_percent or 0.0,
-        sure_key=sure_of(row) or 0.0 if row.verdict in FAULTS or rule_of(row) is not None else 0.0,
+        sure_key=sure_of(row) or 0.0 if row.is_finding or row.rule else 0.0,
         new=new,
     )

@@ -84,7 +84,7 @@ def _change(first: SizePoint, last: SizePoint) -> tuple[str, str]:
 
 def history_rows(points: tuple[SizePoint, ...]) -> list[tuple[str, str, str, str]]:
     """Run (of the running plant the watch), date, verdict and size of each."""
-    return [(_run(point), moment_words(point.when), point.verdict, size_of(point)) for point in points]
+    return [(_run(point), moment_words(point.when), point.said, size_of(point)) for point in points]
 
 
 def _run(point: SizePoint) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import polars as pl
 
 from lostmotion.audit.row_facts import ends_percent
-from lostmotion.audit.rules import advice_of, rule_of
+from lostmotion.audit.rules import advice_of
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow
 
@@ -21,6 +21,7 @@ COLUMNS: dict[str, Any] = {
     "window_start": _TIME,
     "window_end": _TIME,
     "stage": _TEXT,
+    "said": _TEXT,
     "rule": _TEXT,
     "verdict": _TEXT,
     "kind": _TEXT,
@@ -85,8 +86,8 @@ def table(rows: Iterable[AssessmentRow], loops: Mapping[str, PlantLoop] | None =
     Returns
     -------
     polars.DataFrame
-        Columns of COLUMNS; unknown is null. "rule" names what decides the priority in the place of the verdict, and
-        "advice" is of the one that decides.
+        Columns of COLUMNS; unknown is null. "said" is the rule or, where there is none, the verdict that decides; the
+        "advice" is of the same.
 
     Examples
     --------
@@ -113,7 +114,6 @@ def _cells(row: AssessmentRow, loop: PlantLoop) -> list[Any]:
         "high_percent": high,
         "op_unit": loop.op_unit or None,
         "health": JOINED.join(row.health) or None,
-        "rule": None if (rule := rule_of(row)) is None else rule.name,
         "advice": " ".join(advice_of(row)) or None,
         "evidence": JOINED.join(f"{name} {value:.3g} ({weight:+.2f})" for name, value, weight in row.evidence) or None,
         "source": loop.where or None,

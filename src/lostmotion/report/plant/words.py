@@ -8,14 +8,14 @@ from datetime import datetime
 from pathlib import Path
 
 from lostmotion.audit.plant_view import FAULTS, RunFacts
-from lostmotion.audit.row_facts import ends_percent, said_words, status_words
-from lostmotion.audit.rules import FROZEN, NOISY, advice_of, rule_of, sure_of
+from lostmotion.audit.row_facts import ends_percent
+from lostmotion.audit.rules import advice_of, rule_of, sure_of
 from lostmotion.diagnose.evidence_words import KIND, probability
 from lostmotion.files.paths import is_pattern
 from lostmotion.plant import PlantLoop
 from lostmotion.plant.address import parsed
 from lostmotion.report.digits import FINEST, digits, plain, span
-from lostmotion.store.rows import UNDATED, AssessmentRow, Stage
+from lostmotion.store.rows import MEASUREMENT, UNDATED, AssessmentRow, Stage
 
 NO_ANSWER = "–"
 MEASURED = "measured"  # how sure a fact is that needs no diagnosis
@@ -75,7 +75,7 @@ def excluded_words(row: AssessmentRow) -> str:
     >>> excluded_words(AssessmentRow("FIC-1", UNDATED, UNDATED, excluded_percent=0.412))
     'up to 0.41 % not excluded'
     """
-    if row.excluded_percent is None or row.verdict in FAULTS:
+    if row.excluded_percent is None or row.verdict in FAULTS or row.rule in MEASUREMENT:
         return ""
     if math.isinf(row.excluded_percent):
         return "any size not excluded"
@@ -107,15 +107,15 @@ def second_opinion(row: AssessmentRow) -> str:
     >>> second_opinion(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="saturation", kind="actuator", **made))
     'diagnosis: saturation, 80 % sure'
     """
-    if rule_of(row) is None or row.stage is not Stage.ASSESSED:
+    if not row.rule or row.stage is not Stage.ASSESSED:
         return ""
     sure = _sure_of_verdict(row)
-    return f"diagnosis: {status_words(row)}" + (f", {sure} sure" if sure else "")
+    return f"diagnosis: {row.verdict}" + (f", {sure} sure" if sure else "")
 
 
 def headline(row: AssessmentRow) -> str:
     """What is said of it, where it comes from, size with interval, confidence, in one line."""
-    if rule_of(row) is not None:
+    if row.rule:
         return _by_rule(row)
     if row.stage is Stage.FAILED:
         return f"No result: {row.error or row.reason or 'it failed'}"
@@ -135,7 +135,7 @@ def headline(row: AssessmentRow) -> str:
 def _by_rule(row: AssessmentRow) -> str:
     sure = sure_words(row)
     end = f", confidence {sure}" if sure and sure != MEASURED else ""
-    return f"{said_words(row).capitalize()}: {row.priority_reason.partition('; ')[0]}{end}"
+    return f"{row.said.capitalize()}: {row.priority_reason.partition('; ')[0]}{end}"
 
 
 def _between(row: AssessmentRow) -> str:
@@ -158,8 +158,7 @@ def beside_fit(row: AssessmentRow) -> str:
     >>> "neither shown nor excluded: its probability is 48 %" in beside_fit(row)
     True
     """
-    decided = rule_of(row) is not None
-    if decided or row.verdict != "cannot tell" or row.status != "OK" or row.stage is not Stage.ASSESSED:
+    if row.rule or row.verdict != "cannot tell" or row.status != "OK" or row.stage is not Stage.ASSESSED:
         return ""
     known = "" if row.probability is None else f": its probability is {probability(row.probability)}"
     open_ = "the evidence lacks what is said above" if row.why else f"a fault is neither shown nor excluded{known}"
@@ -214,11 +213,12 @@ def other_reasons(row: AssessmentRow) -> str:
     Examples
     --------
     >>> reason = "backlash of 14 % of span (14 .. 15), 96 % sure; swings every 902 s"
-    >>> other_reasons(AssessmentRow("FIC-1", UNDATED, UNDATED, verdict="backlash", priority_reason=reason))
+    >>> made = {"stage": Stage.ASSESSED, "verdict": "backlash", "priority_reason": reason}
+    >>> other_reasons(AssessmentRow("FIC-1", UNDATED, UNDATED, **made))
     'swings every 902 s'
     """
     first, _, rest = row.priority_reason.partition("; ")
-    return rest if row.verdict in FAULTS and first.startswith(row.verdict) else row.priority_reason
+    return rest if row.said in FAULTS and first.startswith(row.said) else row.priority_reason
 
 
 def next_step(row: AssessmentRow) -> str:
@@ -251,11 +251,12 @@ def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
     file = typed_place(loop, run)
     if row.stage is Stage.FAILED and loop.where:
         return f"lostmotion check {file}"
-    if row.stage is not Stage.ASSESSED and run.store:
+    if row.stage is not Stage.ASSESSED and not row.rule and run.store:
         return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
-    if rule_of(row) in (FROZEN, NOISY) or not row.fit_for_use:
+    untellable = row.stage is Stage.SCREENED and not row.value  # a diagnosis would tell nothing
+    if row.rule in MEASUREMENT or not row.fit_for_use or untellable:
         return f"lostmotion check {file}"
-    if rule_of(row) is None and may_be_studied(row):
+    if not row.rule and may_be_studied(row):
         return f"lostmotion simulate {file}"
     if (
         not run.number and row.verdict in FAULTS and row.size is not None

@@ -14,7 +14,8 @@ from markupsafe import Markup
 
 from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.health import Health, health_of_rows
-from lostmotion.audit.plant_view import DENIED, FAULTS, RunFacts
+from lostmotion.audit.plant_view import RunFacts
+from lostmotion.audit.rules import RULES
 from lostmotion.audit.run_view import run_facts
 from lostmotion.report.plant.pages import NARROW, NEW
 from lostmotion.report.plant.svg.treemap import MOST_LOOPS, arranged, drawn
@@ -22,12 +23,13 @@ from lostmotion.report.plant.words import LETTER
 from lostmotion.store.changed import ORDER, New
 from lostmotion.store.overview import OF_LOOP, OF_ROW
 from lostmotion.store.queries import Line
-from lostmotion.store.rows import GroupRow, Stage
+from lostmotion.store.rows import DENIED, FINDINGS, GroupRow, Stage
 from lostmotion.store.run_rows import ReviewState, RunRow, UnreadRow
 from lostmotion.store.store import Store
 from lostmotion.web.plant.query import NO_AREA, NO_LABEL, SORTS, Query
 
-TEXTS = frozenset(("verdict", "label", "split", "stage"))
+TEXTS = frozenset(("verdict", "rule", "label", "split", "stage"))
+SURE = {rule.name: rule.sure for rule in RULES.values() if rule.sure is not None}
 TYPES = {name: pl.String if name in TEXTS else pl.Float64 for name in OF_ROW}
 
 
@@ -65,7 +67,7 @@ class Overview:
     @cached_property
     def frame(self) -> pl.DataFrame:
         """One line a loop, in the order of the ranking; made when the table is first asked for."""
-        rows, loops = self.store.leading(self.run.number, FAULTS)
+        rows, loops = self.store.leading(self.run.number)
         made = pl.DataFrame(rows, schema={"loop_id": pl.Int64, "window_start": None, **TYPES})
         named = pl.DataFrame(loops, schema={"loop_id": pl.Int64, **dict.fromkeys(OF_LOOP, pl.String)})
         return _ranked(made.join(named, on="loop_id", how="left"))
@@ -88,7 +90,7 @@ class Overview:
     @cached_property
     def health(self) -> Health:
         """What could be judged."""
-        rows = self.store.judged(self.run.number, FAULTS)
+        rows = self.store.judged(self.run.number)
         return health_of_rows(rows, set(self.frame["tag"].to_list()), self.unread)
 
     @cached_property
@@ -212,10 +214,13 @@ def _moment(start: str | datetime) -> datetime:
 def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
     """In the order of the report, as :func:`lostmotion.audit.row_facts.order` has it."""
     assessed, failed = pl.col("stage") == Stage.ASSESSED, pl.col("stage") == Stage.FAILED
-    kind = pl.when(pl.col("verdict").is_in(FAULTS)).then(0).when(pl.col("verdict").is_in(DENIED)).then(2).otherwise(1)
-    said = pl.when(assessed).then("verdict").when(failed).then(pl.lit("failed")).otherwise(pl.lit("not assessed"))
+    ruled = pl.col("rule") != ""
+    said = pl.when(ruled).then("rule").when(assessed).then("verdict").when(failed).then(pl.lit("failed"))
+    sure = pl.col("rule").replace_strict(SURE, default=None, return_dtype=pl.Float64).fill_null(pl.col("confidence"))
+    frame = frame.with_columns(said.otherwise(pl.lit("not assessed")).alias("said"), sure.alias("sure"))
+    kind = pl.when(pl.col("said").is_in(FINDINGS)).then(0).when(pl.col("said").is_in(DENIED)).then(2).otherwise(1)
     added = frame.with_columns(
-        said.alias("said"), (kind + 3 * failed.cast(pl.Int32)).alias("place"),
+        (kind + 3 * failed.cast(pl.Int32)).alias("place"),
         pl.col("priority").fill_null(-1.0).alias("urgent"), pl.col("size_percent").fill_null(0.0).alias("sized"),
         pl.col("probability").fill_null(0.0).alias("likely"), pl.col("excluded_percent").fill_null(inf).alias("left"),
     )  # fmt: skip

@@ -17,7 +17,7 @@ SORTS = {  # name in the address: column, whether the largest comes first
     "area": ("area", False),
     "verdict": ("said", False),
     "size": ("size_percent", True),
-    "sure": ("confidence", True),
+    "sure": ("sure", True),
     "swing": ("power", True),
     "period": ("period", True),
     "harris": ("harris", False),
