@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from lostmotion.audit.labels import label_of, split_of
 from lostmotion.audit.plant_view import leading_rows
 from lostmotion.audit.rank import ranked
+from lostmotion.audit.rules import advice_of
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, Stage
 
@@ -200,7 +201,7 @@ def test_a_measurement_that_scatters_is_a_fact_whatever_the_diagnosis_says() -> 
         "OP travels 40 full strokes an hour: wear"
     )
     assert 26.0 < first.priority < 55.0
-    usual = replace(noisy, indices={"scatter_percent": 0.5})
+    usual = replace(noisy, indices={"scatter_percent": 0.5}, travel=40.0)
     assert ranked([usual], {})[0].priority is None
     coarse = replace(noisy, indices={"scatter_percent": 2.5, "stale": 0.94}, fit_for_use=False)
     assert ranked([coarse], {})[0].priority is None, "steps of a resolution in which PV rests"
@@ -252,6 +253,43 @@ def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: s
     both = replace(group, source="", members=(("FIC-3", UNDATED, 1.0, 0.0), *group.members))
     assert all(one.split != "tuning" for one in ranked([rings, pure], {}, [both])), "it is forced from outside"
     assert "look there first" in carried.priority_reason
+
+
+SCREENED = row(
+    stage=Stage.SCREENED, reason="the budget was spent", regularity=40.0, power=0.9, period=300.0,
+    indices={"amplitude_spread": 0.5},
+)  # fmt: skip
+
+
+def test_a_loop_that_was_only_screened_is_ranked_by_what_needs_no_diagnosis() -> None:
+    """As one that was diagnosed, of which its diagnosis says nothing; all else waits for a diagnosis."""
+    rings, told = ranked([SCREENED], {})[0], ranked([replace(SCREENED, stage=Stage.ASSESSED)], {})[0]
+    assert (rings.rule, rings.priority, rings.split, rings.label) == ("ringing", told.priority, "tuning", "")
+    assert rings.priority_reason.endswith("90 % of the variance; not diagnosed: the budget was spent")
+    busy = ranked([replace(SCREENED, regularity=0.5, travel=9000.0)], {})[0]
+    assert (busy.rule, busy.label) == ("wear by travel", "")
+    assert busy.priority == pytest.approx(30.0 * (1.0 - 20.0 / 90.0))
+    assert busy.priority_reason == "OP travels 90 full strokes an hour: wear; not diagnosed: the budget was spent"
+    group = GroupRow(1, 300.0, "FIC-2", 0.9, "", (("FIC-1", UNDATED, 1.0, 0.0),))
+    waits = (
+        replace(SCREENED, regularity=3.0),
+        replace(SCREENED, indices={"amplitude_spread": 0.03}),
+        replace(SCREENED, manual=0.95),
+        replace(SCREENED, limited=0.6),
+        replace(SCREENED, fit_for_use=False),
+    )
+    for one in (*(ranked([each], {})[0] for each in waits), ranked([SCREENED], {}, [group])[0]):
+        assert (one.priority, one.rule, one.split) == (None, "", "cannot tell")
+
+
+def test_of_a_master_its_tuning_is_told_and_nothing_of_a_valve() -> None:
+    loops = {"FIC-1": PlantLoop("FIC-1", slave="FIC-2")}
+    master = replace(SCREENED, reason="a master, without a valve of its own", travel=9000.0)
+    rings = ranked([master], loops)[0]
+    assert (rings.rule, rings.split, rings.label) == ("ringing", "tuning", "")
+    assert "wear" not in rings.priority_reason
+    assert advice_of(rings)[0].startswith("Retune")
+    assert ranked([replace(master, regularity=0.5)], loops)[0].priority is None, "its travel wears no valve"
 
 
 def test_a_swing_that_keeps_its_amplitude_is_not_blamed_on_tuning() -> None:

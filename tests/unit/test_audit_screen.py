@@ -170,7 +170,7 @@ def test_a_master_has_no_valve_to_be_diagnosed():
     alone, master = row_of(base()), row_of(base(), replace(LOOP, slave="FIC-2"))
     assert alone.value > 0.0
     assert master.value == 0.0
-    assert "the loop to look at is its slave, FIC-2" in master.reason
+    assert "that of its slave, FIC-2, is the one to look at" in master.reason
     assert (master.period, master.power, master.travel) == (alone.period, alone.power, alone.travel)
     by_hand = row_of(replace(base(), mode=np.full(ROWS, "MAN")), replace(LOOP, slave="FIC-2"))
     assert "manual" in by_hand.reason, "what is wrong with the data comes first"

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, stuck
-from lostmotion.store.rows import AssessmentRow
+from lostmotion.diagnose.verdict import limits_decide
+from lostmotion.store.rows import AssessmentRow, Stage
 
 RINGS = 5.0  # regularity from which on a swing that comes and goes is the loop's own
 LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
@@ -35,6 +36,8 @@ class Around:
         Whether the strongest swing of its group keeps its amplitude: then noise builds up none of them.
     tells : bool
         Whether its error of control does: the span of PV is known, and it is no level, which may wander as a buffer.
+    master : bool
+        Whether its OP is the set point of another loop: it has no valve of its own.
     """
 
     weight: float = 1.0
@@ -42,6 +45,7 @@ class Around:
     usual: float | None = None
     steady: bool = False
     tells: bool = False
+    master: bool = False
 
 
 ALONE = Around()
@@ -95,8 +99,16 @@ def rings(row: AssessmentRow) -> bool:
 
 def makes_it_swing(row: AssessmentRow, around: Around) -> bool:
     """Whether a loop without a fault of its valve that is known swings by itself."""
+    if row.stage is not Stage.ASSESSED and not _controls(row):
+        return False
     untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
     return untold and around.source in ("", row.tag) and not around.steady and rings(row)
+
+
+def _controls(row: AssessmentRow) -> bool:
+    """Whether a loop that was not diagnosed was mostly in automatic and off its limits, with data fit for use."""
+    manual, limited = row.manual or 0.0, row.limited or 0.0
+    return row.stage is Stage.SCREENED and row.fit_for_use and manual < HAND and not limits_decide(row.verdict, limited)
 
 
 def disturbed(row: AssessmentRow, around: Around) -> bool:

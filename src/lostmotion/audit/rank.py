@@ -6,7 +6,7 @@ or of the time with OP at a limit. The weight is that of the loop list over the 
 the probability of the verdict; where none was reached it is the probability of an actuator fault, if that is more than
 the prior, for a size that is not excluded, and all counts by `UNTOLD`: a test comes first. A measurement that stood
 still while OP moved, or scatters over a good part of its span from row to row, is a fact, and so is an OP that never
-rests: it wears the valve.
+rests: it wears the valve. These, and that a loop rings, are told of a loop that was only screened, too.
 A loop that swings because another one of its group does so is looked at after that one.
 """
 
@@ -80,7 +80,8 @@ def ranked(
         weight, kind = (1.0, "") if loop is None else (loop.weight, loop.loop_type)
         key = row.tag, row.window_start
         tells = loop is not None and loop.pv_span is not None and kind != "level"
-        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, tells)
+        master = loop is not None and bool(loop.slave)
+        around = Around(weight / largest, sources.get(key, ""), usual.get(kind), key in steady, tells, master)
         found.append(_with_priority(row, around))
     return sorted(found, key=lambda row: (order(row), row.tag, row.window_start))
 
@@ -125,19 +126,32 @@ def _found(row: AssessmentRow, around: Around) -> Found | None:
     if measured is not None:
         found = Found(measured[0], [measured[1]], measured[2])
         return found if stuck(row) else _with_wear(row, found)
-    if not row.fit_for_use or row.stage is Stage.SCREENED:
+    if not row.fit_for_use:
         return None
-    return _with_wear(row, _worth(row, around))
+    return _by_screen(row, around) if row.stage is Stage.SCREENED else _with_wear(row, _worth(row, around))
+
+
+def _by_screen(row: AssessmentRow, around: Around) -> Found | None:
+    """Of a loop that was not diagnosed: that it rings or wears its valve needs no diagnosis. None: neither."""
+    found = _rings(row, around) if makes_it_swing(row, around) else Found(0.0, [])
+    found = found if around.master else _with_wear(row, found)
+    return None if found.rule is None else found._replace(words=[*found.words, f"not diagnosed: {row.reason}"])
+
+
+def _rings(row: AssessmentRow, around: Around) -> Found:
+    """Of a loop that is to be tuned."""
+    swing, about_swing = _swing(row, around.source)
+    way = "the likely source of its group" if row.tag == around.source else "its amplitude comes and goes"
+    return Found(ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing], RINGING)
 
 
 def _worth(row: AssessmentRow, around: Around) -> Found:
     """Of a loop that was diagnosed."""
+    if makes_it_swing(row, around):
+        return _rings(row, around)
     source = around.source
     swing, about_swing = _swing(row, source)
     sure = row.confidence or 0.0
-    if makes_it_swing(row, around):
-        way = "the likely source of its group" if row.tag == source else "its amplitude comes and goes"
-        return Found(ELSEWHERE * RINGS_SURE * swing, [f"{RINGING.opening} ({way})", *about_swing], RINGING)
     if row.verdict == "cannot tell":
         error, about_error = _avoidable(row, around)
         return _untold(row, max(swing, error), [*about_swing, *about_error])

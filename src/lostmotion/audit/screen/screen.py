@@ -32,7 +32,6 @@ from lostmotion.store.rows import AssessmentRow, SpectrumRow, Stage
 MIDDLE = (0.02, 0.98)  # quantiles of OP: a single excursion shows no lost motion
 MOVES = 8192  # of OP, from all over the window, of which the noise is taken
 NOISE = 1.4826  # deviation over median absolute value
-MASTER = "a master, without a valve of its own: the loop to look at is its slave, {}"
 
 
 @dataclass(frozen=True)
@@ -69,11 +68,9 @@ def screen(
     )  # fmt: skip
     try:
         with np.errstate(all="ignore"):  # huge values overflow in squares; what is not finite is left out
-            row, spectrum = _screened(row, ScreenRows(of_loop(loop, record)), settings)
+            row, spectrum = _screened(row, ScreenRows(of_loop(loop, record)), settings, loop.slave)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run
         row, spectrum = failed(row, error), None
-    if loop.slave and row.value > 0.0:
-        row = replace(row, value=0.0, reason=MASTER.format(loop.slave))
     return replace(row, seconds=time.process_time() - began), spectrum
 
 
@@ -85,7 +82,7 @@ def failed(row: AssessmentRow, error: Exception) -> AssessmentRow:
 
 
 def _screened(
-    row: AssessmentRow, rows: ScreenRows, settings: AuditSettings
+    row: AssessmentRow, rows: ScreenRows, settings: AuditSettings, slave: str
 ) -> tuple[AssessmentRow, SpectrumRow | None]:
     health, one = health_of(rows), _loop(rows)
     manual, limited = rows.share(rows.manual), rows.share(rows.limited & ~rows.manual)
@@ -95,7 +92,7 @@ def _screened(
         health.fit, int(rows.acting.sum()), manual, limited, _op_range(rows), _turns(rows),
         variability if rows.record.pv_span else None,
         one.swing.power if one.swing else 0.0, bool(one.swing and one.swing.steady), performance,
-        100.0 * settings.tolerance,
+        100.0 * settings.tolerance, slave,
     )  # fmt: skip
     value, reason = worth(seen, health.problem)
     row = replace(

@@ -14,6 +14,7 @@ ENOUGH_RANGE = 3.0  # times the tolerance, from which on the range of OP shows a
 LOUD = 2.0  # % of the span of PV: an error of control of this deviation matters in any loop
 LEAST = 0.05  # of what a diagnosis is worth wherever it can tell something: no loop is quiet for sure
 SWING, ERROR, CLASS = 0.5, 0.3, 0.2  # shares of what matters
+MASTER = "a master, without a valve of its own: that of its slave, {}, is the one to look at"
 POOR = {"excellent": 0.0, "acceptable": 0.2, "fair": 0.7, "poor": 1.0}
 
 
@@ -42,6 +43,8 @@ class Seen:
     performance : str
     tolerance : float
         % of span of OP.
+    slave : str
+        Loop whose set point OP is; empty: OP moves a valve.
     """
 
     fit: bool
@@ -55,6 +58,7 @@ class Seen:
     steady: bool
     performance: str
     tolerance: float
+    slave: str = ""
 
 
 def worth(seen: Seen, problem: str) -> tuple[float, str]:
@@ -91,6 +95,8 @@ def _barred(seen: Seen, problem: str) -> str:
     if seen.acting < limits.SHORT:
         where = "in manual" if seen.manual >= seen.limited else "at a limit of OP"
         return f"{where} nearly all the time: no closed loop to be judged"
+    if seen.slave:
+        return MASTER.format(seen.slave)
     if seen.op_range < seen.tolerance and not seen.steady:
         return f"OP moves by {seen.op_range:.2g} % of span: a lost motion of {seen.tolerance:.2g} % cannot show"
     if seen.turns < limits.FEW_REVERSALS:
