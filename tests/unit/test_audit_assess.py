@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lostmotion.audit.assess.assess import _another, _pooled, _shown_once, assess, told
-from lostmotion.audit.assess.stretches import EACH, ROWS, looks
+from lostmotion.audit.assess.stretches import EACH, ROWS, looks, recording
 from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.audit.assess.words import about_looks
 from lostmotion.audit.rank import ranked
@@ -18,9 +18,11 @@ from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.errors import DataError
 from lostmotion.evaluate import random_faulty_loop
+from lostmotion.identify.data import collect
+from lostmotion.identify.unseen_moves import unseen_moves
 from lostmotion.models.registry import actuator_from_dict
 from lostmotion.plant.loop import PlantLoop
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, prepare
 from lostmotion.store.rows import UNDATED, Stage
 
 LOOP = PlantLoop("FIC-1", loop_type="flow", op_span=(0.0, 100.0), pv_span=(0.0, 100.0))
@@ -130,6 +132,48 @@ def test_op_at_its_limit_for_long_is_what_is_wrong():
     found, _ = assess(LOOP, full, row, SETTINGS)
     assert (found.verdict, found.kind, found.size) == ("saturation", "actuator", None)
     assert found.evidence[0][1] == pytest.approx(0.7)
+
+
+def rarely_moved(every=900, rows=8000, scans=5):
+    """A flow that settles between its rows, each of so many scans; SP moves every 900 rows."""
+    random = np.random.default_rng(1)
+    n = rows * scans
+    sp = np.repeat(random.uniform(-8.0, 8.0, rows // every + 1), every * scans)[:n]
+    load, noise = 0.01 * random.normal(size=n).cumsum(), 0.05 * random.normal(size=n)
+    op, pv = np.zeros(n), np.zeros(n)
+    state = integral = 0.0
+    for k in range(n):
+        state += 0.5 * (1.2 * (op[k - 1] if k else 0.0) + load[k] - state)
+        pv[k] = state + noise[k]
+        integral += 0.125 * (sp[k] - pv[k])
+        op[k] = 0.17 * (sp[k] - pv[k]) + integral
+    at = slice(None, None, scans)
+    return LoopRecord(50.0 + op[at], 50.0 + pv[at], 50.0 + sp[at], dt=float(scans))
+
+
+def test_how_a_loop_is_recorded_is_told_by_the_whole_window(monkeypatch):
+    """Two moves of SP in a stretch leave open whether the loop settles between the rows; nine tell it."""
+    record = rarely_moved()
+    rows = ScreenRows(of_loop(LOOP, record))
+    whole, part = recording(rows, None), next(looks(rows, None)).record
+    assert unseen_moves(collect(prepare(part), None, None)).untold
+    assert not whole.untold
+    assert whole.settled
+    assert whole.mostly
+    assert recording(ScreenRows(of_loop(LOOP, record.cut(0, 3000))), None) is None, "looked at whole"
+    assert replace(collect(prepare(part), None, None), recording=whole).unseen is whole
+    given = []
+
+    def refused(part, known, **_):
+        given.append(known)
+        raise DataError("no more is asked here")
+
+    monkeypatch.setattr(import_module("lostmotion.audit.assess.assess"), "diagnose_part", refused)
+    row, _ = screen(LOOP, record, UNDATED, UNDATED, SETTINGS)
+    assess(LOOP, record, row, SETTINGS)
+    assert given
+    assert recording(rows, row.period) is not None
+    assert all(one == recording(rows, row.period) for one in given)
 
 
 def long_rows(**more):

@@ -24,7 +24,7 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.identify.left_open import largest_known
-from lostmotion.identify.unseen_moves import FILLED
+from lostmotion.identify.unseen_moves import FILLED, Unseen
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
@@ -38,7 +38,6 @@ BETWEEN = "{}, which makes the interval of the size so wide. Record every scan o
 LAGS = "The actuator lags by about {:.2g} s before it sticks; the size is that behind this lag."
 
 
-@one_thread
 def diagnose(
     record: LoopRecord,
     *,
@@ -84,6 +83,19 @@ def diagnose(
     >>> found.verdict
     'stiction'
     """
+    return diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+
+
+@one_thread
+def diagnose_part(
+    record: LoopRecord,
+    recording: Unseen | None,
+    *,
+    integrating: bool | None = None,
+    loop_type: str | None = None,
+    tolerance: float = TOLERANCE,
+) -> Diagnosis:
+    """The same of a part of a longer recording, which tells what OP does between its rows; None: the part tells it."""
     kinds = sorted(LEAST_INDEX)
     if loop_type is None and record.loop_type in kinds:
         loop_type = record.loop_type
@@ -92,7 +104,7 @@ def diagnose(
     record = replace(record, loop_type=loop_type or "")  # as said, whatever its tag looks like
     span = op_span(record)
     sound = SOUND * 100.0 * checked_tolerance(tolerance) * span.percent
-    fit = identify_for_verdict(prepare(record), integrating, sound)
+    fit = identify_for_verdict(prepare(record), integrating, sound, recording)
     if integrating is None:
         integrating = usually_integrates(record.loop_type)
     sp = fit.data.sp

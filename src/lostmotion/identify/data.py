@@ -49,6 +49,8 @@ class IdentificationData:
         Whether arrays were given, not records.
     sp : ndarray, shape (n,), or None
         Set point, where it is known in every row.
+    recording : Unseen or None
+        What OP does between the rows, where more rows of the same recording than these have told it.
     """
 
     u: FloatArray
@@ -65,6 +67,7 @@ class IdentificationData:
     made_up: MadeUp | None = None
     plain: bool = False
     sp: FloatArray | None = None
+    recording: Unseen | None = None
 
     @property
     def drawn(self) -> MadeUp | None:
@@ -99,7 +102,7 @@ class IdentificationData:
     @cached_property
     def unseen(self) -> Unseen:
         """What OP does between the rows, see ``unseen_moves``."""
-        return unseen_moves(self)
+        return unseen_moves(self) if self.recording is None else self.recording
 
     @cached_property
     def of_past_rows(self) -> bool:

@@ -34,6 +34,7 @@ from lostmotion.identify.likelihood.simulated import simulated_output
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import decide, excluded_above, weigh
+from lostmotion.identify.unseen_moves import Unseen
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import NoiseModel
 from lostmotion.records import LoopRecord, Prepared
@@ -128,13 +129,17 @@ def identify(
 
 
 @one_thread
-def identify_for_verdict(record: Prepared, integrating: bool | None, sound: float) -> HammersteinFit:
+def identify_for_verdict(
+    record: Prepared, integrating: bool | None, sound: float, recording: Unseen | None = None
+) -> HammersteinFit:
     """All kinds; sizes are excluded as well where the fault that was found may be denied.
 
-    That is where it is no larger than a sound valve has, `sound` in units of OP, or its gain is small.
+    That is where it is no larger than a sound valve has, `sound` in units of OP, or its gain is small. `recording` is
+    what more rows than these tell of how they were recorded.
     """
     asked_for = _asked_for(record, None, None, "auto", "auto", "auto", None, "auto", False, integrating)
-    return _or_integrating(replace(asked_for, sound=sound))
+    data = replace(asked_for.data, recording=recording)
+    return _or_integrating(replace(asked_for, data=data, sound=sound))
 
 
 @one_thread

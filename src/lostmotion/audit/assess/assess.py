@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.audit.assess.said import finite, said
-from lostmotion.audit.assess.stretches import Look, looks
+from lostmotion.audit.assess.stretches import Look, looks, recording
 from lostmotion.audit.assess.trace import trace_of
 from lostmotion.audit.assess.words import about_looks
 from lostmotion.audit.screen.rows import ScreenRows, of_loop
@@ -17,7 +17,7 @@ from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnosis import Diagnosis
-from lostmotion.diagnose.one_record import diagnose
+from lostmotion.diagnose.one_record import diagnose_part
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.errors import DataError
@@ -86,10 +86,11 @@ def assess(
 def _seen(rows: ScreenRows, row: AssessmentRow, tolerance: float) -> tuple[list[Seen], str]:
     """Looks that were diagnosed, and why the last one was not."""
     seen: list[Seen] = []
+    known = recording(rows, row.period)
     refused = "no stretch of the window in which OP and PV move and the controller acts"
     for look in looks(rows, row.period):
         try:
-            seen.append(Seen(look, diagnose(look.record, tolerance=tolerance)))
+            seen.append(Seen(look, diagnose_part(look.record, known, tolerance=tolerance)))
         except DataError as error:
             refused = str(error)
             if seen:

@@ -11,8 +11,11 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.audit.screen.rows import ScreenRows
 from lostmotion.diagnose.pooled.windows import MOVE
+from lostmotion.errors import DataError
+from lostmotion.identify.data import collect
+from lostmotion.identify.unseen_moves import Unseen, unseen_moves
 from lostmotion.kernels.turns import turns
-from lostmotion.records import LoopRecord, limits
+from lostmotion.records import LoopRecord, limits, prepare
 from lostmotion.records.resample import pick
 from lostmotion.records.sampling import Bools, runs
 
@@ -72,6 +75,22 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
         yield _joined(masked, taken, size, factor)
         for number in chosen:
             scores[np.abs(starts - starts[number]) < size] = -np.inf
+
+
+def recording(rows: ScreenRows, period: float | None) -> Unseen | None:
+    """What OP does between the rows, from all of the window at the pace of its looks; None: a look is at all of it.
+
+    A stretch has few moves of SP: whether the loop settles between the rows it often leaves open, and the next one says
+    something else. How a loop is recorded does not change from one to the next. Also None where the window is refused.
+    """
+    factor = thinning(period, rows.record.dt)
+    whole = _thinned(_masked(rows), factor) if len(rows.record) > SHORT * factor else None
+    if whole is None:
+        return None
+    try:
+        return unseen_moves(collect(prepare(whole), None, None))
+    except DataError:
+        return None
 
 
 def _score(rows: ScreenRows, part: slice) -> float:
