@@ -1,16 +1,19 @@
 """What a record excludes, and what that makes of a verdict."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import lostmotion as lm
 from lostmotion.diagnose.clean_bill import CARRIES, CleanBill, clean_bill, how_to_tell
-from lostmotion.diagnose.excitation import only_fed_back
+from lostmotion.diagnose.excitation import ONLY_PV, SMOOTH_SP, only_fed_back
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.op_span import OpSpan, op_span
 from lostmotion.diagnose.verdict import Verdict
+from lostmotion.identify.actuators.kind import kind_of
+from lostmotion.report import fit_text
 from tests.diagnoses import example, loop_record, variant
 
 PERCENT = OpSpan(0.0, 100.0, known=True)
@@ -193,6 +196,20 @@ def test_a_loop_in_which_only_pv_moves_op_excludes_nothing():
     assert cannot.verdict == "cannot tell"
     assert "nothing but PV moves OP" in cannot.why
     assert lm.diagnose(record).verdict != "none"
+
+
+@pytest.mark.statistics
+def test_where_a_smooth_sp_moves_op_it_is_not_said_that_only_pv_does():
+    """SP follows a sine, PV lags behind: past OP and PV foretell what it does to OP, and that is what is said."""
+    record = held(lm.Identity(), 5)
+    fit = lm.identify(record, nonlinearity="auto")
+    wave = np.sin(np.arange(fit.data.u.size) / 50.0)
+    for sp, moved in ((None, ONLY_PV), (0.0 * wave, ONLY_PV), (wave, SMOOTH_SP)):
+        asked = replace(fit, data=replace(fit.data, sp=sp))
+        found = clean_bill(asked, 0.01, PERCENT, fed_back=True)
+        assert found.why == f"{moved}, so that the record does not tell the process from its controller"
+        unseen = SimpleNamespace(kind=kind_of("backlash"), evidence=fit.evidence, data=asked.data)
+        assert fit_text._unseen(unseen, 100.0).startswith(f"{moved[0].upper()}{moved[1:]} in this record, which")
 
 
 @pytest.mark.statistics

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.excitation import moved_freely
 from lostmotion.diagnose.features import CARRIES, SILENT, Features, Measured
-from lostmotion.diagnose.objections import OBJECTIONS, SWINGS, Case, objection, sticks
+from lostmotion.diagnose.objections import OBJECTIONS, SWINGS, Case, _by_its_wave, objection, sticks
+from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.data import collect
 from tests.diagnoses import example
 
@@ -51,6 +53,16 @@ def test_a_wave_alone_in_a_flow_is_met_with_its_limit() -> None:
     assert found is not None
     assert "no valve that sticks foretells PV better" in found.why
     assert found.limit == pytest.approx(CARRIES * float(np.ptp(example().fit.data.u)))
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("none", "a valve without lost motion fits best"), ("dead zone", "a dead zone fits best")]
+)
+def test_what_fits_best_where_no_fault_does_is_no_none(name: str, said: str) -> None:
+    fit = SimpleNamespace(kind=kind_of(name), status=lm.Status.OK, kinds=None, parameters={}, data=example().fit.data,
+                          model=example().fit.model, evidence=example().fit.evidence)  # fmt: skip
+    found = _by_its_wave(replace(case("stiction", sticking=-1.0), fit=fit))  # type: ignore[arg-type]
+    assert found == f"{said}, which makes no such wave, and no valve that sticks foretells PV better"
 
 
 def test_a_swing_from_outside_names_no_level() -> None:

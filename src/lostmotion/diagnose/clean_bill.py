@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.diagnose.excitation import FOREKNOWN, NO_ANSWER, ONLY_PV
+from lostmotion.diagnose.excitation import FED_BACK_ONLY, FOREKNOWN, NO_ANSWER, what_moves_op
 from lostmotion.diagnose.features import CARRIES, Measured, swing_of
 from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
 from lostmotion.diagnose.shown import only_one_step_ahead
@@ -87,7 +87,7 @@ def _from_outside(verdict: Verdict, measured: Measured) -> bool:
 
 
 def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bool = False) -> CleanBill:
-    """What the record of a fit of all kinds leaves open; `fed_back`: nothing but PV moves OP in it.
+    """What the record of a fit of all kinds leaves open; `fed_back`: PV foretells all that moves OP in it.
 
     Sizes are excluded beside the process that was found: where that is not the plant, none is.
 
@@ -98,7 +98,7 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
     """
     excluded, why = _excluded(fit) | dict.fromkeys(_bent_away(fit), float(np.inf)), ""
     if fed_back:
-        why = ONLY_PV
+        why = FED_BACK_ONLY.format(what_moves_op(fit.data.sp))
     elif not fit.evidence.answered:
         why = NO_ANSWER
     elif fit.evidence.foreknown:

@@ -1,4 +1,4 @@
-"""Whether a record tells the process from its controller: whether anything but PV moves OP."""
+"""Whether a record tells the process from its controller: whether anything moves OP that PV does not foretell."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from lostmotion.identify.evidence import NEARLY_EXACT
 # noise can be exchanged for others that foretell PV as well, the inverse of the controller among them (Ljung, 2nd ed.,
 # section 13.4); of eleven valves with 0.5 to 5 % of lost motion that were cleared in another simulation, eight were so.
 FED_BACK = 0.01
-ONLY_PV = "nothing but PV moves OP, so that the record does not tell the process from its controller"
+ONLY_PV = "nothing but PV moves OP"
+SMOOTH_SP = "SP moves so smoothly that past OP and PV foretell all that it does to OP"
+FED_BACK_ONLY = "{}, so that the record does not tell the process from its controller"
 FOREKNOWN = (
     "the controller knows more than the rows show: it acts between them or on a load, or PV is recorded late, so that "
     "the record excludes no lost motion"
@@ -43,12 +45,11 @@ def follows_sp(fit: HammersteinFit, sp: FloatArray | None) -> bool:
 
     Ramps and sines of SP move OP by little from row to row, and far in the end.
     """
-    moves = sp is not None and bool(np.ptp(sp) > 0.0)
-    return moves and fit.evidence.answered and fit.fit_percent >= FOLLOWS
+    return _moves(sp) and fit.evidence.answered and fit.fit_percent >= FOLLOWS
 
 
 def only_fed_back(closed: bool, free: float, sp: FloatArray | None) -> bool:
-    """Whether OP is nothing but the controller's answer to PV.
+    """Whether OP is nothing but the controller's answer to PV, or to moves of SP that past OP and PV foretell.
 
     Parameters
     ----------
@@ -59,5 +60,19 @@ def only_fed_back(closed: bool, free: float, sp: FloatArray | None) -> bool:
     sp : ndarray or None
         Set point; None: not known.
     """
-    moves = sp is not None and bool(np.ptp(sp) > 0.0)
-    return closed and free < (NEARLY_EXACT if moves else FED_BACK)
+    return closed and free < (NEARLY_EXACT if _moves(sp) else FED_BACK)
+
+
+def what_moves_op(sp: FloatArray | None) -> str:
+    """The same in words, where it is so.
+
+    Examples
+    --------
+    >>> what_moves_op(None), what_moves_op(np.sin(np.arange(9.0)))
+    ('nothing but PV moves OP', 'SP moves so smoothly that past OP and PV foretell all that it does to OP')
+    """
+    return SMOOTH_SP if _moves(sp) else ONLY_PV
+
+
+def _moves(sp: FloatArray | None) -> bool:
+    return sp is not None and bool(np.ptp(sp) > 0.0)

@@ -26,7 +26,7 @@ NOTHING_SWINGS = (
 )
 AS_A_LOAD = "one half of the swing of OP is not the other upside down, as a saw tooth of load or a pump makes it"
 NO_BETTER = "no valve that sticks foretells PV better"
-ONLY_FED_BACK = "nothing but PV moves OP, so that the record does not tell process and valve from the load"
+ONLY_FED_BACK = "PV foretells all that moves OP, so that the record does not tell process and valve from the load"
 
 
 def without_proof(verdict: str, measured: Measured, level: bool, fed_back: bool) -> str:
@@ -44,7 +44,7 @@ def without_proof(verdict: str, measured: Measured, level: bool, fed_back: bool)
     level : bool
         Whether the process answers as a level.
     fed_back : bool
-        Whether nothing but PV moves OP.
+        Whether PV foretells all that moves OP.
     """
     kind = next((one for one in faults() if one.name == verdict), None)
     if kind is None or kind.size is None:

@@ -33,7 +33,7 @@ class Case:
     level : bool
         Whether the process answers as a level.
     fed_back : bool
-        Whether nothing but PV moves OP.
+        Whether PV foretells all that moves OP.
     """
 
     verdict: str
@@ -110,9 +110,14 @@ def _beside_a_swing(case: Case) -> str:
 def _by_its_wave(case: Case) -> str:
     if not case.sticks or not case.unforetold or (case.sticking >= 0.0 and case.level):
         return ""
-    other_kind = f"a {case.fit.kind.name} fits best, which makes no such wave, and"
-    seems = "the wave looks as if the valve stuck, but" if case.sticking >= 0.0 else other_kind
+    seems = "the wave looks as if the valve stuck, but" if case.sticking >= 0.0 else f"{_fits_best(case)}, and"
     return f"{seems} no valve that sticks foretells PV better"
+
+
+def _fits_best(case: Case) -> str:
+    name = case.fit.kind.name
+    fits = "a valve without lost motion" if name == NO_FAULT else f"a {name}"
+    return f"{fits} fits best, which makes no such wave"
 
 
 def _by_form_alone(case: Case) -> str:

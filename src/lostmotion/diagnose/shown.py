@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lostmotion.diagnose.excitation import what_moves_op
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.models import Saturation, Stiction
@@ -53,7 +54,8 @@ def not_shown(fit: HammersteinFit) -> str:
     if fit.kind.size is not None and vague and fit.interval(fit.kind.size)[0] <= 0.0:
         return f"a {name} fits, but of what size, if of any, the record does not tell"
     if isinstance(actuator, Stiction) and actuator.model == "he ramp" and _as_loads(fit):
-        return f"a {name} fits, but so would loads in steps: nothing but PV moves OP, and it leaves something over"
+        moved = what_moves_op(fit.data.sp)
+        return f"a {name} fits, but so would loads in steps: {moved}, and the fit leaves something over"
     if not fit.kind.dead_between:
         return ""
     if fit.status in NOT_SHOWN:

@@ -6,6 +6,7 @@ import textwrap
 
 import numpy as np
 
+from lostmotion.diagnose.excitation import what_moves_op
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import NO_FAULT
@@ -112,7 +113,8 @@ def _unseen(fit: HammersteinFit, span_op: float | None) -> str:
     if kind.size is None:
         return kind.words.unseen
     if fit.evidence.only_fed_back:
-        return f"Nothing but PV moves OP in this record, which then does not bound the {kind.size}."
+        moved = what_moves_op(fit.data.sp)
+        return f"{moved[0].upper()}{moved[1:]} in this record, which then does not bound the {kind.size}."
     if fit.evidence.foreknown:
         return f"The controller knows more than the rows of this record, which then does not bound the {kind.size}."
     if not fit.evidence.answered:
