@@ -45,8 +45,9 @@ def run(words, capsys):
 
 
 def test_the_valve_is_found_and_everything_is_accounted_for(audited):
-    assert [row.tag for row in audited.findings] == ["FIC-101"]
+    assert [(row.tag, row.said) for row in audited.findings] == [("FIC-101", "stiction"), ("FIC-102", "wear by travel")]
     assert audited.rows[0].verdict == "stiction"
+    assert audited.rows[1].verdict != "stiction", "sound, but OP never rests"
     assert {row.tag for row in audited.rows} == {"FIC-101", "FIC-102"}
     assert {(one.where, one.failed) for one in audited.unread} == {("README.txt", False), ("FIC-103.csv", True)}
     assert audited.run.state == "finished"

@@ -216,6 +216,8 @@ def test_a_valve_that_never_rests_is_told() -> None:
     assert busy.priority > calm.priority + 20.0
     assert busy.priority_reason.endswith("OP travels 90 full strokes an hour: wear")
     assert "wear" not in calm.priority_reason
+    seen = ranked([replace(tight, travel=9000.0, indices={"op_span_known": 0.0})], {})[0]
+    assert "wear" not in seen.priority_reason, "strokes of the range seen are none of the valve"
 
 
 def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
@@ -265,11 +267,11 @@ def test_a_loop_that_was_only_screened_is_ranked_by_what_needs_no_diagnosis() ->
     """As one that was diagnosed, of which its diagnosis says nothing; all else waits for a diagnosis."""
     rings, told = ranked([SCREENED], {})[0], ranked([replace(SCREENED, stage=Stage.ASSESSED)], {})[0]
     assert (rings.rule, rings.priority, rings.split, rings.label) == ("ringing", told.priority, "tuning", "")
-    assert rings.priority_reason.endswith("90 % of the variance; not diagnosed: the budget was spent")
+    assert rings.priority_reason.endswith("90 % of the variance; only screened: the budget was spent")
     busy = ranked([replace(SCREENED, regularity=0.5, travel=9000.0)], {})[0]
     assert (busy.rule, busy.label) == ("wear by travel", "")
     assert busy.priority == pytest.approx(30.0 * (1.0 - 20.0 / 90.0))
-    assert busy.priority_reason == "OP travels 90 full strokes an hour: wear; not diagnosed: the budget was spent"
+    assert busy.priority_reason == "OP travels 90 full strokes an hour: wear; only screened: the budget was spent"
     group = GroupRow(1, 300.0, "FIC-2", 0.9, "", (("FIC-1", UNDATED, 1.0, 0.0),))
     waits = (
         replace(SCREENED, regularity=3.0),

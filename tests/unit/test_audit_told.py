@@ -111,7 +111,7 @@ def test_a_loop_that_a_rule_decides_counts_as_what_the_rule_says(tmp_path) -> No
     view = replace(view, history=(), groups=())
     text = " ".join(audit_summary(view).split())
     assert "Findings: 2 sensors to look at." in text
-    assert "Verdicts: 1 forced swing, 1 frozen measurement, 1 noisy measurement." in text
+    assert "Verdicts: 1 frozen measurement, 1 noisy measurement, 1 forced swing." in text
     assert "3 of 3 loops could be judged. Of those judged 3 are told by a rule" in text
     page = plant_report(view)
     assert "Findings: 2 sensors to look at." in page

@@ -171,11 +171,13 @@ def test_what_is_unchanged_is_carried_over(store):
     store.put_screened(first, [Screened((row("FIC-1"),), (spectrum,)), Screened((row("LIC-2"),))])
     store.put_screened(first, [Screened((row("TIC-3", stage=Stage.FAILED),))])
     store.put_assessed(first, [row("FIC-1", stage=Stage.ASSESSED)], [trace])
+    told = row("FIC-1", stage=Stage.ASSESSED, priority=36.0, priority_reason="retune", rule="ringing")
+    store.put_ranks(first, [told])
     store.finish(first)
     second = begun(store, digest="d", code="c")
     known = {"FIC-1": Known("1", ""), "LIC-2": Known("2", ""), "TIC-3": Known("1", "")}
     assert store.done(second, known) == {"FIC-1"}, "another stamp, and a failure, are looked at again"
-    assert store.rows(second) == [row("FIC-1", stage=Stage.ASSESSED)]
+    assert store.rows(second) == [told], "with its rule"
     assert (store.spectra(second), store.traces(second, "FIC-1")) == ([spectrum], [trace])
     store.finish(second)
     third = begun(store, digest="other", code="c")

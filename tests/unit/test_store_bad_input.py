@@ -12,6 +12,7 @@ import pytest
 import sqlalchemy as sa
 from alembic.script import ScriptDirectory
 
+from lostmotion.audit.audit_run import AuditRun
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.store.connect import connected_as_it_is, store_url
 from lostmotion.store.run_rows import LoopRow, RunRow
@@ -140,6 +141,11 @@ def test_an_upgrade_reads_the_rule_of_each_row_from_its_reason_once(tmp_path):
     assert upgrade(path) == ("0004", VERSION)
     with Store(path) as store:
         assert [row.rule for row in store.rows(1)] == [*REASONS.values(), ""]
+    found = AuditRun.of(path)
+    assert [row.rule for row in found.findings] == ["frozen measurement", "noisy measurement", "ringing"] + 2 * [
+        "wear by travel"
+    ]
+    assert "Findings: 2 sensors to look at, 2 valves that never rest, 1 loop to retune." in found.summary()
 
 
 def test_a_newer_store_is_refused(tmp_path):

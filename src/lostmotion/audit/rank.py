@@ -102,8 +102,8 @@ def _steady(rows: Sequence[AssessmentRow], groups: Sequence[GroupRow]) -> set[tu
 
 def _with_priority(row: AssessmentRow, around: Around) -> AssessmentRow:
     priority, reason, rule = _priority(row, around)
-    label, split = label_of(row, around), split_of(row, around)
-    return replace(row, label=label, split=split, priority=priority, priority_reason=reason, rule=rule)
+    row = replace(row, priority=priority, priority_reason=reason, rule=rule)
+    return replace(row, label=label_of(row, around), split=split_of(row, around))
 
 
 def _priority(row: AssessmentRow, around: Around) -> tuple[float | None, str, str]:
@@ -135,7 +135,7 @@ def _by_screen(row: AssessmentRow, around: Around) -> Found | None:
     """Of a loop that was not diagnosed: that it rings or wears its valve needs no diagnosis. None: neither."""
     found = _rings(row, around) if makes_it_swing(row, around) else Found(0.0, [])
     found = found if around.master else _with_wear(row, found)
-    return None if found.rule is None else found._replace(words=[*found.words, f"not diagnosed: {row.reason}"])
+    return None if found.rule is None else found._replace(words=[*found.words, f"only screened: {row.reason}"])
 
 
 def _rings(row: AssessmentRow, around: Around) -> Found:
@@ -238,8 +238,11 @@ def _period(seconds: float) -> str:
 
 
 def _with_wear(row: AssessmentRow, found: Found) -> Found:
-    """What is said of OP that never rests, first where it counts most; a lost motion that was found counts more."""
-    strokes = (row.travel or 0.0) / 100.0
+    """What is said of OP that never rests, first where it counts most; a lost motion that was found counts more.
+
+    Of the range that was seen a stroke is none.
+    """
+    strokes = (row.travel or 0.0) / 100.0 if _of_span(row) else 0.0
     if strokes < BUSY or row.kind == "actuator":
         return found
     wear, said = WORN * (1.0 - BUSY / strokes), f"{WEARING.opening} {strokes:.0f} full strokes an hour: wear"

@@ -7,7 +7,7 @@ from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.rules import findings_words
+from lostmotion.audit.rules import FORCED, findings_words
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.words import (
@@ -18,7 +18,7 @@ from lostmotion.report.plant.words import (
     size_words,
     sure_words,
 )
-from lostmotion.store.rows import AssessmentRow, Stage
+from lostmotion.store.rows import FINDINGS, AssessmentRow, Stage
 from lostmotion.text_table import text_table
 
 FIRST = 10  # rows of the ranking
@@ -26,7 +26,7 @@ WORTH_A_LOOK = 5.0  # priority: a suspicion that is hardly over the prior of any
 SHORT = 5  # rows of everything else
 HEAD = ("#", "loop", "area", "verdict", "% of span", "95 %", "sure", "priority", "")
 WIDTHS = (3, 18, 14, 18, 9, 16, 9, 8, 0)
-ORDER = ("dead zone", "backlash", "stiction", "saturation", "other oscillation", "cannot tell", "none")
+ORDER = (*FINDINGS, FORCED.name, "other oscillation", "cannot tell", "none")
 
 
 def audit_summary(view: PlantView) -> str:
@@ -61,7 +61,7 @@ def _health(health: Health) -> str:
 def _counts(view: PlantView) -> str:
     rows = [row for row in view.leading if row.stage is Stage.ASSESSED or row.rule]
     verdicts = Counter(row.said for row in rows)
-    said = [f"{verdicts[name]} {name}" for name in (*ORDER, *sorted(set(verdicts) - set(ORDER))) if verdicts[name]]
+    said = [f"{verdicts[name]} {name}" for name in ORDER if verdicts[name]]
     labels = Counter(row.label or "no label" for row in rows)
     named = [f"{count} {label}" for label, count in labels.most_common()]
     if not rows:

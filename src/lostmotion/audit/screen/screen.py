@@ -130,6 +130,7 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
         "pv_span_known": float(rows.record.pv_span is not None),
+        "op_span_known": float(rows.span is not None and rows.span.known),
         "scatter_percent": _scatter(rows),
         "amplitude_spread": _amplitude_spread(rows, one.swing),
     }

@@ -154,7 +154,7 @@ def _counts(rows: Sequence[AssessmentRow]) -> list[tuple[str, list[Count]]]:
     kinds = [
         ("Finding", Counter(found for row in rows if (found := finding_of(row)))),
         ("Verdict", Counter(row.said for row in rows)),
-        ("NE 107", Counter(row.label or "cannot tell (no label)" for row in rows)),
+        ("NE 107", Counter(row.label or "no label" for row in rows)),
         ("Cause in", Counter("nothing found" if row.split == "none" else row.split for row in rows)),
         ("Performance", Counter(row.performance for row in rows)),
     ]
