@@ -276,6 +276,8 @@ def test_loops_that_a_rule_decides_are_counted_and_chosen_by_it(tmp_path):
         store.finish(run)
     site = Site(Page(address))
     assert site.ask("/api/v1/counts").json()["verdict"] == {"frozen measurement": 1, "saturation": 1, "ringing": 1}
+    found = re.search("Findings: (.*?)[.]", site.text("/"))[1].split(", ")
+    assert sorted(found) == ["1 loop to retune", "1 sensor to look at", "1 valve at its limits"]
     assert ranked(site.text("/?verdict=saturation")) == ["FIC-2"]
     assert ranked(site.text("/?verdict=frozen+measurement")) == ["FIC-1"]
     assert ranked(site.text("/?sort=sure")) == ["FIC-1", "FIC-3", "FIC-2"]

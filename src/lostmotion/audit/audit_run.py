@@ -160,7 +160,7 @@ class AuditRun:
             "loops": len(self.loops),
             "assessments": self.table().to_dicts(),
             "findings": [
-                {"tag": row.tag, "window_start": row.window_start, "said": row.said, "finding": finding_of(row)}
+                {"tag": row.tag, "window_start": row.window_start, "said": row.said, "finding": finding_of(row.said)}
                 for row in self.findings
             ],
             "groups": [

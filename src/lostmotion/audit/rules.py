@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lostmotion.errors import DataError
@@ -110,36 +110,42 @@ def rule_of(row: AssessmentRow) -> Rule | None:
     return RULES[row.rule]
 
 
-def finding_of(row: AssessmentRow) -> str:
-    """What is found, in the singular: by its rule, or by its diagnosis; empty: nothing.
+def finding_of(said: str) -> str:
+    """What is found where this is said of a loop, by a rule or a diagnosis, in the singular; empty: nothing.
 
     Examples
     --------
-    >>> from lostmotion.store.rows import UNDATED, Stage
-    >>> made = {"stage": Stage.ASSESSED, "verdict": "saturation"}
-    >>> finding_of(AssessmentRow("PIC-1", UNDATED, UNDATED, **made))
-    'valve at its limits'
-    >>> finding_of(AssessmentRow("PIC-1", UNDATED, UNDATED, rule="frozen measurement", **made))
-    'sensor to look at'
+    >>> finding_of("saturation"), finding_of("frozen measurement"), finding_of("forced swing"), finding_of("none")
+    ('valve at its limits', 'sensor to look at', '', '')
     """
-    rule = rule_of(row)
-    if rule is not None:
-        return rule.finding
-    return (ENDED if row.said == "saturation" else VALVE) if row.said in FAULTS else ""
+    if said in RULES:
+        return RULES[said].finding
+    return (ENDED if said == "saturation" else VALVE) if said in FAULTS else ""
 
 
-def findings_words(rows: Iterable[AssessmentRow]) -> str:
-    """How many of each finding, the most frequent first; empty: none.
+def findings_counted(said: Mapping[str, int]) -> list[tuple[str, int]]:
+    """How often each finding came, the most frequent first, from how often what was said.
 
     Examples
     --------
-    >>> from lostmotion.store.rows import UNDATED
-    >>> names = ("ringing", "frozen measurement", "ringing", "forced swing")
-    >>> findings_words(AssessmentRow("PIC-1", UNDATED, UNDATED, rule=name) for name in names)
-    '2 loops to retune, 1 sensor to look at'
+    >>> findings_counted({"ringing": 2, "frozen measurement": 1, "noisy measurement": 2, "none": 9})
+    [('sensor to look at', 3), ('loop to retune', 2)]
     """
-    counted = Counter(found for row in rows if (found := finding_of(row)))
-    return ", ".join(f"{count} {_many(found) if count > 1 else found}" for found, count in counted.most_common())
+    counted: Counter[str] = Counter()
+    for word, count in said.items():
+        counted[finding_of(word)] += count
+    return [(found, count) for found, count in counted.most_common() if found]
+
+
+def findings_words(said: Mapping[str, int]) -> str:
+    """The same in words; "none" where there is none.
+
+    Examples
+    --------
+    >>> findings_words({"ringing": 2, "frozen measurement": 1}), findings_words({})
+    ('2 loops to retune, 1 sensor to look at', 'none')
+    """
+    return ", ".join(f"{n} {_many(one) if n > 1 else one}" for one, n in findings_counted(said)) or "none"
 
 
 def _many(found: str) -> str:

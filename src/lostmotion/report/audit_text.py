@@ -66,7 +66,7 @@ def _counts(view: PlantView) -> str:
     named = [f"{count} {label}" for label, count in labels.most_common()]
     if not rows:
         return ""
-    found = fill(f"Findings: {findings_words(rows) or 'none'}.")
+    found = fill(f"Findings: {findings_words(verdicts)}.")
     return "\n".join(["", found, fill(f"Verdicts: {', '.join(said)}."), fill(f"NE 107: {', '.join(named)}.")])
 
 

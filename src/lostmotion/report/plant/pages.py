@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import LoopView, PlantView
-from lostmotion.audit.rules import finding_of, findings_words
+from lostmotion.audit.rules import findings_counted, findings_words
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines
@@ -77,7 +77,7 @@ def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Cal
         "run": view.run,
         "facts": _run_facts(view),
         "health": health_of(view),
-        "findings": findings_words(view.leading),
+        "findings": findings_words(Counter(row.said for row in view.leading)),
         "unread": view.unread,
         "counts": _counts(view.leading),
         "ranking": lines(view, ranked, address, new),
@@ -151,9 +151,10 @@ def _run_facts(view: PlantView) -> list[tuple[str, str]]:
 
 def _counts(rows: Sequence[AssessmentRow]) -> list[tuple[str, list[Count]]]:
     """Titles and counts: findings, verdicts, NE 107, where the cause lies, class of performance."""
+    said = Counter(row.said for row in rows)
     kinds = [
-        ("Finding", Counter(found for row in rows if (found := finding_of(row)))),
-        ("Verdict", Counter(row.said for row in rows)),
+        ("Finding", Counter(dict(findings_counted(said)))),
+        ("Verdict", said),
         ("NE 107", Counter(row.label or "no label" for row in rows)),
         ("Cause in", Counter("nothing found" if row.split == "none" else row.split for row in rows)),
         ("Performance", Counter(row.performance for row in rows)),
