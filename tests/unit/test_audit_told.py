@@ -16,7 +16,8 @@ from lostmotion.errors import DataError
 from lostmotion.plant import PlantLoop
 from lostmotion.report.audit_text import audit_summary
 from lostmotion.report.plant import loop_report, plant_report, table
-from lostmotion.report.plant.words import next_command, next_step, sure_words
+from lostmotion.report.plant.svg.bars import size_bar
+from lostmotion.report.plant.words import excluded_words, next_command, next_step, sure_words
 from lostmotion.store.rows import FAULTS, FINDINGS, MEASUREMENT, UNDATED, AssessmentRow, Stage
 from tests.plant_rows import END, START, finding, plant, sound
 from tests.plant_stores import plant_store
@@ -128,6 +129,15 @@ def test_a_loop_that_a_rule_decides_counts_as_what_the_rule_says(tmp_path) -> No
     ]  # fmt: skip
     assert [one["said"] for one in told["assessments"]] == ["frozen measurement", "forced swing", "noisy measurement"]
     assert run.loop("FIC-1").to_dict()["windows"][-1]["said"] == "frozen measurement"
+
+
+def test_a_measurement_at_fault_excludes_no_size_on_any_page() -> None:
+    told = sound("FIC-1")
+    frozen = replace(told, rule="frozen measurement", priority=35.0)
+    pages = [loop_report(replace(plant().loop_view("FIC-1"), row=row)) for row in (told, frozen)]
+    assert [("Largest lost motion that is not excluded" in page) for page in pages] == [True, False]
+    assert [bool(excluded_words(row)) for row in (told, frozen)] == [True, False]
+    assert [('class="open"' in size_bar(row, 4.0)) for row in (told, frozen)] == [True, False]
 
 
 def test_what_rules_find_is_known_to_the_store() -> None:

@@ -36,7 +36,7 @@ from lostmotion.report.plant.words import (
     where_from,
     window_words,
 )
-from lostmotion.store.rows import AssessmentRow
+from lostmotion.store.rows import MEASUREMENT, AssessmentRow
 
 MOST_WINDOWS = 30  # rows of the table of windows
 
@@ -156,7 +156,9 @@ def _evidence(row: AssessmentRow) -> list[tuple[str, str, str, Markup, str]]:
 
 
 def _excluded(row: AssessmentRow) -> list[tuple[str, str, str]]:
-    """Kind, size in units of OP and in % of each that is not excluded."""
+    """Kind, size in units of OP and in % of each that is not excluded, by a measurement that is not at fault."""
+    if row.rule in MEASUREMENT:
+        return []
     sizes = (
         ("dead zone", row.excluded_dead_zone),
         ("backlash", row.excluded_backlash),

@@ -68,14 +68,19 @@ def sized(value: float, ends: tuple[float, float]) -> tuple[str, str]:
 
 
 def excluded_words(row: AssessmentRow) -> str:
-    """Largest size that is not excluded, in % of span.
+    """Largest size that is not excluded, in % of span; nothing of what rests on a measurement that is at fault.
 
     Examples
     --------
     >>> excluded_words(AssessmentRow("FIC-1", UNDATED, UNDATED, excluded_percent=0.412))
     'up to 0.41 % not excluded'
     """
-    if row.excluded_percent is None or row.verdict in FAULTS or row.rule in MEASUREMENT:
+    if (
+        row.excluded_percent is None
+        or math.isnan(row.excluded_percent)
+        or row.verdict in FAULTS
+        or row.rule in MEASUREMENT
+    ):
         return ""
     if math.isinf(row.excluded_percent):
         return "any size not excluded"

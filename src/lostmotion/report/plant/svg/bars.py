@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from markupsafe import Markup
 
 from lostmotion.audit.row_facts import ends_percent
 from lostmotion.report.plant.svg.element import element, percent
+from lostmotion.report.plant.words import excluded_words
 from lostmotion.store.rows import AssessmentRow
 
 ODDS = 4.0  # of log-odds: longer bars say no more
@@ -21,7 +20,7 @@ def size_bar(row: AssessmentRow, most: float) -> Markup:
         low, high = ends_percent(row) or (row.size_percent, row.size_percent)
         marks.append(_span("whisker", low / most, high / most))
         marks.append(_dot(row.size_percent / most))
-    elif row.excluded_percent is not None and not math.isnan(row.excluded_percent):
+    elif row.excluded_percent is not None and excluded_words(row):
         marks.append(_span("open", 0.0, row.excluded_percent / most))
     return _small(*marks)
 
