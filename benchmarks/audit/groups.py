@@ -9,7 +9,8 @@ nothing.
 
 A plant has 8 to 20 loops and one source that swings and reaches at least two others: 60 % worn valves (two thirds
 stiction, one third backlash), 20 % tight loops, 20 % from outside. What it reaches is known from the same plant with
-the same luck without the source. Found: the right loop is named, or none where it comes from outside.
+the same luck without the source. Found: the right loop is named, or none where it comes from outside. Masters of
+cascades are told from the data, as ``lostmotion audit --propose`` does, and not diagnosed.
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ from lostmotion.audit.screen.screen import screen  # noqa: E402
 from lostmotion.audit.settings import AuditSettings  # noqa: E402
 from lostmotion.evaluate.plants.plant import BEGAN, OUTSIDE  # noqa: E402
 from lostmotion.plant import PlantLoop  # noqa: E402
+from lostmotion.plant.cascades import Cascades  # noqa: E402
 from lostmotion.records import LoopRecord  # noqa: E402
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow  # noqa: E402
 from lostmotion.store.run_rows import RunRow, RunState  # noqa: E402
@@ -62,16 +64,25 @@ Rows = tuple[list[AssessmentRow], list[SpectrumRow]]
 
 
 def rows_of(loops: Sequence[PlantLoop], records: Sequence[LoopRecord], diagnosed: bool) -> Rows:
-    """Rows of an audit of whole records: all are screened; what swings steadily is assessed."""
+    """Rows of an audit of whole records: all are screened; what swings steadily and has a valve is assessed."""
     rows, spectra, settings = [], [], AuditSettings()
     for loop, record in zip(loops, records, strict=True):
         end = BEGAN + timedelta(seconds=len(record) * record.dt)
         row, spectrum = screen(loop, record, BEGAN, end, settings)
-        if diagnosed and row.fit_for_use and (row.regularity or 0.0) > 1.0:
+        if diagnosed and row.fit_for_use and (row.regularity or 0.0) > 1.0 and not loop.slave:
             row, _ = assess(loop, record, row, settings)
         rows.append(row)
         spectra += [] if spectrum is None else [spectrum]
     return rows, spectra
+
+
+def with_slaves(loops: Sequence[PlantLoop], records: Sequence[LoopRecord]) -> list[PlantLoop]:
+    """Loops with the slaves of those that are masters by their data."""
+    seen = Cascades()
+    for loop, record in zip(loops, records, strict=True):
+        seen.add(loop.tag, record)
+    slaves = seen.slaves()
+    return [replace(loop, slave=slaves.get(loop.tag, "")) for loop in loops]
 
 
 def the_group(found: Sequence[GroupRow], period: float, reached: set[str]) -> GroupRow | None:
@@ -105,15 +116,16 @@ class Truth:
 def kept_run(store: Store, number: int, family: int, diagnosed: bool) -> tuple[int, Truth]:
     """Run of the store with the rows of one plant, and its truth; made where today's code has not done it before."""
     drawn = hashlib.sha256(Path(swinging_plants.__file__).read_bytes()).hexdigest()[:8]
-    how = f"{'diagnosed' if diagnosed else 'screened'} {drawn}"
+    how = f"{'diagnosed' if diagnosed else 'screened'} {drawn}, masters not"
     wanted = RunRow(f"plant {number} of family {family}", digest=how, code=code_version())
     for one in store.runs():
         if (one.source, one.digest, one.code, one.state) == (wanted.source, how, wanted.code, RunState.FINISHED):
             return one.number, Truth(**json.loads(one.settings))
     begin = time.process_time()
     made = swinging_plant(number, family)
-    loops = made.plant.plant_loops()
-    rows, spectra = rows_of(loops, list(made.plant.records()), diagnosed)
+    records = list(made.plant.records())
+    loops = with_slaves(made.plant.plant_loops(), records)
+    rows, spectra = rows_of(loops, records, diagnosed)
     found, seconds = made.spread, time.process_time() - begin
     truth = Truth(made.kind, found.source, found.period, found.reached, seconds)
     run, _ = store.begin(replace(wanted, settings=json.dumps(asdict(truth))), resume=False)

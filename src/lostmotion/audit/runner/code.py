@@ -13,9 +13,9 @@ APART = (  # rooms that no assessment depends on; one too many here would keep r
     "cli", "plot", "report", "paper", "export", "online", "design", "store", "web", "live",
 )  # fmt: skip
 NOT_OF_A_LOOP = (  # of audit/: what puts results into order, tells them or hands out the work
-    "audit_run.py", "groups", "health.py", "history.py", "measurement.py", "plant_audit.py", "plant_view.py", "rank.py",
-    "row_facts.py", "run_view.py", "runner/batches.py", "runner/code.py", "runner/engine", "runner/plan.py",
-    "runner/run.py",
+    "audit_run.py", "groups", "health.py", "history.py", "labels.py", "measurement.py", "plant_audit.py",
+    "plant_view.py", "rank.py", "row_facts.py", "rules.py", "run_view.py", "runner/batches.py", "runner/code.py",
+    "runner/engine", "runner/plan.py", "runner/run.py",
 )  # fmt: skip
 AWAY = tuple(f"{name}/" for name in APART) + tuple(f"audit/{name}" for name in NOT_OF_A_LOOP)
 NUMERIC = ("numpy", "scipy", "numba", "polars")  # another one may give another last digit
