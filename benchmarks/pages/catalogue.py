@@ -85,6 +85,7 @@ PAGES = (
     Page("ingredients", "benchmarks/ingredients.py", 15),
     Page("online", "benchmarks/online.py", 10, RIVALS, reads=True),
     Page("paper", "benchmarks/paper_tables.py", 2),
+    Page("published-loops", "benchmarks/published.py", 15),
     Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED, reads=True, shares=True),
     Page("records", "benchmarks/records.py", 30, (REMARKS,), reads=True, shares=True),
     Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED, reads=True),
