@@ -11,6 +11,7 @@ from lostmotion.diagnose.clean_bill import CARRIES, CleanBill, clean_bill, how_t
 from lostmotion.diagnose.excitation import ONLY_PV, SMOOTH_SP, only_fed_back
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.op_span import OpSpan, op_span
+from lostmotion.diagnose.shown import loads_at_moves
 from lostmotion.diagnose.verdict import Verdict
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.report import fit_text
@@ -228,3 +229,34 @@ def test_a_model_that_does_not_describe_the_record_excludes_nothing(status, free
     found = clean_bill(fit, 0.01, PERCENT)
     assert (set(found.excluded.values()) != {np.inf}) == excludes
     assert ("does not describe" in found.why) != excludes
+
+
+@pytest.mark.parametrize(
+    ("steps", "hides"),
+    [
+        ((101, 103, 303, 305, 700), True),
+        ((101, 103, 303, 650), False),  # three may stand there
+        ((150, 250, 350, 450, 550), False),
+        ((101, 150, 250, 303, 350, 450, 505, 550, 600, 650, 707, 750), True),
+    ],
+)
+def test_steps_of_load_where_sp_moves_hide_what_the_valve_does(steps, hides):
+    sp = np.zeros(900)
+    for number, row in enumerate((100, 300, 500, 700)):
+        sp[row:] = number + 1.0
+    chosen = SimpleNamespace(loads=tuple({"step_at": row} for row in steps))
+    fit = SimpleNamespace(chosen=chosen, data=SimpleNamespace(sp=sp, u=np.zeros(900)))
+    assert loads_at_moves(fit) is hides
+    fit.data.sp = None
+    assert not loads_at_moves(fit)
+
+
+@pytest.mark.statistics
+def test_beside_loads_at_moves_of_sp_nothing_is_excluded():
+    fit = lm.identify(loop(lm.Identity(), 3), nonlinearity="auto")
+    moves = 1 + np.flatnonzero(np.diff(fit.data.sp))[:5]
+    assert moves.size == 5
+    loads = tuple({"step_at": float(row + 2)} for row in moves)
+    found = clean_bill(replace(fit, chosen=replace(fit.chosen, loads=loads)), 0.01, PERCENT)
+    assert set(found.excluded.values()) == {np.inf}
+    assert "where SP moves" in found.why

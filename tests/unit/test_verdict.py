@@ -239,6 +239,25 @@ def test_a_controller_winds_up_at_a_stop(closed, stay, reach, said):
     assert ("runs far beyond" in found.why) == (said == "cannot tell")
 
 
+def test_stops_that_leave_no_stroke_are_none():
+    clamp = fit_of(CLAMP, {"none": 0.0, "saturation": 50.0})
+    op = np.tile(np.r_[np.full(60, 1.5), np.zeros(40)], 5)
+    op[0] = -200.0
+    data = replace(clamp.data, u=op, y=np.zeros(500), segments=np.array([[0, 500]]))
+    found = verdict(Features(saturation=STRONG), replace(clamp, data=data))
+    assert found.verdict == "cannot tell"
+    assert "no stroke" in found.why
+
+
+@pytest.mark.parametrize(("foreknown", "gain", "named"), [(True, 10.0, False), (True, 50.0, True), (False, 10.0, True)])
+def test_a_dead_zone_of_little_gain_is_not_named_where_the_controller_knows_more(foreknown, gain, named):
+    fit = fit_of(ZONE, {"none": 0.0, "dead zone": gain})
+    fit = replace(fit, evidence=replace(fit.evidence, foreknown=foreknown))
+    found = verdict(Features(dead_zone=STRONG), fit)
+    assert (found.verdict == "dead zone") is named
+    assert ("knows more than the rows" in found.why) is not named
+
+
 @pytest.mark.parametrize("status", NOT_SHOWN)
 def test_a_dead_zone_that_is_not_shown_whole_is_not_named(status):
     found = verdict(Features(dead_zone=STRONG), fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, status))
@@ -337,7 +356,7 @@ def test_slips_between_the_rows_that_leave_a_structure_over_name_no_valve_where_
         model=SimpleNamespace(nonlinearity=lm.Stiction(3.0, 1.0, model)),
         evidence=SimpleNamespace(only_fed_back=True, closed_loop=True),
         kind=kind_of("stiction"),
-        data=SimpleNamespace(unseen=SimpleNamespace(settled=False)),
+        data=SimpleNamespace(unseen=SimpleNamespace(settled=False), sp=None),
         interval=lambda name: (2.8, 3.2),
     )
     assert (not_shown(fit) == "") == names

@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.diagnose.excitation import FED_BACK_ONLY, FOREKNOWN, NO_ANSWER, what_moves_op
 from lostmotion.diagnose.features import CARRIES, Measured, swing_of
 from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
-from lostmotion.diagnose.shown import only_one_step_ahead
+from lostmotion.diagnose.shown import loads_at_moves, only_one_step_ahead
 from lostmotion.diagnose.verdict import OUTSIDE, Verdict
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
@@ -105,6 +105,8 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
         why = FOREKNOWN
     elif stops := _for_a_slow_valve(fit, excluded):
         why = f"a {stops} predicts PV better, but so does a valve that is slow, beside which no size is excluded"
+    elif loads_at_moves(fit):
+        why = "steps of load stand where SP moves: they may be what the valve does not do, and hide any lost motion"
     elif _is_not_described(fit):
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
