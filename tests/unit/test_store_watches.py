@@ -150,8 +150,8 @@ def test_points_of_the_running_plant_are_told_apart(address):
 def test_without_a_span_the_estimate_is_told_in_units_of_op():
     loop, sized = LoopRow("FIC-1"), row("FIC-1", size=2.0, size_percent=5.0)
     (known,), (unknown,) = live_points([(1, at(1))], loop, [sized]), live_points([(1, at(1))], loop, [row("FIC-1")])
-    assert (known.size, known.verdict) == (5.0, "dead zone")
-    assert (unknown.size, unknown.verdict) == (None, "dead zone, 2 (1.5 .. 2.5) units of OP")
+    assert (known.size, known.said) == (5.0, "dead zone")
+    assert (unknown.size, unknown.said) == (None, "dead zone, 2 (1.5 .. 2.5) units of OP")
 
 
 def test_many_estimates_are_thinned_to_the_last_of_each_day(tmp_path):
