@@ -150,7 +150,8 @@ def test_a_late_answer_is_no_answer_and_the_next_call_begins_anew(server):
         assert link.read(["request_id"]) == {"request_id": 0.0}
 
 
-def test_a_server_that_goes_and_comes(server):
+def test_a_server_that_goes_and_comes():
+    server = BlockServer()
     with linked(server) as link:
         server.close()
         with pytest.raises(LinkError):

@@ -53,9 +53,18 @@ class Site:
     def request(self, capsys):
         return run(capsys, "request", self.plant, "TIC103", self.fit, "--who", "anna", "--write")
 
+    def ready(self):
+        """A process that writes, and nothing in force: workers steal tests, so any other may have run before."""
+        if self.live.process.poll() is not None:
+            self.start()
+        if self.bench.seen("supervision") == ACTIVE:
+            self.bench.plant.loops["TIC-103"].plc.restart()
+        self.bench.until(lambda: self.bench.seen("link_ok") == 1.0)
+        time.sleep(20 * self.bench.server.period + 0.5)  # since the last accept
+
     def armed(self, capsys):
         """A request that was asked, shown, and accepted by the operator."""
-        time.sleep(20 * self.bench.server.period + 0.5)  # since the last accept
+        self.ready()
         before = self.bench.seen("echo_id")
         code, out, said = self.request(capsys)
         assert code == 0, (out, said, read_log(self.log)[-4:])
@@ -130,8 +139,7 @@ def test_a_request_of_another_hand_changes_nothing_that_was_accepted(site, capsy
 
 
 def test_what_another_hand_asks_rightly_is_withdrawn(site, capsys):
-    if site.bench.seen("supervision") != ACTIVE:  # a busy machine may have shed it since the last test
-        site.armed(capsys)
+    site.armed(capsys)
     right = Request(int(site.bench.seen("echo_id")) + 1, 300, 48_500, 51_500, KEY)
     time.sleep(20 * site.bench.server.period)
     site.bench.write(**right.values)
@@ -141,22 +149,15 @@ def test_what_another_hand_asks_rightly_is_withdrawn(site, capsys):
 
 
 def test_a_request_that_is_changed_while_it_is_shown(site, capsys):
-    time.sleep(20 * site.bench.server.period)
-    force = site.bench.seen("force_id")
+    site.ready()
     code, out, said = site.request(capsys)
-    if code:  # the widths that are in force are those of the fit
-        assert "a width that changes" in out, said
-        site.bench.plant.loops["TIC-103"].plc.restart()
-        site.bench.until(lambda: site.bench.seen("link_ok") == 1.0)
-        code, out, said = site.request(capsys)
-        force = 0.0
     assert code == 0, (out, said)
     site.bench.write(asked_first=48_900)
     site.live.until(lambda one: one.get("event") in ("refusal", "withdraw"))
     site.bench.press()
     time.sleep(1.0)
     assert site.bench.seen("waiting") == 0.0
-    assert site.bench.seen("force_id") == force
+    assert site.bench.seen("force_id") == 0.0
 
 
 def test_a_line_that_is_half_open(site, capsys):
@@ -170,6 +171,7 @@ def test_a_line_that_is_half_open(site, capsys):
 
 
 def test_a_late_write_is_withdrawn(site, capsys):
+    site.ready()
     site.proxy.keep, kept = True, site.proxy.kept
     code, out, _ = site.request(capsys)
     assert (code, out.splitlines()[-1].split(" by ")[0]) == (1, "failed")
@@ -210,7 +212,7 @@ def test_a_client_that_is_killed_and_begins_anew(site, capsys):
 
 
 def test_a_plc_that_begins_anew(site, capsys):
-    site.armed(capsys) if site.bench.seen("supervision") != ACTIVE else None
+    site.armed(capsys)
     site.bench.plant.loops["TIC-103"].plc.restart()
     site.bench.until(lambda: site.bench.seen("supervision") == PASSIVE)
     site.bench.until(lambda: site.bench.seen("link_ok") == 1.0)
