@@ -253,7 +253,8 @@ def test_everybody_can_use_it(site, name):
     page.context.close()
 
 
-def test_a_page_that_is_gone_is_told_and_the_command_ends_well(site):
+def test_a_page_that_is_gone_is_told_and_the_command_ends_well(browser, tmp_path):
+    site = Site(browser, tmp_path)  # of its own: other tests may come behind this one
     page = site.open(site.trend)
     drawn(page)
     monitors = site.open("/monitors", context=page.context)
@@ -262,5 +263,6 @@ def test_a_page_that_is_gone_is_told_and_the_command_ends_well(site):
     page.keyboard.press("+")
     page.locator("[role=alert]", has_text="does not answer").wait_for()
     monitors.locator("#news", has_text="does not answer").wait_for()
-    site.faults = [one for one in site.faults if "ERR_CONNECTION" not in one and "ERR_INCOMPLETE" not in one]
+    faults = [one for one in site.faults if "ERR_CONNECTION" not in one and "ERR_INCOMPLETE" not in one]
+    assert (faults, site.elsewhere) == ([], [])
     page.context.close()

@@ -58,7 +58,7 @@ def not_shown(fit: HammersteinFit) -> str:
     if fit.kind.sticks and fit.data.unseen.settled:
         return f"a {name} fits, but the loop settles between the rows, which do not show how far OP went there"
     vague = fit.kind.sticks or fit.status is Status.WIDE
-    if fit.kind.size is not None and vague and fit.interval(fit.kind.size)[0] <= 0.0:
+    if fit.kind.size is not None and vague and fit.least_known <= 0.0:
         return f"a {name} fits, but of what size, if of any, the record does not tell"
     if isinstance(actuator, Stiction) and actuator.model == "he ramp" and _as_loads(fit):
         moved = what_moves_op(fit.data.sp)

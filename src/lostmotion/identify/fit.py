@@ -95,6 +95,12 @@ class HammersteinFit(RatedEstimate):
         )
 
     @property
+    def least_known(self) -> float:
+        """Lower end of the size, 95 %, without moves of OP that may or may not be between the rows."""
+        known = self.evidence.unseen_moves if self.data.unseen.moves > 0.0 else 0.0
+        return self._interval(str(self.kind.size), 0.95, known)[0]
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences about the data in the light of the fit: resolution, sampling, % of span."""
         return _verbs.remarks(self)

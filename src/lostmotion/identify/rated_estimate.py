@@ -94,6 +94,10 @@ class RatedEstimate(NamedEstimate, ABC):
         ParameterError
             Unknown name or a level outside (0, 1).
         """
+        return self._interval(name, level, self.evidence.unseen_moves)
+
+    def _interval(self, name: str, level: float, moves: float) -> tuple[float, float]:
+        """Interval of a parameter, where OP moves so between the rows."""
         low, high = super().interval(name, level)
         if name in self.profiled:  # asymmetric; other levels in proportion
             share = normal_quantile(0.5 + level / 2) / normal_quantile(0.975)
@@ -101,7 +105,7 @@ class RatedEstimate(NamedEstimate, ABC):
             low, high = value - share * (value - ends[0]), value + share * (ends[1] - value)
         low, high = self._with_rivals(name, low, high)
         if name == self.kind.size:
-            moves, sticks = self.evidence.unseen_moves, self.kind.sticks
+            sticks = self.kind.sticks
             low, high = within_unseen(low, moves, sticks), beyond_unseen(high, moves, sticks)
         if name == "width":
             low = max(low, 0.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.controller_rows import OTHERWISE, controller_rows
 from lostmotion.identify.settled import settled_by
@@ -26,6 +28,7 @@ FURTHER, NEARER = 2.0, 1.0
 # rest from which on these moves fill a dead zone, which then seems narrower by up to so much: by 0.55 to 0.74 of them
 # in five of six loops of an independent simulation with a rest of 0.06 to 0.43; one of 0.01 to 0.02 left no trace
 FILLS = 0.05
+FORETOLD = 1e-9  # of the range of OP: less than this its own past leaves by rounding
 FILLED = 0.05  # of a dead zone: smaller moves do not make its interval wide, and nobody is told of them
 
 
@@ -120,7 +123,7 @@ def unseen_moves(data: IdentificationData) -> Unseen:
     as well, further out by about its noise, and a valve with a memory has been there.
     """
     found = controller_rows(data)
-    if found is None or found.own == 0.0 or found.exact:
+    if found is None or found.own <= FORETOLD * float(np.ptp(data.u)) or found.exact:
         return Unseen()
     if found.rounded:
         return Unseen(perhaps=found.own)
