@@ -16,7 +16,6 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is imported, also in workers
 
 import argparse  # noqa: E402
-import sys  # noqa: E402
 import warnings  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from pathlib import Path  # noqa: E402
@@ -26,11 +25,11 @@ from block_trials.judge import Judged, judged  # noqa: E402
 from block_trials.valves import KINDS  # noqa: E402
 from lostmotion.evaluate.workers import run_all  # noqa: E402
 from pages import publish  # noqa: E402
+from pages.written import told  # noqa: E402
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "blocks.md"
 LOOPS = dict(zip(KINDS, (9, 7, 6, 14, 20, 12, 14, 12, 14), strict=True))  # backlash: most of all in plants
 FIRST = 100  # seed of each kind
-TOLD_EVERY = 6  # loops
 
 ABOUT = """\
 # Do the blocks help?
@@ -93,12 +92,6 @@ def quietly_judged(job: tuple[str, int]) -> Judged:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return judged(job)
-
-
-def told(done: int, total: int) -> None:
-    """Progress on stderr."""
-    if done % TOLD_EVERY == 0 or done == total:
-        print(f"{done} of {total} loops", file=sys.stderr, flush=True)
 
 
 def page_of(found: Sequence[Judged]) -> str:

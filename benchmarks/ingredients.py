@@ -16,7 +16,6 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is imported, also in workers
 
 import argparse  # noqa: E402
-import sys  # noqa: E402
 import warnings  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from pathlib import Path  # noqa: E402
@@ -28,10 +27,10 @@ from one_ingredient.changes import CHANGES, SEEDS_APART, seeds_of  # noqa: E402
 from one_ingredient.judge import Judged, judged  # noqa: E402
 from one_ingredient.loops import loop_of  # noqa: E402
 from pages import publish  # noqa: E402
+from pages.written import told  # noqa: E402
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "ingredients.md"
 LOOPS = 12  # of an ingredient: each kind of valve that is drawn
-TOLD_EVERY = 12  # loops
 
 ABOUT = """\
 # One ingredient changed at a time
@@ -77,12 +76,6 @@ def diagnosed(job: tuple[str, int]) -> Judged:
             return judged(loop, lm.diagnose(loop.record))
     except lm.InputError:
         return judged(loop, None)
-
-
-def told(done: int, total: int) -> None:
-    """Progress on stderr."""
-    if done % TOLD_EVERY == 0 or done == total:
-        print(f"{done} of {total} loops", file=sys.stderr, flush=True)
 
 
 def page_of(found: Sequence[Judged]) -> str:

@@ -18,13 +18,14 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import argparse  # noqa: E402
 import warnings  # noqa: E402
 from collections import Counter  # noqa: E402
-from collections.abc import Iterable, Sequence  # noqa: E402
+from collections.abc import Sequence  # noqa: E402
 from dataclasses import dataclass, field  # noqa: E402
 
 import numpy as np  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate.workers import run_all  # noqa: E402
+from pages.written import share, table  # noqa: E402
 from verdicts.other_loops import FIRST_SEED, LOOPS, loop_of  # noqa: E402
 from verdicts.other_simulation import RecordedLoop  # noqa: E402
 from verdicts.other_specification import KINDS, STICKING, LoopSpec  # noqa: E402
@@ -108,18 +109,6 @@ def record_of(loop: RecordedLoop) -> lm.LoopRecord:
     """Record with the operator's modes where there are any."""
     mode = np.where(loop.manual, "MAN", "AUTO") if loop.manual.any() else None
     return lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=loop.seconds, op_span=(0, 100), mode=mode)
-
-
-def share(hits: Iterable[bool]) -> str:
-    """Number and per cent."""
-    hits = list(hits)
-    return f"{sum(hits)} of {len(hits)}" + (f", {100.0 * np.mean(hits):.0f} %" if hits else "")
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Markdown, with an empty line behind."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
 
 
 def by_class(verdicts: list[Verdict]) -> list[str]:

@@ -14,7 +14,6 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is imported, also in workers
 
 import argparse  # noqa: E402
-import sys  # noqa: E402
 import warnings  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from dataclasses import asdict  # noqa: E402
@@ -24,13 +23,13 @@ from typing import Any  # noqa: E402
 import lostmotion as lm  # noqa: E402
 from lostmotion.evaluate.workers import run_all  # noqa: E402
 from pages import kept, publish  # noqa: E402
+from pages.written import told  # noqa: E402
 from published_loops import page  # noqa: E402
 from published_loops.judge import Judged, judged  # noqa: E402
 from published_loops.loops import cases, published_loop  # noqa: E402
 from published_loops.papers import references  # noqa: E402
 
 OUTPUT = Path(__file__).resolve().parent.parent / "docs" / "published-loops.md"
-TOLD_EVERY = 12  # loops
 MOST_WORST = 40
 
 ABOUT = """\
@@ -102,12 +101,6 @@ def _diagnosed(name: str) -> Judged:
             return judged(loop, lm.diagnose(loop.record))
     except lm.InputError:
         return judged(loop, None)
-
-
-def told(done: int, total: int) -> None:
-    """Progress on stderr."""
-    if done % TOLD_EVERY == 0 or done == total:
-        print(f"{done} of {total} loops", file=sys.stderr, flush=True)
 
 
 def page_of(found: Sequence[Judged]) -> str:

@@ -24,7 +24,7 @@ from collections.abc import Iterator, Sequence  # noqa: E402
 from dataclasses import dataclass  # noqa: E402
 
 import numpy as np  # noqa: E402
-from groups import ENDS, KEPT, NEAR, OUTSIDE  # noqa: E402
+from groups import ENDS, KEPT, NEAR, OUTSIDE, Truth  # noqa: E402
 from scipy.optimize import minimize  # noqa: E402
 
 from lostmotion.arrays import FloatArray  # noqa: E402
@@ -56,19 +56,19 @@ def cases(store: Store) -> Iterator[Case]:
         words = run.source.split()
         if run.state is not RunState.FINISHED or int(words[-1]) not in FAMILIES:
             continue
-        truth = json.loads(run.settings)
-        found = suspects_of(store.spectra(run.number), store.rows(run.number), {})
-        near = [one for period, one in found if abs(np.log(period / truth["period"])) < NEAR]
-        reached = set(truth["reached"])
+        truth = Truth(**json.loads(run.settings))
+        found = suspects_of(store.spectra(run.number), store.rows(run.number), truth.loops)
+        near = [one for period, one in found if abs(np.log(period / truth.period)) < NEAR]
+        reached = set(truth.reached)
         best = max(near, key=lambda one: len({each.loop.tag for each in one} & reached), default=())
         tags = [one.loop.tag for one in best]
         if len(set(tags) & reached) < 2:
             continue
         members = np.array([[one.facts.get(name, 0.0) for name in NAMES] for one in best])
         outside = likely_source.facts_of_outside(best)
-        source = tags.index(truth["source"]) if truth["source"] in tags else len(tags)
+        source = tags.index(truth.source) if truth.source in tags else len(tags)
         named = tuple(bool(one.why) for one in best)
-        yield Case(truth["kind"], members, np.array([outside[name] for name in NONE]), named, source)
+        yield Case(truth.kind, members, np.array([outside[name] for name in NONE]), named, source)
 
 
 def shares(weights: FloatArray, case: Case) -> FloatArray:

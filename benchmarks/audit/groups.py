@@ -104,13 +104,22 @@ def outcome(group: GroupRow | None, source: str) -> str:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is true of a plant; `source` is a tag or "outside", `period` in seconds."""
+    """What is true of a plant; `source` is a tag or "outside", `period` in seconds.
+
+    `slaves` are those that the data tell, by the tags of their masters.
+    """
 
     kind: str
     source: str
     period: float
     reached: tuple[str, ...]
     seconds: float
+    slaves: dict[str, str]
+
+    @property
+    def loops(self) -> dict[str, PlantLoop]:
+        """What is known of the masters."""
+        return {tag: PlantLoop(tag, slave=slave) for tag, slave in self.slaves.items()}
 
 
 def kept_run(store: Store, number: int, family: int, diagnosed: bool) -> tuple[int, Truth]:
@@ -127,7 +136,8 @@ def kept_run(store: Store, number: int, family: int, diagnosed: bool) -> tuple[i
     loops = with_slaves(made.plant.plant_loops(), records)
     rows, spectra = rows_of(loops, records, diagnosed)
     found, seconds = made.spread, time.process_time() - begin
-    truth = Truth(made.kind, found.source, found.period, found.reached, seconds)
+    slaves = {loop.tag: loop.slave for loop in loops if loop.slave}
+    truth = Truth(made.kind, found.source, found.period, found.reached, seconds, slaves)
     run, _ = store.begin(replace(wanted, settings=json.dumps(asdict(truth))), resume=False)
     store.put_loops(run, [loop_row(loop) for loop in loops])
     of_tag = {one.tag: (one,) for one in spectra}
@@ -139,7 +149,7 @@ def kept_run(store: Store, number: int, family: int, diagnosed: bool) -> tuple[i
 def measured(store: Store, number: int, family: int, diagnosed: bool) -> dict[str, Any]:
     """One plant."""
     run, truth = kept_run(store, number, family, diagnosed)
-    found, reached = groups(store.spectra(run), store.rows(run)), set(truth.reached)
+    found, reached = groups(store.spectra(run), store.rows(run), truth.loops), set(truth.reached)
     group = the_group(found, truth.period, reached)
     members = set() if group is None else {member[0] for member in group.members}
     return asdict(truth) | {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,26 +23,9 @@ from one_ingredient.judge import (
     SAID_SOUND,
     Judged,
 )
+from pages.written import share, some, table
 
 EDGES = ((0.5, 0.7), (0.7, 0.9), (0.9, 1.0))  # of the claimed probability
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Markdown, with an empty line behind."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
-
-
-def share(hits: Iterable[bool]) -> str:
-    """Number and per cent."""
-    hits = list(hits)
-    return f"{sum(hits)} of {len(hits)}" + (f", {100.0 * np.mean(hits):.0f} %" if hits else "")
-
-
-def some(hits: Iterable[bool]) -> str:
-    """Number of how many, or nothing where there are none."""
-    hits = list(hits)
-    return f"{sum(hits)} of {len(hits)}" if hits else ""
 
 
 def counted(found: Sequence[Judged]) -> list[Judged]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pages.written import share, some, table
 from published_loops.judge import FAULTS, Judged
 
 SURE = 0.9
@@ -22,24 +23,6 @@ MODELS = {
     "Behind": "Kano's, He's or backlash behind a lag",
     "DeadZone": "dead zone",
 }
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Markdown, with an empty line behind."""
-    lines = [head, ["---"] * len(head), *rows]
-    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
-
-
-def share(hits: Iterable[bool]) -> str:
-    """Number and per cent."""
-    hits = list(hits)
-    return f"{sum(hits)} of {len(hits)}" + (f", {100.0 * np.mean(hits):.0f} %" if hits else "")
-
-
-def some(hits: Iterable[bool]) -> str:
-    """Number of how many, or nothing where there are none."""
-    hits = list(hits)
-    return f"{sum(hits)} of {len(hits)}" if hits else ""
 
 
 def summary(found: Sequence[Judged]) -> list[str]:

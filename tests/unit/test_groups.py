@@ -218,6 +218,22 @@ def test_of_nothing_no_lines_are_kept():
     assert bands_in(b"") == {}
 
 
+def test_a_master_that_does_not_ring_is_carried_by_the_valve_of_its_slave():
+    """It has no valve, so what it takes of the odds of a swing that no noise builds up is its slave's."""
+    rows = [valve(row("F", 300.0), 0.75), row("L", 300.0, power=0.9), row("P", 300.0)]
+    spectra = [spectrum(tag, 300.0) for tag in "FLP"]
+    free, bound = (groups(spectra, rows, {"L": PlantLoop("L", slave=slave)}) for slave in ("", "F"))
+    assert bound[0].source == "F"
+    assert bound[0].confidence > free[0].confidence + 0.02
+    assert tags(bound[0])[-1] == "L"
+
+
+def test_a_verdict_on_a_measurement_that_stood_still_blames_nobody():
+    rows = [valve(row("A", 300.0, indices={"stuck": 0.5})), row("B", 303.0), row("C", 297.0)]
+    spectra = [spectrum(tag, 300.0) for tag in "ABC"]
+    assert groups(spectra, rows)[0].source == ""
+
+
 def test_the_group_with_most_power_comes_first():
     spectra = [spectrum(tag, period) for tag, period in zip("ABCD", (300.0, 300.0, 900.0, 900.0), strict=True)]
     rows = [row("A", 300.0, 0.3), row("B", 300.0, 0.3), row("C", 900.0, 0.9), row("D", 900.0, 0.9)]

@@ -68,8 +68,12 @@ def suspects_of(
     for period, members in together(known):
         along = carried(members[0][0], period, others)
         if len({one.tag for one, _ in [*members, *along]}) > 1:
-            found = [suspect(one, like, own=True) for one, like in members]
+            found = [suspect(one, like, own=True, master=_is_master(loops, one.tag)) for one, like in members]
             yield period, (*found, *(suspect(one, like, own=False) for one, like in along))
+
+
+def _is_master(loops: Mapping[str, PlantLoop], tag: str) -> bool:
+    return tag in loops and bool(loops[tag].slave)
 
 
 def _members(suspects: Sequence[Suspect]) -> list[tuple[str, datetime, float, float]]:

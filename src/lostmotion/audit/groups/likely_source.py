@@ -9,6 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.groups.swinging import Swinging
+from lostmotion.audit.measurement import stuck
 from lostmotion.store.rows import AssessmentRow, Stage
 
 # Share of the odds that a source must have to be named; of 95 plants left out 83 are found and 1 is wrong (0.6: 84, 2).
@@ -81,18 +82,19 @@ class Named:
     why: str
 
 
-def suspect(loop: Swinging, likeness: float, own: bool) -> Suspect:
-    """Weigh what the rows say of one loop; `own`: it swings with a period of its own.
+def suspect(loop: Swinging, likeness: float, own: bool, master: bool = False) -> Suspect:
+    """Weigh what the rows say of one loop; `own`: it swings with a period of its own; `master`: it has no valve.
 
     Notes
     -----
-    Harmonics and coupled phases of a loop do not count for it: in simulated plants they tell nothing of the source that
-    a diagnosis has not said, because a swing that comes from outside has them as well.
+    A master that does not ring is carried along: nothing of its own can make it swing. Harmonics and coupled phases of
+    a loop do not count for it: in simulated plants they tell nothing of the source that a diagnosis has not said,
+    because a swing that comes from outside has them as well.
     """
     if own and _rings(loop):
         return Suspect(loop, likeness, own, {"purity": _purity(loop)}, RINGING)
     facts, why = _of_verdicts(loop)
-    how = {"share": 2.0 * loop.power - 1.0} if own else {"carried along": 1.0}
+    how = {"share": 2.0 * loop.power - 1.0} if own and not master else {"carried along": 1.0}
     return Suspect(loop, likeness, own, facts | how, why)
 
 
@@ -169,7 +171,8 @@ def odds_of(scores: FloatArray, outside: float) -> FloatArray:
 def _of_verdicts(loop: Swinging) -> tuple[dict[str, float], str]:
     """What the diagnoses of a loop say, the strongest of its windows; and their words."""
     wanders = 0.0 if _coupled(loop) else _wanders(loop)
-    found = [_of_row(row, wanders) for row in loop.rows if row.stage is Stage.ASSESSED]
+    told = [row for row in loop.rows if row.stage is Stage.ASSESSED and not stuck(row)]  # of a PV that moved
+    found = [_of_row(row, wanders) for row in told]
     return max(found, key=lambda one: sum(map(abs, one[0].values()))) if found else ({}, "")
 
 
