@@ -197,6 +197,23 @@ def test_where_nothing_tells_what_moves_op_its_noise_counts_for_a_size_and_for_n
     assert "is in no row" in found.words(found.possible)
 
 
+def test_rounding_in_what_its_own_past_foretells_of_op_is_no_move():
+    t = np.arange(1500)
+    swing = lm.LoopRecord(50 + np.sin(0.2 * t), 50 + np.cos(0.2 * t), np.full(t.size, 50.0), dt=1.0)
+    assert unseen_moves(collect(swing, None, None)) == Unseen()
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_the_least_size_that_is_known_does_not_count_moves_that_may_not_be(known):
+    plain = made_fit("backlash")
+    unseen = Unseen(moves=1.5) if known else Unseen(untold=True, possible=1.5)
+    data = replace(plain.data, recording=unseen)
+    fit = replace(plain, evidence=replace(plain.evidence, unseen_moves=1.5), data=data)
+    least, seen = fit.interval("width")[0], plain.interval("width")[0]
+    assert least == within_unseen(seen, 1.5) < seen
+    assert fit.least_known == (least if known else seen)
+
+
 @pytest.mark.statistics
 def test_the_width_is_in_the_interval_of_a_flow_whose_set_point_rests():
     """It seems half as wide; the rows do not tell that OP goes further between them."""

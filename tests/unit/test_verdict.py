@@ -16,6 +16,7 @@ from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
+from lostmotion.identify.unseen_moves import Unseen
 from tests.diagnoses import example
 from tests.fits import made_fit
 
@@ -122,8 +123,11 @@ def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
 
 def test_a_valve_that_sticks_whose_interval_begins_at_0_is_not_named():
     fit = fit_of(BAND, {"none": 0.0, "backlash": 50.0, "stiction": 49.0})
-    vague = replace(fit, evidence=replace(fit.evidence, unseen_moves=fit.parameters["width"]))
-    assert verdict(Features(memory=STRONG), fit).verdict == "backlash"
+    moved, size = replace(fit, evidence=replace(fit.evidence, unseen_moves=fit.parameters["width"])), "width"
+    vague = replace(moved, data=replace(fit.data, recording=Unseen(moves=fit.parameters[size])))
+    assert moved.interval(size)[0] == vague.interval(size)[0] == 0.0
+    for surely in (fit, moved):  # of `moved` nobody knows whether there are any: no reason not to name it
+        assert verdict(Features(memory=STRONG), surely).verdict == "backlash"
     found = verdict(Features(memory=STRONG), vague)
     assert found.verdict == "cannot tell"
     assert "of what size, if of any" in found.why
@@ -158,7 +162,7 @@ def test_a_limit_is_no_surer_than_its_kind(runner_up, share):
 @pytest.mark.parametrize(("low", "said"), [(0.0, "cannot tell"), (0.4, "dead zone")])
 def test_a_dead_zone_that_may_have_no_width_is_not_named(monkeypatch, low, said):
     wide = fit_of(ZONE, {"none": 0.0, "dead zone": 50.0}, lm.Status.WIDE)
-    monkeypatch.setattr(type(wide), "interval", lambda fit, name, level=0.95: (low, 3.0))
+    monkeypatch.setattr(type(wide), "_interval", lambda fit, name, level, moves: (low, 3.0))
     found = verdict(Features(dead_zone=STRONG), wide)
     assert found.verdict == said
     assert ("of what size, if of any" in found.why) == (low == 0.0)
@@ -358,7 +362,7 @@ def test_slips_between_the_rows_that_leave_a_structure_over_name_no_valve_where_
         evidence=SimpleNamespace(only_fed_back=True, closed_loop=True),
         kind=kind_of("stiction"),
         data=SimpleNamespace(unseen=SimpleNamespace(settled=False), sp=None),
-        interval=lambda name: (2.8, 3.2),
+        least_known=2.8,
     )
     assert (not_shown(fit) == "") == names
 
