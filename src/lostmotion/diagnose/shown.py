@@ -43,7 +43,8 @@ def not_shown(fit: HammersteinFit) -> str:
     """Why the record does not show the fault of this fit, in words; empty where it does.
 
     Neither a valve that sticks in a loop that settles between the rows, which look the same behind a sound one, nor one
-    whose interval begins at 0: in an independent simulation four of five such claims were of sound valves. Nor one that
+    whose interval begins at 0, moves aside that may not be: in an independent simulation four of five such claims were
+    of sound valves. Nor one that
     slips between the rows where nothing but PV moves OP and it leaves a structure over: two positions that a controller
     goes between are what a saw tooth of load, and a valve that sticks upstream, look like (0.99 and 0.88). Nor a dead
     zone of little gain where OP foretells PV against the valve, and what stands for the process is none: 0.6 % of span
