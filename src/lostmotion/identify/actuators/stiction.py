@@ -162,8 +162,6 @@ class StictionKind(Kind):
     def sought_again(self, fitted: Fitted, asked: Asked) -> Fitted | None:
         """Where the search on growing rows finds a likelier valve, with a process of its own."""
         problem, family = fitted.problem, fitted.problem.family
-        if isinstance(family, RampFamily):
-            return None
         data = ScaledData(problem.u, problem.y, problem.segments)
         model, jump = HE, 0.0  # a backlash
         if isinstance(family, StictionFamily):

@@ -6,7 +6,7 @@ import asyncio
 import math
 import threading
 from collections.abc import AsyncIterator, Coroutine, Iterable, Mapping
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any, Self, TypeVar
 
 from asyncua import ua
@@ -18,13 +18,14 @@ from lostmotion.errors import LostMotionError
 from lostmotion.live.link import LinkError
 from lostmotion.live.opcua.client import REQUEST, connected
 from lostmotion.live.opcua.data_value import quality_of
-from lostmotion.live.opcua.link import FAILURES, Connect, leave, resolved
+from lostmotion.live.opcua.link import FAILURES, LEAVE, Connect, leave, resolved
 from lostmotion.live.opcua.security import Identity
 from lostmotion.live.opcua.trust import TrustStore
 from lostmotion.live.virtual_plc import DINT, WRITABLE
 
 ANSWER = 3.0  # s for a read or a write: a block sheds after ten without a heartbeat
 OPENING = 3 * REQUEST  # s for endpoints, channel and session together
+STUCK = 3 * OPENING  # s after which a call is given up whose own limits were not kept
 SIGNED = (ua.VariantType.Int32, ua.VariantType.Int64)
 UNSIGNED = (ua.VariantType.UInt32, ua.VariantType.UInt64)
 REAL = (ua.VariantType.Float, ua.VariantType.Double)  # ids and widths stay below 2^24, which both hold exactly
@@ -122,10 +123,12 @@ class PlcLink:
         """Say farewell; harmless where that has been done."""
         if self._loop.is_closed():
             return
-        self._wait(self._ended())
+        with suppress(*FAILURES):
+            self._wait(self._ended())
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join()
-        self._loop.close()
+        self._thread.join(LEAVE)
+        if not self._thread.is_alive():
+            self._loop.close()
 
     def __enter__(self) -> Self:
         return self
@@ -139,7 +142,11 @@ class PlcLink:
             raise LinkError(f"expected {what}, got {odd}; the PLC owns the others")
 
     def _wait(self, work: Coroutine[Any, Any, Answer]) -> Answer:
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result()
+        running = asyncio.run_coroutine_threadsafe(work, self._loop)
+        try:
+            return running.result(STUCK)
+        finally:
+            running.cancel()
 
     def _told(self, work: Coroutine[Any, Any, Answer], plain: type[LostMotionError] = LinkError) -> Answer:
         """What `work` returns; any failure but a `plain` one is a LinkError."""
@@ -213,7 +220,8 @@ class PlcLink:
         others = asyncio.all_tasks() - {asyncio.current_task()}
         for task in others:
             task.cancel()
-        await asyncio.gather(*others, return_exceptions=True)
+        if others:
+            await asyncio.wait(others, timeout=LEAVE)
 
     async def _learn(self, client: Client) -> None:
         """Ids of the nodes, and the types in which the inputs are written."""

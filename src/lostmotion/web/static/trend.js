@@ -273,6 +273,7 @@
       const query = this.query(width);
       try {
         const pieces = this.byCanvas ? null : this.pieces(query, number);
+        pieces?.catch(() => {});  // told below, or with the failure of the other answer
         const answer = await fresh(`/api/v1/trend?${query}`);
         if (answer.status === 202) { setTimeout(() => this.again(), 1000); return; }
         const data = await answer.json();
