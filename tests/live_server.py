@@ -18,6 +18,8 @@ from pathlib import Path
 
 from asyncua import Server, ua
 
+from tests.patience import in_time
+
 ROOT = Path(__file__).resolve().parents[1]
 START = datetime(2026, 5, 1, tzinfo=UTC)
 NOT_YET = ua.StatusCode(ua.StatusCodes.BadWaitingForInitialData)
@@ -122,7 +124,8 @@ def started(port, *words):
     command = [sys.executable, "-m", "tests.live_server", str(port), *words]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, env=env, cwd=ROOT, text=True)
     assert process.stdout is not None
-    _, taken, process.first = process.stdout.readline().split()
+    with in_time(process):
+        _, taken, process.first = process.stdout.readline().split()
     return process, int(taken)
 
 

@@ -29,6 +29,7 @@ from lostmotion.live.opcua.discover import discovered
 from lostmotion.live.opcua.plc_link import PlcLink, nodes_of
 from lostmotion.live.supervisor import Supervisor
 from lostmotion.live.virtual_plant import VirtualPlant
+from tests.patience import in_time
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEED = 4.0  # a scan is 0.125 s, and the time-out of the block 2.5 s
@@ -78,7 +79,8 @@ def test_its_loops_are_watched(plant):
     )  # fmt: skip
     try:
         kinds = (json.loads(line) for line in live.stdout)
-        samples = [next(one["sample"] for one in kinds if one["kind"] == "report") for _ in range(2)]
+        with in_time(live):
+            samples = [next(one["sample"] for one in kinds if one["kind"] == "report") for _ in range(2)]
     finally:
         live.send_signal(signal.SIGINT)
         _, said = live.communicate(timeout=60)

@@ -19,6 +19,7 @@ from lostmotion.store.store import Store
 from lostmotion.web.app import create_app
 from lostmotion.web.page import Page
 from tests.live_server import killed, node, started
+from tests.patience import in_time
 from tests.plant_stores import plant_store
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -38,12 +39,13 @@ def live(port, store, tag, *words):
 def estimates(process, count):
     """The next reports with an estimate."""
     found = []
-    while len(found) < count:
-        line = process.stdout.readline()
-        assert line, process.stderr.read()
-        message = json.loads(line)
-        if message["kind"] == "report" and message["width"]:
-            found.append(message)
+    with in_time(process):
+        while len(found) < count:
+            line = process.stdout.readline()
+            assert line, process.stderr.read()
+            message = json.loads(line)
+            if message["kind"] == "report" and message["width"]:
+                found.append(message)
     return found
 
 

@@ -22,6 +22,7 @@ from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.link import Followed, Link
 from lostmotion.live.run import Plant, Watched
 from tests.live_server import LoopServer, killed, node, started
+from tests.patience import in_time
 
 ROOT = Path(__file__).resolve().parents[2]
 UNCERTAIN = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue)
@@ -248,12 +249,13 @@ def client(port, folder):
 
 def reports(process, count):
     found = []
-    while len(found) < count:
-        line = process.stdout.readline()
-        assert line, process.stderr.read()
-        message = json.loads(line)
-        if message["kind"] == "report":
-            found.append(message)
+    with in_time(process):
+        while len(found) < count:
+            line = process.stdout.readline()
+            assert line, process.stderr.read()
+            message = json.loads(line)
+            if message["kind"] == "report":
+                found.append(message)
     return found
 
 

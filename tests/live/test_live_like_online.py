@@ -55,8 +55,9 @@ async def live(plant, tags, write, enough, **signals):
     link = Link(connect, [Followed(one.source) for one in watched], 0.05, lambda *what: notes.append(what))
     stop = Event()
     running = asyncio.create_task(Plant(watched, link.run()).run(stop))
-    while not link.connections:
-        await asyncio.sleep(0.02)
+    async with asyncio.timeout(60.0):
+        while not link.connections:
+            await asyncio.sleep(0.02)
     await write()
     for _ in range(200):
         await asyncio.sleep(0.05)

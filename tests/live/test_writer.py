@@ -197,9 +197,7 @@ def test_estimates_are_looked_at_one_by_one_not_more_often_than_said(tmp_path, m
         )  # fmt: skip
         AtOnce.answers = lambda *given: rig.study(safe=False)
         begun = time.monotonic()
-        while "not asked" not in rig.events():
-            rig.writer.heard(found)
-            time.sleep(0.01)
+        rig.until(lambda: rig.writer.heard(found) or "not asked" in rig.events())
         assert time.monotonic() - begun > 0.4  # not before least_interval after the start
         end = time.monotonic() + 0.3
         while time.monotonic() < end:
@@ -209,9 +207,7 @@ def test_estimates_are_looked_at_one_by_one_not_more_often_than_said(tmp_path, m
         AtOnce.answers = lambda *given: SimpleNamespace(
             safe=True, recommendation="compensate", block=given[2], described="a test"
         )
-        while "request" not in rig.events():
-            rig.writer.heard(found)
-            time.sleep(0.01)
+        rig.until(lambda: rig.writer.heard(found) or "request" in rig.events())
         line = next(line for line in rig.lines if line.get("event") == "request")
         assert line["who"] == "the estimate"
         assert line["new"]["first"] == pytest.approx(1000.0 * (left - 0.05 + 0.002), abs=1.0)

@@ -14,6 +14,7 @@ from lostmotion.files.writer import lock_file
 from lostmotion.web.desk.desk import AT_ONCE, Desk, Limits
 from lostmotion.web.desk.workspace import LOCK, PREFIX, STALE, sweep
 from lostmotion.web.worker import handle as worker_module
+from tests.patience import until
 
 SCRIPT = """
 import json, os, pathlib, sys, time
@@ -132,8 +133,7 @@ def test_what_is_cancelled_leaves_no_trace(desk):
 
 def test_a_killed_worker_is_the_result_of_its_file(desk):
     item = drop(desk, b"slow")
-    while desk.jobs.of(item.id).share != 0.5:
-        pass
+    until(lambda: desk.jobs.of(item.id).share == 0.5)
     os.kill(desk.jobs.worker, signal.SIGKILL)
     over(desk, item)
     assert desk.state(item) == "failed"

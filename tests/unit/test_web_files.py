@@ -20,6 +20,7 @@ from lostmotion.web.desk.view_json import view_to_json
 from lostmotion.web.kept_record import keep_record
 from lostmotion.web.page import Page
 from lostmotion.web.worker import handle as worker_module
+from tests.patience import until
 
 SCRIPT = """
 import json, pathlib, sys, time
@@ -243,8 +244,7 @@ def test_columns_are_corrected(desk):
 
 def test_work_is_shown_refreshes_itself_and_is_cancelled(desk):
     item = dropped(desk, b"slow")
-    while desk.jobs.of(item.id).phase != "diagnosing":
-        pass
+    until(lambda: desk.jobs.of(item.id).phase == "diagnosing")
     text = ask(desk, "GET", f"/files/{item.id}").text
     assert "window 1 of 2" in text
     assert '<noscript><meta http-equiv="refresh"' in text

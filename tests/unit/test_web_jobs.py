@@ -12,6 +12,7 @@ import pytest
 from lostmotion.web.worker import handle as worker_module
 from lostmotion.web.worker.handle import Worker, WorkerDiedError
 from lostmotion.web.worker.jobs import Jobs
+from tests.patience import until
 
 SCRIPT = """
 import json, os, sys, time
@@ -47,13 +48,6 @@ def jobs():
     made.ended = ended
     yield made
     made.close()
-
-
-def until(condition, seconds=10.0):
-    stop = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < stop
-        time.sleep(0.01)
 
 
 def gone(number):
