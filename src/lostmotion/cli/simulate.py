@@ -129,8 +129,9 @@ def simulate(
     Example: lostmotion simulate --width 2 --gain 1.5 --time-constant 30 --dead-time 4 --dt 1 --noise-deviation 0.1
     --kp 1 --ki 0.03; or with these numbers in a file: lostmotion simulate --model loop.toml
 
-    Exit code 1 where the block is not safe with the present controller: on some plant within the uncertainty the loop
-    gets worse, or its limit cycle larger, than without; and where the fit does not show the lost motion, the diagnosis
+    Exit code 1 where the block is not safe with the present controller: on some plant within the uncertainty the error
+    gets larger than without, or the limit cycle does and a clearly smaller error does not outweigh it (a somewhat
+    larger cycle, or a valve that travels little more); and where the fit does not show the lost motion, the diagnosis
     says something else, or the model does not reproduce the record, unless --accept REASON says why to go on.
     """
     output.refuse(written.block_out, written.out, figures=(written.figure,))
