@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.diagnose.clean_bill import CARRIES, CleanBill, clean_bill, how_to_tell
+from lostmotion.diagnose.clean_bill import CARRIES, CleanBill, clean_bill, how_to_tell, untold
 from lostmotion.diagnose.excitation import ONLY_PV, SMOOTH_SP, only_fed_back
 from lostmotion.diagnose.features import SILENT, Features, Measured
 from lostmotion.diagnose.op_span import OpSpan, op_span
@@ -99,10 +99,15 @@ def test_other_verdicts_stay(verdict):
 
 
 def test_advice_names_the_test_and_how_much_more_of_the_same():
-    test, more = how_to_tell(2.0, 1.0, still=True)
+    test, more = how_to_tell(2.0, 1.0, untold(np.zeros(9)))
     assert "SP does not move" in test
     assert "4 times as much" in more
-    assert len(how_to_tell(np.inf, 1.0, still=False)) == 1
+    assert len(how_to_tell(np.inf, 1.0)) == 1
+
+
+def test_a_record_without_sp_is_not_said_to_have_one_that_rests():
+    assert untold(None) == "this record holds no SP, and its moves of OP do not tell"
+    assert untold(np.arange(3.0)) == "the moves in this record do not tell"
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1, np.nan])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.excitation import FED_BACK_ONLY, FOREKNOWN, NO_ANSWER, what_moves_op
 from lostmotion.diagnose.features import CARRIES, Measured, swing_of
 from lostmotion.diagnose.op_span import OpSpan, checked_tolerance
@@ -22,6 +23,7 @@ FORM_CLEARS = 0.9
 # bend, and no width beside them is excluded. In three loops of an independent simulation, with 1.2 to 2.2 % of span, it
 # was ahead by 50 to 156, and down to 0.3 % was excluded; of two sound ones (a positioner of DAMADICS) by 12 and 16
 BENDS = 30.0
+UNTOLD = "the moves in this record do not tell"
 MOST_RECORDS = 30  # times as much of the same record: more is not worth telling
 
 
@@ -150,17 +152,23 @@ def _excluded(fit: HammersteinFit) -> dict[str, float]:
     return {} if size is None else {fit.kind.name: float(fit.interval(size)[1])}
 
 
-def how_to_tell(size: float, limit: float, still: bool) -> tuple[str, ...]:
+def untold(sp: FloatArray | None) -> str:
+    """Why a record does not tell, by its SP."""
+    if sp is None:
+        return "this record holds no SP, and its moves of OP do not tell"
+    return UNTOLD if np.ptp(sp) > 0.0 else "SP does not move in this record"
+
+
+def how_to_tell(size: float, limit: float, reason: str = UNTOLD) -> tuple[str, ...]:
     """What would settle it, most useful first.
 
     Parameters
     ----------
     size, limit : float
         Largest size that is not excluded, and that which must be, in units of OP.
-    still : bool
-        Whether SP did not move.
+    reason : str
+        Why what is there does not.
     """
-    reason = "SP does not move in this record" if still else "the moves in this record do not tell"
     advice = [
         f"Move SP, or OP in manual, a few times up and down by clearly more than {limit:.2g} of OP, the size to be "
         f"excluded: {reason}. `lostmotion design` plans such a test."

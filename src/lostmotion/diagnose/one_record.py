@@ -9,7 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.advice import advise, severity_of
 from lostmotion.diagnose.audit_class import LEAST_INDEX
-from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell
+from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell, untold
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
@@ -175,7 +175,7 @@ def _advice(
     if verdict.advice:
         return verdict.advice
     if verdict.why:
-        return how_to_tell(bill.largest[1], verdict.limit, sp is None or not bool(np.ptp(sp) > 0.0))
+        return how_to_tell(bill.largest[1], verdict.limit, untold(sp))
     return advise(verdict.verdict, verdict.kind, severity, measured.integrating, measured.swings)
 
 

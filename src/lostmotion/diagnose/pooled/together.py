@@ -306,7 +306,7 @@ def _items(shares: tuple[RecordShare, ...]) -> tuple[Item, ...]:
 
 def _advice(base: Diagnosis, verdict: PooledVerdict, severity: str, limit: float) -> tuple[str, ...]:
     if verdict.verdict == "cannot tell" and verdict.excluded:
-        return how_to_tell(max(verdict.excluded.values()), limit, False)
+        return how_to_tell(max(verdict.excluded.values()), limit)
     return advise(verdict.verdict, verdict.kind, severity, base.measured.integrating, base.measured.swings)
 
 
