@@ -34,6 +34,15 @@ def test_only_a_kind_and_a_size_that_are_seen_open_it(status):
     assert "accept='<reason>'" in refusal(GateError, fit.block)
 
 
+def test_a_misfit_of_all_kinds_is_not_sent_to_compare_them():
+    fit = made_fit("backlash", Status.MISFIT)
+    assert "compares all kinds" in closed(fit.facts).remedy
+    every = KindChoice("backlash", {}, {}, {}, 0.99, "none")
+    remedy = closed(replace(fit, kinds=every).facts).remedy
+    assert "whichever kind" in remedy
+    assert "nonlinearity" not in remedy
+
+
 def block():
     return lm.block_from_model(lm.DeadZone(48.7, 51.9, 1.3, 1.1), 0.5, op_noise=0.05)
 
