@@ -13,6 +13,7 @@ from lostmotion.cli.way_out import command_lines
 from lostmotion.errors import GateError, ParameterError
 from lostmotion.evaluate import solve as way
 from lostmotion.evaluate.solution import OUTCOMES, STEPS, Solution, Step
+from lostmotion.identify.actuators.choice import KindChoice
 from tests.diagnoses import example, loop_record
 from tests.fits import made_fit
 from tests.refusals import refusal
@@ -96,6 +97,38 @@ def test_the_first_closed_gate_ends_it(steps, settings, name):
     if sized:
         assert "seen on the bench" in passed.block.accepted
         assert "seen on the bench" in passed.summary()
+
+
+@pytest.mark.parametrize("safe", [True, False])
+def test_a_block_must_be_safe_on_the_kind_that_is_as_likely(steps, monkeypatch, safe):
+    """Backlash is the simpler of two that explain the record as well; its block may do harm to a valve that slips."""
+    fit = made_fit("backlash", lm.Status.OK)
+    likelihoods = {"none": 0.0, "backlash": 123.0, "stiction": 124.9, "dead zone": 60.0}
+    kinds = KindChoice("backlash", likelihoods, likelihoods, likelihoods, 0.99, "stiction")
+    found = replace(example(), verdict="backlash", fit=replace(fit, kinds=kinds))
+    monkeypatch.setattr(
+        solving, "identify", lambda *_, nonlinearity, **__: made_fit(nonlinearity, lm.Status.OTHER_KIND)
+    )
+    tried = []
+
+    def study(fit, *given, block=None, **options):
+        tried.append((fit.kind.name, block))
+        made = studied()(fit, *given, **options)
+        made.safe = safe or block is None
+        return made
+
+    made = steps(study=study)
+    assert tried[1:] == []
+    tried.clear()
+    monkeypatch.setattr(solving, "diagnose", lambda *_, **__: found)
+    made = way(RECORD)
+    assert [kind for kind, _ in tried] == ["backlash", "stiction"]
+    assert tried[1][1] == made.study.block
+    assert made.outcome == ("block" if safe else "closed")
+    if not safe:
+        assert made.closed.name == "simulate"
+        assert "stiction" in made.closed.said
+        assert way(RECORD, accept="anna has seen the stem").outcome == "block"
 
 
 def test_several_gates_leave_each_reason_once(steps):

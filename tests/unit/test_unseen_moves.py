@@ -10,6 +10,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.identify.data import collect
+from lostmotion.identify.recording import Recording
 from lostmotion.identify.unseen_moves import Unseen, beyond_unseen, may_be_settled, unseen_moves, within_unseen
 from tests.fits import made_fit
 
@@ -207,7 +208,7 @@ def test_rounding_in_what_its_own_past_foretells_of_op_is_no_move():
 def test_the_least_size_that_is_known_does_not_count_moves_that_may_not_be(known):
     plain = made_fit("backlash")
     unseen = Unseen(moves=1.5) if known else Unseen(untold=True, possible=1.5)
-    data = replace(plain.data, recording=unseen)
+    data = replace(plain.data, recording=Recording(unseen, plain.data.foretold))
     fit = replace(plain, evidence=replace(plain.evidence, unseen_moves=1.5), data=data)
     least, seen = fit.interval("width")[0], plain.interval("width")[0]
     assert least == within_unseen(seen, 1.5) < seen

@@ -16,6 +16,7 @@ from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
+from lostmotion.identify.recording import Recording
 from lostmotion.identify.unseen_moves import Unseen
 from tests.diagnoses import example
 from tests.fits import made_fit
@@ -124,7 +125,8 @@ def test_the_kind_of_a_fault(features, actuator, gains, integrating, said):
 def test_a_valve_that_sticks_whose_interval_begins_at_0_is_not_named():
     fit = fit_of(BAND, {"none": 0.0, "backlash": 50.0, "stiction": 49.0})
     moved, size = replace(fit, evidence=replace(fit.evidence, unseen_moves=fit.parameters["width"])), "width"
-    vague = replace(moved, data=replace(fit.data, recording=Unseen(moves=fit.parameters[size])))
+    told = Recording(Unseen(moves=fit.parameters[size]), fit.data.foretold)
+    vague = replace(moved, data=replace(fit.data, recording=told))
     assert moved.interval(size)[0] == vague.interval(size)[0] == 0.0
     for surely in (fit, moved):  # of `moved` nobody knows whether there are any: no reason not to name it
         assert verdict(Features(memory=STRONG), surely).verdict == "backlash"

@@ -24,7 +24,8 @@ from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.identify.left_open import largest_known
-from lostmotion.identify.unseen_moves import FILLED, Unseen
+from lostmotion.identify.recording import Recording
+from lostmotion.identify.unseen_moves import FILLED
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Stiction
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
@@ -95,13 +96,13 @@ def diagnose(
 @one_thread
 def diagnose_part(
     record: LoopRecord,
-    recording: Unseen | None,
+    recording: Recording | None,
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> Diagnosis:
-    """The same of a part of a longer recording, which tells what OP does between its rows; None: the part tells it."""
+    """The same of a part of a longer record, which tells how the loop was recorded; None: the part tells it."""
     kinds = sorted(LEAST_INDEX)
     if loop_type is None and record.loop_type in kinds:
         loop_type = record.loop_type

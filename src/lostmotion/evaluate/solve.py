@@ -82,12 +82,12 @@ def solve(
     ('closed', 'check', 'OP is constant (42).')
     """
     reason_of(accept)
-    way = _Way(record, accept, progress or _silent)
+    way = _Way(record, accept, progress or _silent, gain, integrating)
     way.check(span or record.op_span)
     if way.open:
-        way.diagnose(integrating, loop_type)
+        way.diagnose(loop_type)
     if way.open:
-        way.identify(gain, integrating)
+        way.identify()
     if way.open:
         way.simulate(controller, span, study, retune=retune)
     if way.open:
@@ -111,6 +111,8 @@ class _Way:
     record: LoopRecord
     accept: str | None
     tell: Callable[[str], None]
+    gain: float | None
+    integrating: bool | None
     steps: list[Step] = field(default_factory=list)
     fine: bool = False
     accepted: tuple[str, ...] = ()
@@ -167,10 +169,10 @@ class _Way:
         else:
             self._pass("check", f"{100.0 * found.share:.3g} % of {len(self.record)} rows can be used.")
 
-    def diagnose(self, integrating: bool | None, loop_type: str | None) -> None:
+    def diagnose(self, loop_type: str | None) -> None:
         """Whether it is the actuator, and a fault that has a block."""
         self.tell("diagnosing")
-        found = diagnose(self.record, integrating=integrating, loop_type=loop_type)
+        found = diagnose(self.record, integrating=self.integrating, loop_type=loop_type)
         self.diagnosis, self.fit = found, found.fit
         said = f"{found.verdict.capitalize()}, confidence {100.0 * found.confidence:.0f} %."
         if found.verdict == NO_FAULT:
@@ -182,11 +184,11 @@ class _Way:
             gate = Closed("a diagnosis that names a lost motion", repr(found.verdict), " ".join(found.advice))
             self._gate("diagnose", gate, said)
 
-    def identify(self, gain: float | None, integrating: bool | None) -> None:
+    def identify(self) -> None:
         """Whether the fit shows what the diagnosis says."""
-        if gain is not None:
+        if self.gain is not None:
             self.tell("identifying")
-            self.fit = identify(self.record, nonlinearity="auto", gain=gain, integrating=integrating)
+            self.fit = identify(self.record, nonlinearity="auto", gain=self.gain, integrating=self.integrating)
         assert self.fit is not None  # noqa: S101  the diagnosis has one
         facts, verdict = self.fit.facts, verdict_of(self.diagnosis) if self.diagnosis is not None else ""
         gate = closed(facts, None if self._accepted_verdict(verdict) else verdict)
@@ -225,11 +227,40 @@ class _Way:
             self._retuned(found)
             return
         if found.recommendation in ("compensate", RETUNED) and found.useful and found.safe:
-            self._pass("simulate", " ".join(found.brief))
+            other = self._unsafe_kind(found, controller, given)
+            if other is None:
+                self._pass("simulate", " ".join(found.brief))
+            else:
+                self._gate("simulate", other, " ".join(found.brief) + f" But {other.got}.")
             return
         remedy, settings = _way_out(found)
         gate = Closed("a block that is worth it and safe", found.reasons[0], remedy)
         self._gate("simulate", gate, " ".join(found.brief), settings)
+
+    def _unsafe_kind(self, study: CompensationStudy, controller: PI | None, given: Mapping[str, Any]) -> Closed | None:
+        """Another kind that explains the record as well, where the block does harm to a valve of that kind.
+
+        Backlash is believed before the stiction that is as likely, as it is simpler; its inverse is not as harmless.
+        """
+        assert self.fit is not None  # noqa: S101
+        for kind in [] if self.fit.kinds is None else self.fit.kinds.as_likely:
+            self.tell(f"simulating a valve with {kind}")
+            other = identify(self.record, nonlinearity=kind, gain=self.gain, integrating=self.integrating)
+            options = dict(given) | {"accept": f"{kind} is as likely", "block": study.block}
+            try:
+                there = compensation_study(other, controller, **options)
+            except InputError:
+                continue  # a loop that cannot be simulated shows no harm
+            if not there.safe:
+                name = study.block.kind
+                expected = f"a block that is safe whichever of {self.fit.preferred} and {kind} the valve has"
+                got = f"the record explains as well by {kind}, and on such a valve this {name} block is not safe"
+                return Closed(
+                    expected,
+                    got,
+                    "mend the valve, or record small moves of OP up and down in manual, which tell a jump from play",
+                )
+        return None
 
     def _retuned(self, study: CompensationStudy) -> None:
         """The block with the gains that it needs."""

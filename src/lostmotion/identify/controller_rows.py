@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.records.sampling import Bools
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class ControllerRows:
         return least <= self.left <= most and self.left < OTHERWISE * self.own
 
 
+@remembered
 def controller_rows(data: IdentificationData, first: int = 0) -> ControllerRows | None:
     """What the controller leaves of OP beside PV from `first` rows ago on; None where there are too few rows."""
     rows = _rows(data)

@@ -18,6 +18,7 @@ from lostmotion.identify.answered import pv_answers
 from lostmotion.identify.controller_rows import of_past_rows
 from lostmotion.identify.direction import against_pv
 from lostmotion.identify.foreknown import Foretold, foretold
+from lostmotion.identify.recording import Recording
 from lostmotion.identify.unseen_moves import Unseen, unseen_moves
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
@@ -49,8 +50,8 @@ class IdentificationData:
         Whether arrays were given, not records.
     sp : ndarray, shape (n,), or None
         Set point, where it is known in every row.
-    recording : Unseen or None
-        What OP does between the rows, where more rows of the same recording than these have told it.
+    recording : Recording or None
+        What more rows than these have told of how the loop was recorded.
     """
 
     u: FloatArray
@@ -67,7 +68,7 @@ class IdentificationData:
     made_up: MadeUp | None = None
     plain: bool = False
     sp: FloatArray | None = None
-    recording: Unseen | None = None
+    recording: Recording | None = None
 
     @property
     def drawn(self) -> MadeUp | None:
@@ -97,12 +98,12 @@ class IdentificationData:
     @cached_property
     def foretold(self) -> Foretold:
         """What OP says of PV beyond its past, see ``foretold``."""
-        return foretold(self.u, self.y, self.segments, self.sp)
+        return foretold(self.u, self.y, self.segments, self.sp) if self.recording is None else self.recording.foretold
 
     @cached_property
     def unseen(self) -> Unseen:
         """What OP does between the rows, see ``unseen_moves``."""
-        return unseen_moves(self) if self.recording is None else self.recording
+        return unseen_moves(self) if self.recording is None else self.recording.unseen
 
     @cached_property
     def of_past_rows(self) -> bool:

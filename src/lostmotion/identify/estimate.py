@@ -31,10 +31,10 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.simulated import simulated_output
+from lostmotion.identify.recording import Recording
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import decide, excluded_above, weigh
-from lostmotion.identify.unseen_moves import Unseen
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import NoiseModel
 from lostmotion.records import LoopRecord, Prepared
@@ -130,7 +130,7 @@ def identify(
 
 @one_thread
 def identify_for_verdict(
-    record: Prepared, integrating: bool | None, sound: float, recording: Unseen | None = None
+    record: Prepared, integrating: bool | None, sound: float, recording: Recording | None = None
 ) -> HammersteinFit:
     """All kinds; sizes are excluded as well where the fault that was found may be denied.
 

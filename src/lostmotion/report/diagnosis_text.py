@@ -9,6 +9,7 @@ from lostmotion.diagnose.diagnosis import Item
 from lostmotion.diagnose.drawn_rows import drawn_share
 from lostmotion.diagnose.evidence_words import KIND, LABEL, balance, cause, probability
 from lostmotion.diagnose.loop_stability import EXACT, LIGHTLY_DAMPED
+from lostmotion.diagnose.objections import sticks
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
@@ -207,8 +208,15 @@ def _kinds(diagnosis: Diagnosis) -> str:
     said = ", ".join(f"{kind} {gain:+.1f} / {kinds.gains[kind]:+.1f}" for gain, kind in ranked)
     return "\n" + fill(
         f"Actuators compared: log-likelihood less what the parameters cost ({NEEDED:g} is needed) / of rows left out, "
-        f"over that of a linear process: {said or 'none was worth a fit'}."
+        f"over that of a linear process: {said or 'none was worth a fit'}.{_against(diagnosis.verdict, ranked)}"
     )
+
+
+def _against(verdict: str, ranked: list[tuple[float, str]]) -> str:
+    """That the comparison is not what names the fault, where another kind is ahead that does not stick."""
+    if not ranked or not sticks(verdict) or sticks(ranked[0][1]):
+        return ""
+    return " The evidence of the trend, not this comparison, names a valve that sticks."
 
 
 def _stability(diagnosis: Diagnosis) -> str:

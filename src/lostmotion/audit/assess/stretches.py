@@ -13,7 +13,7 @@ from lostmotion.audit.screen.rows import ScreenRows
 from lostmotion.diagnose.pooled.windows import MOVE
 from lostmotion.errors import DataError
 from lostmotion.identify.data import collect
-from lostmotion.identify.unseen_moves import Unseen, unseen_moves
+from lostmotion.identify.recording import Recording
 from lostmotion.kernels.turns import turns
 from lostmotion.records import LoopRecord, limits, prepare
 from lostmotion.records.resample import pick
@@ -77,18 +77,19 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
             scores[np.abs(starts - starts[number]) < size] = -np.inf
 
 
-def recording(rows: ScreenRows, period: float | None) -> Unseen | None:
-    """What OP does between the rows, from all of the window at the pace of its looks; None: a look is at all of it.
+def recording(rows: ScreenRows, period: float | None) -> Recording | None:
+    """How the loop was recorded, from all of the window at the pace of its looks; None: a look is at all of it.
 
     A stretch has few moves of SP: whether the loop settles between the rows it often leaves open, and the next one says
-    something else. How a loop is recorded does not change from one to the next. Also None where the window is refused.
+    something else; and it is too short to show that OP foretells PV. How a loop is recorded does not change from one to
+    the next. Also None where the window is refused.
     """
     factor = thinning(period, rows.record.dt)
     whole = _thinned(_masked(rows), factor) if len(rows.record) > SHORT * factor else None
     if whole is None:
         return None
     try:
-        return unseen_moves(collect(prepare(whole), None, None))
+        return Recording.of(collect(prepare(whole), None, None))
     except DataError:
         return None
 

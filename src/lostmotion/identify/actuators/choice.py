@@ -26,6 +26,7 @@ from lostmotion.identify.scaled import ScaledData
 FOLDS = 4
 STEPS = 6  # of each refit: it starts at the fit to everything
 FEWEST = 20  # rows of a fold beside what its start needs
+CLEAR = 4.4  # of log-likelihood: a kind so much ahead has the better of 9 in 10
 CONFIRMED = 12.0  # a smaller gain counts only where the rows left out are predicted better as well
 
 
@@ -61,6 +62,13 @@ class KindChoice:
     confidence: float
     runner_up: str
     excluded: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def as_likely(self) -> list[str]:
+        """Other faults that are not clearly less likely than the best, which may be preferred as it is simpler."""
+        least = self.likelihoods[self.best] - CLEAR
+        others = [kind for kind in self.likelihoods if kind not in (self.best, NO_FAULT)]
+        return [kind for kind in others if self.likelihoods[kind] > least and self.firm[kind] > NEEDED]
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""

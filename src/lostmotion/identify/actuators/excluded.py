@@ -19,6 +19,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 
 FALL = 0.5 * 1.645**2  # of log-likelihood
 STEP = 0.8  # of one size to the next
+HOPELESS = 100.0  # of log-likelihood behind: then the next size is looked at only if the one after it is open
 SMALLEST = 1e-3  # of the range of OP
 HALVINGS = 3  # of the last step
 POLES = (0.3, 0.5, 0.7)  # of a lag in front of a valve with a memory, behind which sizes are tried as well
@@ -73,8 +74,12 @@ class _Sizes:
         Not below a size that is known to be open, nor above one that is not thought of.
         """
         size, above, smallest = min(self.span, most), np.inf, max(SMALLEST * self.span, known)
-        while size > smallest and self._excluded(size):
-            size, above = STEP * size, size
+        passed = 0.0  # a size that was not looked at
+        while size > smallest and (behind := self._behind(size)) > 0.0:
+            passed = STEP * size if behind > HOPELESS and STEP**2 * size > smallest else 0.0
+            size, above = STEP * (passed or size), size
+        if passed:
+            size, above = (size, passed) if self._excluded(passed) else (passed, above)
         if above == np.inf:
             return size if size < self.span else above
         if size <= known:
@@ -89,14 +94,23 @@ class _Sizes:
 
     def _excluded(self, size: float) -> bool:
         """Whether no form of this size is as likely."""
-        return all(self._behind(base, size) for base in self.bases)
+        return self._behind(size) > 0.0
 
-    def _behind(self, base: Fitted, size: float) -> bool:
-        """The same, beside the process, noise and loads of one fit."""
+    def _behind(self, size: float) -> float:
+        """Log-likelihood by which the best form of it is surely behind; 0 where one is as likely."""
+        least = np.inf
+        for base in self.bases:
+            limit = self._limit(base)
+            for form in self._forms(base, size):
+                least = min(least, form.behind(limit))
+                if least == 0.0:
+                    return 0.0
+        return least
+
+    def _forms(self, base: Fitted, size: float) -> list[HeldSize]:
+        """The best of it before their refinement, beside the process, noise and loads of one fit."""
         forms = [HeldSize.on(base, self.kind, family, own) for family, own in self.kind.of_size(base.problem, size)]
-        forms.sort(key=lambda form: form.cost)
-        limit = self._limit(base)
-        return not any(form.reaches(limit) for form in forms[:REFINED])
+        return sorted(forms, key=lambda form: form.cost)[:REFINED]
 
     def _limit(self, base: Fitted) -> float:
         """Sum of squares beside a fit that is FALL behind the linear model; its own structure is paid for (BIC)."""

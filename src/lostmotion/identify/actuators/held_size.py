@@ -46,9 +46,10 @@ class HeldSize:
         """Free directions."""
         return _basis_without_actuator(self._base)
 
-    def reaches(self, limit: float) -> bool:
-        """Whether it can be refined to a sum of squares that is not above a limit."""
-        return self.cost <= limit or self._refined(limit) <= limit
+    def behind(self, limit: float) -> float:
+        """Log-likelihood that is missing to a sum of squares, refined as long as that may do; 0 where it is reached."""
+        cost = self.cost if self.cost <= limit else self._refined(limit)
+        return 0.0 if cost <= limit else 0.5 * self.problem.errors * float(np.log(cost / limit))
 
     def refined(self, limit: float) -> float:
         """Sum of squares with everything else refined; as begun, where that is not above a limit.
