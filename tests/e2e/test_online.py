@@ -207,7 +207,23 @@ def test_a_quiet_run_exits_with_0_and_needs_no_state(capsys, tmp_path, lines):
 def test_a_record_that_does_not_tell_exits_with_1(capsys, tmp_path, lines):
     code, messages, _ = run(capsys, write(tmp_path / "a.csv", lines[:250]), *OPTIONS, *columns(), "--no-follow")
     assert code == 1
-    assert messages[-1]["status"] == "STARTING"
+    assert (messages[-1]["status"], messages[-1]["sample"]) == ("STARTING", 249)
+
+
+def test_rows_after_the_last_report_are_told_at_the_end_unless_a_state_keeps_them(capsys, tmp_path, lines):
+    path = write(tmp_path / "a.csv", lines[:451])
+    words = (path, *OPTIONS, *columns(), "--no-follow", "--report-every", 400, "--trend-every", 400)
+    code, messages, _ = run(capsys, *words, "--width-limit", 1.0)
+    events = [message["sample"] for message in messages if message.get("name") == "width limit"]
+    reported = [message["sample"] for message in messages if message["kind"] == "report"]
+    assert (code, reported, events) == (1, [400, 450], [400])
+    late = ("--report-every", 1000, "--trend-every", 1000, "--width-limit", 1.0)
+    code, messages, _ = run(capsys, *words, *late)
+    assert code == 1
+    assert [(message["kind"], message["sample"]) for message in messages[1:]] == [("report", 450), ("event", 450)]
+    code, messages, _ = run(capsys, *words, *late, "--state", tmp_path / "state")
+    assert code == 1
+    assert [message["kind"] for message in messages] == ["start"]
 
 
 def test_orders_from_a_fit(capsys, tmp_path):

@@ -95,6 +95,30 @@ def test_reports_come_at_whole_intervals():
     assert watched.to_report == 15
 
 
+def test_rows_after_the_last_report_are_told_at_the_end_and_the_monitor_stays():
+    watched, _ = monitor(width_limit=2.055)
+    assert watched.last() == []
+    watched.take(rows(40))
+    assert watched.last() == []
+    watched.take(rows(39, 40))
+    kept = watched.to_bytes()
+    report, event = watched.last()
+    assert (report["sample"], report["status"], report["counts"]["samples"]) == (79, "OK", 79)
+    assert (event["sample"], event["name"]) == (79, "width limit")
+    assert not watched.calm
+    assert watched.to_bytes() == kept
+    assert watched.last() == [report, event]
+    found = watched.take(rows(1, 79))
+    assert [(message["sample"], message["kind"]) for message in found] == [(80, "report"), (80, "event")]
+
+
+@pytest.mark.parametrize("status", [Status.CANNOT_TELL, Status.INTEGRATING, Status.NOT_CONVERGED, Status.WRONG_GAIN])
+def test_a_record_that_does_not_tell_is_not_calm(status):
+    watched, _ = monitor(fake=Fake(status=status))
+    watched.take(rows(60))
+    assert not watched.calm
+
+
 def test_masked_and_missing_samples_and_outliers_are_counted():
     pv = np.zeros(100)
     pv[[3, 70, 71]] = np.nan

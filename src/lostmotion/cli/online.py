@@ -116,9 +116,11 @@ def online(
     Ctrl-C and SIGTERM keep the state and exit with 0; after a kill the next start goes on from the state file, and
     lines since it was last written come again. Standard input: tail -F log.csv | lostmotion online - --orders 2,1,3
 
+    The rows since the last report get one at the end of the input, unless --state keeps them for the next start.
+
     At the end of the input the exit code is 1 where a change was found, the width is above its limit, or the record
-    did not tell; and before any work where the fit shows no dead zone, unless --accept REASON says why to go on. No
-    other kind is watched.
+    did not tell, by all rows up to the end; and before any work where the fit shows no dead zone, unless
+    --accept REASON says why to go on. No other kind is watched.
     """
     from lostmotion.files.follow import Follower
     from lostmotion.files.layout import Asked

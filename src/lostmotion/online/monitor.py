@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from typing import Any, Self
 
 import numpy as np
 
 from lostmotion.arguments import positive, whole
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import DataError, ParameterError, Status
 from lostmotion.files.grid import Rows
 from lostmotion.identify import RecursiveEstimate, RecursiveML, WatchingEstimator
 from lostmotion.online import messages
@@ -20,6 +21,7 @@ from lostmotion.online.trend import Trend
 
 KIND = "lostmotion online monitor 1"
 TREND_REPORTS = 10  # reports to a point of the trend
+UNTOLD = (Status.CANNOT_TELL, Status.INTEGRATING, Status.NOT_CONVERGED, Status.WRONG_GAIN)
 OUTLIER = 4.0  # standard deviations of the prediction error: what counts as one in the reports
 
 
@@ -96,8 +98,9 @@ class OnlineMonitor:
 
     @property
     def calm(self) -> bool:
-        """There is an estimate, and the width is not known to be above its limit."""
-        return self.estimator.started and not self._failure and not (self._limit_told and self.width_limit is not None)
+        """There is an estimate that tells, of all rows taken, and the width is not known to be above its limit."""
+        estimate, _ = self._estimate()
+        return estimate is not None and estimate.status not in UNTOLD and not self._above(estimate)
 
     def take(self, rows: Rows) -> list[dict[str, Any]]:
         """Take rows; return the reports and events that they bring, in order, JSON-ready."""
@@ -111,6 +114,10 @@ class OnlineMonitor:
                 found += self._report()
             first = stop
         return found
+
+    def last(self) -> list[dict[str, Any]]:
+        """Report on the rows that no report has told of, if there are any; the monitor stays as it is."""
+        return copy.deepcopy(self)._report() if self.samples % self.report_every else []
 
     def _learn(self, rows: Rows) -> None:
         if self._period_from is None:
@@ -163,13 +170,18 @@ class OnlineMonitor:
         """Tell once that the width is above its limit, with the confidence of its interval."""
         if estimate is None or self.width_limit is None:
             return []
+        before, self._limit_told = self._limit_told, self._above(estimate)
+        new = self._limit_told and not before
+        return [messages.above_limit(estimate, self.width_limit, self.samples, self.timeline)] if new else []
+
+    def _above(self, estimate: RecursiveEstimate) -> bool:
+        """Whether the width is above its limit: as before while the limit is within the interval."""
+        if self.width_limit is None:
+            return False
         width = messages.number(estimate, "width")
         low, high = width["low"], width["high"]
         above = low is not None and low > self.width_limit
-        new = above and not self._limit_told
-        if above or (high is not None and high < self.width_limit):
-            self._limit_told = above
-        return [messages.above_limit(estimate, self.width_limit, self.samples, self.timeline)] if new else []
+        return above or (self._limit_told and not (high is not None and high < self.width_limit))
 
     def to_bytes(self) -> bytes:
         """Whole state; :meth:`from_bytes` continues bit by bit where this one stands."""

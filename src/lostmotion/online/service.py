@@ -150,7 +150,7 @@ class Service:
 
     @property
     def quiet(self) -> bool:
-        """There is an estimate, nothing has happened in this run, and the width is not above its limit."""
+        """There is an estimate that tells, nothing has happened in this run, the width is not above its limit."""
         return self.monitor is not None and self.monitor.calm and not self._events
 
     def run(self, follow: bool, stop: Event) -> None:
@@ -167,6 +167,7 @@ class Service:
                 continue
             self.save()
             if at_end:
+                self._tell_last()
                 break
             at_end = self.source.ended or not follow
             if not at_end:
@@ -228,6 +229,13 @@ class Service:
                 "message": " ".join(layout.notes) if not resumed else f"Goes on after sample {self.monitor.samples}.",
             }
         )
+
+    def _tell_last(self) -> None:
+        """Report at the end; with a state the rows since the last report wait for those of the next start."""
+        if self.monitor is None or self.kept.path is not None:
+            return
+        for message in self.monitor.last():
+            self.emit(message)
 
     def _take(self, rows: Rows, take: Take) -> None:
         assert self.monitor is not None  # noqa: S101  there are no rows without a layout
