@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lostmotion.audit.health import health_of
 from lostmotion.files.write import write_table
 from lostmotion.report.audit_text import audit_summary
-from lostmotion.report.plant import table
+from lostmotion.report.plant import plant_report, table
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.sizes import size_trends
 from lostmotion.report.plant.svg.axis import Axis
@@ -127,7 +127,33 @@ def test_the_text_tells_health_ranking_groups_news_and_what_to_type():
     for said in told:
         assert said in text
     assert "\x1b" not in audit_summary(plant(("\x1b[31mred", "FIC-2", "FIC-3", "FIC-4", "FIC-5")))
-    assert "No loop needs a hand" in audit_summary(replace(plant(), rows=(sound(),)))
+
+
+def lost(tag):
+    """Row of a loop that could not be read."""
+    return replace(sound(tag), stage=Stage.FAILED, error="no such file", verdict="", label="", priority=None)
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([sound("FIC-1"), sound("FIC-2")], "No loop needs a hand, as far as the data tell."),
+        ([sound("FIC-1"), lost("FIC-2")], "The one loop that could be judged needs no hand, as far as the data tell."),
+        ([sound("FIC-1"), sound("FIC-2"), lost("FIC-3")], "None of the 2 loops that could be judged needs a hand"),
+        ([lost("FIC-1"), lost("FIC-2")], ""),
+    ],
+)
+def test_no_loop_that_was_not_judged_is_called_well(rows, said):
+    tags = {row.tag for row in rows}
+    view = plant()
+    view = replace(
+        view, rows=tuple(rows), loops=tuple(one for one in view.loops if one.tag in tags), groups=(), traces=()
+    )
+    text = audit_summary(view)
+    assert said in text
+    assert ("a hand" in text or "no hand" in text) == bool(said)
+    assert ("Findings: none." in plant_report(view)) == bool(said)
+    assert ("Findings: none, as no loop could be judged." in plant_report(view)) == (not said)
 
 
 def test_the_figure_shows_the_ranking_and_the_health():

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.rules import findings_words
 from lostmotion.plant import Unread
 from lostmotion.store.overview import Judged
 from lostmotion.store.rows import AssessmentRow, Stage
@@ -81,6 +82,25 @@ class Health:
         rest = ", ".join(f"{count} {what}" for count, what in parts if count)
         said = f"{said}; {rest}: they are not cleared." if rest else f"{said}."
         return f"{said} {BY_RULE.format(self.by_rule)}" if self.by_rule else said
+
+    def findings(self, said: Mapping[str, int]) -> str:
+        """Findings in words, from counts of what was said; that there are none is said of judged loops only."""
+        return findings_words(said) if self.judged else "none, as no loop could be judged"
+
+    @property
+    def all_well(self) -> str:
+        """What is said where no loop has a priority; empty where nothing was judged."""
+        if not self.judged:
+            return ""
+        if self.judged == self.loops:
+            return "No loop needs a hand, as far as the data tell."
+        one = self.judged == 1
+        which = (
+            "The one loop that could be judged needs no hand"
+            if one
+            else (f"None of the {self.judged} loops that could be judged needs a hand")
+        )
+        return f"{which}, as far as the data tell."
 
 
 def health_of(view: PlantView) -> Health:

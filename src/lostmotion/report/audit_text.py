@@ -7,7 +7,7 @@ from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.rules import FORCED, findings_words
+from lostmotion.audit.rules import FORCED
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.words import (
@@ -32,7 +32,15 @@ ORDER = (*FINDINGS, FORCED.name, "other oscillation", "cannot tell", "none")
 def audit_summary(view: PlantView) -> str:
     """What ``lostmotion audit`` prints."""
     health = health_of(view)
-    parts = [_head(view), _health(health), _counts(view), _ranking(view), _groups(view), _new(view), _next(view)]
+    parts = [
+        _head(view),
+        _health(health),
+        _counts(view, health),
+        _ranking(view, health),
+        _groups(view),
+        _new(view),
+        _next(view),
+    ]
     return _clean("\n".join(part for part in parts if part))
 
 
@@ -58,7 +66,7 @@ def _health(health: Health) -> str:
     return "\n".join(lines + ([f"- and {more} more reason{'s' if more > 1 else ''}"] if more else []))
 
 
-def _counts(view: PlantView) -> str:
+def _counts(view: PlantView, health: Health) -> str:
     rows = [row for row in view.leading if row.stage is Stage.ASSESSED or row.rule]
     verdicts = Counter(row.said for row in rows)
     said = [f"{verdicts[name]} {name}" for name in ORDER if verdicts[name]]
@@ -66,14 +74,14 @@ def _counts(view: PlantView) -> str:
     named = [f"{count} {label}" for label, count in labels.most_common()]
     if not rows:
         return ""
-    found = fill(f"Findings: {findings_words(verdicts)}.")
+    found = fill(f"Findings: {health.findings(verdicts)}.")
     return "\n".join(["", found, fill(f"Verdicts: {', '.join(said)}."), fill(f"NE 107: {', '.join(named)}.")])
 
 
-def _ranking(view: PlantView) -> str:
+def _ranking(view: PlantView, health: Health) -> str:
     ranked = [row for row in view.leading if row.priority]
     if not ranked:
-        return "\nNo loop needs a hand, as far as the data tell."
+        return f"\n{health.all_well}" if health.all_well else ""
     rows = [_cells(view, row, place) for place, row in enumerate(ranked[:FIRST], 1)]
     lines = ["", "Where to look first", *text_table(HEAD, WIDTHS, rows)]
     worth = sum((row.priority or 0.0) >= WORTH_A_LOOK for row in ranked)

@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import LoopView, PlantView
-from lostmotion.audit.rules import findings_counted, findings_words
+from lostmotion.audit.rules import findings_counted
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines
@@ -71,13 +71,13 @@ def plant_report(view: PlantView) -> str:
 
 def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Callable[[str], str]) -> dict[str, Any]:
     """Everything that an overview shows; `address` gives the address of a loop, "" for none."""
-    found = changes(view)
+    found, health = changes(view), health_of(view)
     new = frozenset(one.tag for one in found if one.what in NEW)
     return {
         "run": view.run,
         "facts": _run_facts(view),
-        "health": health_of(view),
-        "findings": findings_words(Counter(row.said for row in view.leading)),
+        "health": health,
+        "findings": health.findings(Counter(row.said for row in view.leading)),
         "unread": view.unread,
         "counts": _counts(view.leading),
         "ranking": lines(view, ranked, address, new),

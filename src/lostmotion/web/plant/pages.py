@@ -11,7 +11,6 @@ from starlette.routing import Route
 
 from lostmotion.audit.audit_run import as_loop
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.audit.rules import findings_words
 from lostmotion.report.plant.ranking import lines
 from lostmotion.report.plant.words import moment_words, seconds_words
 from lostmotion.store.run_rows import ReviewState, RunRow, RunState
@@ -133,7 +132,7 @@ def _context(plant: Plant, overview: Overview, query: Query) -> dict[str, Any]:
         "choices": overview.choices,
         "orders": {name: ORDERS[name] for name in SORTS},
         "counts": overview.counts,
-        "findings": findings_words(overview.words("said")),
+        "findings": overview.health.findings(overview.words("said")),
         "treemap_wide": wide,
         "treemap_narrow": narrow,
         "most": SHORT,
