@@ -3,6 +3,7 @@
 import csv
 import io
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import polars as pl
@@ -184,6 +185,22 @@ def test_what_a_proposal_says(tmp_path):
     assert "CHECK THEM" in said["rig"]
     assert "CANNOT BE READ" in said["torn"]
     assert parse_loop_list(loop_list_text(found.values())).loops
+
+
+def test_a_remedy_of_a_proposal_is_in_words_of_the_list_and_works_there(tmp_path):
+    put(
+        tmp_path / "FIC1.csv",
+        frame(0).with_columns(time=pl.Series(np.cumsum(np.random.default_rng(1).integers(1, 400, N)))),
+    )
+    (loop,) = propose(open_plant(tmp_path))
+    said = " ".join(loop.notes)
+    assert "dt=<seconds> and time=none to ignore the column (columns of the loop list)" in said
+    assert "False" not in said
+    text = loop_list_text([replace(loop, dt=1.0, time="none")])
+    (tmp_path / "loops.csv").write_text(text)
+    source = open_plant(tmp_path, loops=tmp_path / "loops.csv")
+    ((_, record),) = source.read(source.loops())
+    assert record.dt == 1.0
 
 
 def test_a_proposal_of_nothing(tmp_path):

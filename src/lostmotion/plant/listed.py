@@ -12,6 +12,7 @@ from lostmotion.errors import LostMotionError
 from lostmotion.files.tags import same_tag
 from lostmotion.plant.address import parsed
 from lostmotion.plant.loop import PlantLoop
+from lostmotion.plant.loop_list import in_loop_list
 from lostmotion.plant.source import PlantSource, Unread
 from lostmotion.records.record import LoopRecord
 
@@ -95,7 +96,7 @@ class ListedSource:
                 known = by_where.get(loop.where) if loop.where else _of_tag(loop.tag, by_tag)
                 made = self._placed(loop) if known is None else _merged(loop, known)
             except LostMotionError as error:
-                out.append(Unread(loop.tag, " ".join(str(error).split())))
+                out.append(Unread(loop.tag, in_loop_list(" ".join(str(error).split()))))
                 continue
             if made is None:
                 out.append(Unread(loop.tag, _nothing(loop, list(by_tag))))

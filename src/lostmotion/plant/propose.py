@@ -17,6 +17,7 @@ from lostmotion.plant.address import Place, written
 from lostmotion.plant.cascades import Cascades
 from lostmotion.plant.files_source import FilesSource
 from lostmotion.plant.loop import PlantLoop
+from lostmotion.plant.loop_list import in_loop_list
 from lostmotion.plant.source import PlantSource
 from lostmotion.plant.survey import below
 from lostmotion.records.movement import PERCENT
@@ -79,7 +80,7 @@ def _tie(loops: dict[str, PlantLoop], slaves: Mapping[str, str]) -> None:
 
 def _looked_at(loop: PlantLoop, record: LoopRecord | LostMotionError, begun: Begun) -> PlantLoop:
     if isinstance(record, LostMotionError):
-        return replace(loop, notes=(*loop.notes, f"CANNOT BE READ: {' '.join(str(record).split())}."))
+        return replace(loop, notes=(*loop.notes, f"CANNOT BE READ: {in_loop_list(' '.join(str(record).split()))}."))
     notes = [*loop.notes, *_read_so(record)]
     span, said = op_limits(record)
     notes += said
@@ -121,7 +122,7 @@ def _same(tag: str, record: LoopRecord, begun: Begun) -> str:
 
 
 def _read_so(record: LoopRecord) -> list[str]:
-    return [note for note in record.notes if "left out" in note.lower() or "was read from column" in note]
+    return [in_loop_list(note) for note in record.notes if "left out" in note.lower() or "was read from column" in note]
 
 
 def op_limits(record: LoopRecord) -> tuple[tuple[float, float] | None, list[str]]:
