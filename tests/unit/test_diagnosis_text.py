@@ -113,6 +113,15 @@ def test_what_is_said_of_the_controller(stability, said):
     assert said in " ".join(replace(example(), stability=stability).summary().split())
 
 
+def test_limits_of_a_class_say_whose_they_are_and_time_at_a_limit_what_it_counts():
+    found = example()
+    found = replace(found, performance=replace(found.performance, loop_type="level", limited=0.24))
+    assert "limits for: level, for it behaves like one" in found.summary()
+    named = replace(found, record=replace(found.record, loop_type="level"))
+    assert "(limits for: level)" in named.summary()
+    assert "24 % of the time, touches and rows within 0.1 % of " in found.summary()
+
+
 def test_lines_and_table_of_several():
     error = ValueError("expected numbers")
     rows = [(f"loop {k}", variant(verdict, KINDS[verdict][0])) for k, verdict in enumerate(KINDS)]

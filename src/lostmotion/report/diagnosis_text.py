@@ -14,6 +14,7 @@ from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.oscillation import Oscillation
 from lostmotion.diagnose.verdict import SURE
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
+from lostmotion.records.movement import TOLERANCE
 from lostmotion.report.digits import FINEST, bracketed, digits, plain, signed, span
 from lostmotion.report.fit_text import fill, head
 
@@ -246,19 +247,28 @@ def _performance(diagnosis: Diagnosis) -> str:
     whole = op_span(diagnosis.record).words
     about = "SP" if diagnosis.record.sp is not None else "its mean"
     rows = [
-        ("class", f"{found.audit_class} (limits for: {found.loop_type})"),
+        ("class", f"{found.audit_class} ({_whose_limits(diagnosis)})"),
         ("Harris index", f"{harris} (1 is best; for the delay found and for 3 times that)"),
         ("PV about " + about, f"deviation {plain(math.sqrt(found.variance))}{bracketed(diagnosis.record.pv_unit)}"),
         (
             "travel of OP",
             f"{plain(found.travel)} % {whole} an hour, {plain(found.reversals)} reversals an hour",
         ),
+        ("not in automatic", f"{100 * found.manual:.0f} % of the time"),
         (
-            "open loop",
-            f"not in automatic {100 * found.manual:.0f} %, OP at a limit {100 * found.limited:.0f} % of the time",
+            "OP at a limit",
+            f"{100 * found.limited:.0f} % of the time, touches and rows within {100 * TOLERANCE:g} % {whole} included",
         ),
     ]
     return "\n".join(["", "Performance, whatever the reason", *(f"  {name:18} {text}" for name, text in rows)])
+
+
+def _whose_limits(diagnosis: Diagnosis) -> str:
+    """Type of loop whose limits the class uses; one that nobody named is told by the process alone."""
+    used, named = diagnosis.performance.loop_type, diagnosis.record.loop_type
+    if used == "level" and named != "level":
+        return "limits for: level, for it behaves like one"
+    return f"limits for: {used}"
 
 
 def _last(diagnosis: Diagnosis) -> str:
