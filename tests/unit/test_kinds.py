@@ -185,6 +185,10 @@ def test_every_kind_is_chosen_described_and_written(kind):
     said = " ".join(text.split())
     assert f"{kind} is the likeliest" in said
     assert "it predicts better than the linear model" in said
+    doubted = replace(fit, status=Status.MISFIT, kinds=replace(fit.kinds, gains={**fit.kinds.gains, kind: -289.4}))
+    said = " ".join(doubted.summary().split())
+    assert "rows that were left out do not confirm this one" in said
+    assert "among the kinds, which is not that of a fault). But rows that were left out it predicts worse" in said
     written = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
     assert written["kinds"]["best"] == kind
     assert written["model"]["nonlinearity"]["kind"] == kind

@@ -9,6 +9,7 @@ import numpy as np
 from lostmotion.diagnose.excitation import what_moves_op
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.earned import fit_without_drift
@@ -61,7 +62,7 @@ def sentence(fit: HammersteinFit) -> str:
             f"the {kind.name} that was asked for; use nonlinearity='auto'."
         )
     if fit.status is Status.MISFIT and (not kind.dead_between or compared):
-        rest = "no other kind did better" if compared else 'compare the other kinds (nonlinearity="auto")'
+        rest = _others(fit) if compared else 'compare the other kinds (nonlinearity="auto")'
         linear = kind.name == NO_FAULT
         what = "the process is not quite linear" if linear else "the real actuator is not quite of this shape"
         return f"Converged, but the residuals still depend on OP: {what}. Read the numbers as the nearest; {rest}."
@@ -76,6 +77,18 @@ def sentence(fit: HammersteinFit) -> str:
             "tried makes them so. Look for made-up samples, disturbances that come and go, or a second fault."
         )
     return fit.status.value
+
+
+def _others(fit: HammersteinFit) -> str:
+    kinds = fit.kinds
+    if kinds is None or not _foretells_worse(kinds):
+        return "no other kind did better"
+    return "no other kind fitted better, and rows that were left out do not confirm this one"
+
+
+def _foretells_worse(kinds: KindChoice) -> bool:
+    """Whether the likeliest kind is a fault, and predicts rows that were left out worse than the linear model."""
+    return kinds.best not in (NO_FAULT, kinds.runner_up) and kinds.gains[kinds.best] <= 0.0
 
 
 def finding(fit: HammersteinFit) -> str:
@@ -164,9 +177,15 @@ def _choice(fit: HammersteinFit) -> str:
     if ahead <= 0.0:
         return f" {what.capitalize()} is as likely, but {kinds.best} is the simpler of the two ({sure})."
     left_out = kinds.gains[kinds.best]
+    if _foretells_worse(kinds):
+        return (
+            f" Of the kinds, {kinds.best} fits best; next is {what}, {ahead:.1f} behind in log-likelihood ({sure} "
+            f"among the kinds, which is not that of a fault). But rows that were left out it predicts worse than "
+            f"the linear model, by {abs(left_out):.1f}."
+        )
     return (
         f" Of the kinds, {kinds.best} is the likeliest; next is {what}, {ahead:.1f} behind in log-likelihood ({sure}). "
-        f"Rows that were left out it predicts {'better' if left_out > 0 else 'worse'} than the linear model, by "
+        f"Rows that were left out it predicts better than the linear model, by "
         f"{abs(left_out):.1f}."
     )
 
