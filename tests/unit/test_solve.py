@@ -10,6 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.way_out import command_lines
+from lostmotion.design.request import shortest_duration
 from lostmotion.errors import GateError, ParameterError
 from lostmotion.evaluate import solve as way
 from lostmotion.evaluate.solution import OUTCOMES, STEPS, Solution, Step
@@ -194,6 +195,32 @@ def test_where_the_record_does_not_tell_a_test_is_named(steps, kind, verdict):
     assert lines[0].startswith("lostmotion identify a.csv")
     assert lines[1].startswith("lostmotion design --fit a.fit.json")
     assert ("--left" in lines[1]) == (kind != "dead zone")
+
+
+def printed(fit, linear):
+    """Lines for a record that does not tell, whose fit without a fault is another."""
+    found = Solution("closed", (Step("diagnose", False, "no", "test"),), replace(example(), verdict="cannot tell"), fit)
+    return command_lines(found, Path("a.csv"), RecordOptions(), {}, lambda: linear)
+
+
+def test_the_test_lasts_as_long_as_design_asks():
+    slow = lm.LinearModel.from_continuous([1.0], [1.0, 1.0], 30.0, 0.5)
+    facts = made_fit("none").facts
+    facts = replace(facts, model=replace(facts.model, linear=slow))
+    words = printed(made_fit("backlash", lm.Status.WIDE), facts)[1].split()
+    assert float(words[words.index("--duration") + 1]) >= shortest_duration(slow) > 120.0
+
+
+def test_no_test_is_designed_for_a_process_that_is_not_known_or_takes_days():
+    facts = made_fit("none").facts
+    days = lm.LinearModel.from_continuous([1.0], [1e5, 1.0], 0.0, 10.0)
+    for linear in (
+        replace(facts, status=lm.Status.NO_PROCESS),
+        replace(facts, model=replace(facts.model, linear=days)),
+    ):
+        lines = printed(made_fit("backlash", lm.Status.WIDE), linear)
+        assert not any(line.startswith(("lostmotion design", "lostmotion identify")) for line in lines)
+        assert "in manual, step OP between" in lines[0]
 
 
 def test_a_level_is_tested_within_limits_of_pv():

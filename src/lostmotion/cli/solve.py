@@ -62,7 +62,9 @@ def solve(
         "kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating,
         "retune": retune, "out": out,
     }  # fmt: skip
-    lines = command_lines(found, file, columns, asked) if found.closed is not None else _next(found, file, out)
+    lines = _next(found, file, out)
+    if found.closed is not None:
+        lines = command_lines(found, file, columns, asked, lambda: lm.identify(record, nonlinearity="none").facts)
     told = as_options(found.summary()).replace("--span ", "--op-span ")
     text = "\n".join([told, *(f"  {line}" for line in lines)])
     output.show(text, found.to_dict() | {"commands": lines})

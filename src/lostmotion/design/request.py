@@ -14,6 +14,7 @@ from lostmotion.design.prior import Known
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.task import dominant
 from lostmotion.errors import ParameterError
+from lostmotion.models import LinearModel
 from lostmotion.simulate import PI
 
 FEWEST_SAMPLES, FEWEST_HOLDS = 60, 12  # below this identify has nothing to work on
@@ -169,10 +170,23 @@ def _check_room(plant: Plant, pv: Range) -> None:
         )
 
 
+def shortest_duration(linear: LinearModel) -> float:
+    """Seconds that a test of this process lasts at least, with the holds that it has where none are given."""
+    return _fewest(_default_hold(linear)) * linear.dt
+
+
+def _fewest(hold: int) -> int:
+    return max(FEWEST_SAMPLES, FEWEST_HOLDS * hold)
+
+
+def _default_hold(linear: LinearModel) -> int:
+    return max(round(DEFAULT_HOLD * (linear.delay + dominant(linear))), 1)
+
+
 def _hold(shortest_hold: float | None, plant: Plant, dt: float) -> tuple[int, tuple[str, ...]]:
     if shortest_hold is not None:
         return max(int(np.ceil(positive("shortest_hold", shortest_hold) / dt - 1e-9)), 1), ()
-    hold = max(round(DEFAULT_HOLD * (plant.model.linear.delay + dominant(plant))), 1)
+    hold = _default_hold(plant.model.linear)
     return hold, (f"no level is held less than {hold * dt:.3g} s, a third of delay and dominant time constant",)
 
 
@@ -182,7 +196,7 @@ def _length(
     """Samples (None: sought), fewest, most."""
     if duration is None and wanted is None:
         raise ParameterError.expected('duration=seconds or wanted={"width": 0.2}', "neither", "give one or both")
-    fewest = max(FEWEST_SAMPLES, FEWEST_HOLDS * hold)
+    fewest = _fewest(hold)
     most = MOST_SAMPLES if duration is None else round(positive("duration", duration) / dt)
     if most < fewest:
         raise ParameterError.expected(
@@ -203,5 +217,5 @@ def _wanted(wanted: Mapping[str, float] | None) -> dict[str, float] | None:
 
 
 def _longest(plant: Plant, hold: int, samples: int) -> int:
-    settled = plant.model.linear.delay + LONGEST_CONSTANTS * dominant(plant)
+    settled = plant.model.linear.delay + LONGEST_CONSTANTS * dominant(plant.model.linear)
     return int(max(min(max(settled, LONGEST_HOLDS * hold), samples / FEWEST_HOLDS), 2 * hold))

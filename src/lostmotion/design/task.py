@@ -13,6 +13,7 @@ from lostmotion.design.operating_limits import EVERYTHING, Limits
 from lostmotion.design.schedule_search import Scene, search
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.design.staircase import Staircase
+from lostmotion.models import LinearModel
 
 MOST_HOLDS = 30  # usual holds of one block; longer tests repeat it
 WORK = 3.0e7  # samples times plants that the search may look at
@@ -161,7 +162,7 @@ class Task:
         if not self.effort or samples < 500:
             return 1
         plant = self.plants[0]
-        slowest = dominant(plant) / (PER_CONSTANT * (2 if plant.controller else 1))
+        slowest = dominant(plant.model.linear) / (PER_CONSTANT * (2 if plant.controller else 1))
         return max(1, min(self.limits.hold // PER_HOLD, int(slowest)))
 
     def _repeats(self, times: int) -> int:
@@ -197,9 +198,9 @@ class Task:
         return round_number(step)
 
 
-def dominant(plant: Plant) -> float:
+def dominant(linear: LinearModel) -> float:
     """Slowest time constant that settles, in samples; at least 1."""
-    return max(plant.model.linear.slowest_lag(), 1.0)
+    return max(linear.slowest_lag(), 1.0)
 
 
 def round_number(value: float) -> float:
