@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.compensate import read_origin
 from lostmotion.files import write_columns
 from tests.e2e.test_gates import run
 
@@ -38,6 +39,12 @@ def test_from_a_record_to_a_block_and_its_code(capsys, tmp_path):
     words = shlex.split(pasted)[1:]
     code, _, _ = run(capsys, *words[:-1], tmp_path / "fy", "--replay", 300)
     assert code == 0
+    page = next((tmp_path / "fy").glob("*_commissioning.md")).read_text(encoding="utf-8")
+    origin = read_origin(out)
+    assert "fingerprint" in origin["data"]
+    assert "FIC-7" in origin["data"]
+    assert all(said in page for said in (origin["fit"], "fingerprint"))
+    assert "not given" not in page
 
 
 def test_nothing_wrong_needs_no_block(capsys, tmp_path):

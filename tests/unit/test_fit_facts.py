@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.compensate import read_fit_or_block
+from lostmotion.cli.origin import saved_block
+from lostmotion.compensate import read_fit_or_block, read_origin
 from lostmotion.design.prior import known as known_before_test
 from lostmotion.errors import DataError, FileAccessError, ParameterError
 from lostmotion.evaluate.study.faults import fault_of
@@ -127,6 +128,13 @@ def test_saved_blocks(fit, tmp_path):
     path.write_text(json.dumps(block.to_dict()), encoding="utf-8")
     assert lm.read_block(path) == read_fit_or_block(path) == block
     assert lm.read_block(path).notes == block.notes
+    assert read_origin(path) == {}
+    path.write_text(json.dumps(saved_block(block, fit)), encoding="utf-8")
+    assert lm.read_block(path) == block
+    done = export(block, "st", name="FY", date="2026-01-31", origin=read_origin(path))
+    assert done.files == export(block, "st", name="FY", date="2026-01-31", fit=fit).files
+    path.write_text(json.dumps({**block.to_dict(), "origin": {"data": 3}}), encoding="utf-8")
+    assert "origin.data" in refusal(DataError, read_origin, path)
     assert block.changed(0.5) is block
     assert "scan time" in refusal(ParameterError, block.changed, 7.0)
     for wrong in ({"cap": "x"}, {"cap": -1.0}, {"caps": 1.0}, {"cap": None}):

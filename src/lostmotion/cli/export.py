@@ -117,8 +117,11 @@ def export(
     opened = gate.given()
     block = asked.block(source, opened)
     fit = None if isinstance(source, lm.CompensatorBlock) else source
+    origin = {} if fit is not None else lm.compensate.read_origin(saved)
     under = supervision.given()
-    done = lm.export.export(block, to, name=name, date=date, real=real, fit=fit, supervised=under, **opened)
+    done = lm.export.export(
+        block, to, name=name, date=date, real=real, fit=fit, supervised=under, origin=origin, **opened
+    )
     done.refuse(out, output.force)
     made = done.source.block
     proof = done.replay(replay) if replay > 0 else None

@@ -11,6 +11,7 @@ import typer
 import lostmotion as lm
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import RecordOptions, number
+from lostmotion.cli.origin import saved_block
 from lostmotion.cli.output import Figure, Out, OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions, RoughModel
@@ -149,7 +150,8 @@ def simulate(
         block=None if block is None else lm.read_block(block), **study.given(), **gate.given(),
     )  # fmt: skip
     output.show(answer.summary(), answer.to_dict())
-    output.write_json(written.block_out, answer.block.to_dict())
+    fit = asked.model if block is None and file is not None else None
+    output.write_json(written.block_out, saved_block(answer.block, fit, block))
     output.write_json(written.out, answer.to_dict())
     output.write_figure(written.figure, answer)
     raise typer.Exit(0 if answer.safe else 1)

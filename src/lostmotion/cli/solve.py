@@ -13,6 +13,7 @@ from lostmotion.cli.diagnose import Type
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.gate import Accept
 from lostmotion.cli.options import File, Integrating, RecordOptions, number
+from lostmotion.cli.origin import saved_block
 from lostmotion.cli.output import OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions
@@ -69,7 +70,7 @@ def solve(
     text = "\n".join([told, *(f"  {line}" for line in lines)])
     output.show(text, found.to_dict() | {"commands": lines})
     if found.block is not None:
-        output.write_json(out, found.block.to_dict())
+        output.write_json(out, saved_block(found.block, found.fit))
     raise typer.Exit(1 if found.outcome == "closed" else 0)
 
 

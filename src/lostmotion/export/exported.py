@@ -96,6 +96,7 @@ def export(
     diagnosis: Said | None = None,
     accept: str | None = None,
     supervised: bool | Mapping[str, float] = False,
+    origin: Mapping[str, str] | None = None,
 ) -> Exported:
     """Code of a block for a PLC.
 
@@ -122,6 +123,8 @@ def export(
     supervised : bool or mapping
         The block compensates only with what a supervisor has asked for and an operator has accepted
         (``docs/supervised.md``); a mapping names settings of the supervision, in scans and units of OP.
+    origin : mapping, optional
+        Without a fit: "data", "fit" and "interval" of the one behind the block, in words, for the header.
 
     Returns
     -------
@@ -149,7 +152,7 @@ def export(
     facts = None if fit is None else facts_of(fit)
     block = block_behind_gate(block, facts, diagnosis, accept)
     exported = block if supervised is False else supervised_block(block, name, supervised)
-    source = Source(exported, name, date, real, **({} if facts is None else provenance(facts)))
+    source = Source(exported, name, date, real, **((origin or {}) if facts is None else provenance(facts)))
     return Exported(source, to, TARGETS[to].files(source))
 
 
