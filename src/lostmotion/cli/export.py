@@ -113,11 +113,13 @@ def export(
     and nothing is written, where they differ, or where the fit does not show the lost motion that the block is for;
     --accept REASON goes on, and the reason stands in every file. No file has been verified in a vendor's tool.
     """
+    from lostmotion.compensate.block_origin import read_origin
+
     source = lm.compensate.read_fit_or_block(saved)
     opened = gate.given()
     block = asked.block(source, opened)
     fit = None if isinstance(source, lm.CompensatorBlock) else source
-    origin = {} if fit is not None else lm.compensate.read_origin(saved)
+    origin = {} if fit is not None else read_origin(saved)
     under = supervision.given()
     done = lm.export.export(
         block, to, name=name, date=date, real=real, fit=fit, supervised=under, origin=origin, **opened
