@@ -5,7 +5,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.study_result import LoopCase, MistakeCase
-from lostmotion.evaluate.study.worth import decide
+from lostmotion.evaluate.study.trial import Trial
+from lostmotion.evaluate.study.worth import Decision, decide
 
 NOW, TUNED = lm.PI(1.0, 0.1), lm.PI(0.5, 0.05)
 BLOCK = lm.block_from_model(lm.Backlash(2.0), 1.0, op_noise=0.1)
@@ -111,3 +112,15 @@ def test_a_cycle_is_borne_where_the_error_is_clearly_less(without, swing, ratio,
     found = decide(cases, [MistakeCase("20 %", "band too large", ratio, travel, *cycles, 0.01)], [], BLOCK, NOISE)
     assert found.safe == bool(said)
     assert said in found.brief[2]
+
+
+@pytest.mark.parametrize(("safe_below", "factor"), [(0.7, 0.6), (0.9, 0.8), (0.1, 1.0)])
+def test_smaller_shares_are_tried_and_said_where_none_is_safe(safe_below, factor):
+    def tried(block):
+        safe = block.settings["factor"] < safe_below
+        return Trial(block, {}, {}, (), (), Decision("maintain", True, safe, ("A.", "B."), ("A.",)), tried)
+
+    found = tried(BLOCK.with_settings(factor=1.0)).or_safer(lambda share: BLOCK.with_settings(factor=share))
+    assert found.block.settings["factor"] == factor
+    none = "Of 80 % and 60 % of the lost motion none is safe and helps."
+    assert (none in found.decision.reasons and none in found.decision.brief) == (factor == 1.0)

@@ -78,8 +78,9 @@ def compensation_study(
     noise : NoiseModel or float, optional
         Of PV, beside a bare model: model or variance of white noise.
     block : CompensatorBlock, optional
-        What is to be downloaded. None: what ``fit.block()`` makes; `options` are passed on to it. Without options, a
-        block that helps but is not safe gives way to one that compensates a smaller share, where that is safe.
+        What is to be downloaded. None: what ``fit.block()`` makes; `options` are passed on to it. Without a
+        `factor`, a block that helps but is not safe gives way to one that compensates a smaller share, where that is
+        safe.
     reference : array_like, shape (n,), optional
         Set point in units of PV. None: that of the record; without one constant, at the level that needs `op_now`.
     sp_step : float, optional
@@ -139,7 +140,7 @@ def compensation_study(
     test = cycle_test(found.plant, gains, reference, deviation, whole("cycle_samples", cycle_samples, 300), span)
     found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
-    made_here = block is None and not options
+    made_here = block is None and "factor" not in options
     block = _block(found, span, op_noise, options) if block is None else _checked(block, linear.dt)
     block = _accepted(block, found)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
@@ -151,7 +152,9 @@ def compensation_study(
     plants = mistakes(found, whole("draws", draws, 0), seed)
     tried = trial(found.plant, gains, block, scenario, test, plants, deviation)
     if made_here:
-        tried = tried.or_safer(lambda factor: _accepted(_block(found, span, op_noise, {"factor": factor}), found))
+        tried = tried.or_safer(
+            lambda factor: _accepted(_block(found, span, op_noise, {**options, "factor": factor}), found)
+        )
     decision, block = tried.decision, tried.block
     chosen = {"runs": len(noises), "samples": int(reference.size), "draws": draws, "seed": seed, "span": list(span)}
     return CompensationStudy(

@@ -53,7 +53,8 @@ class Trial:
     again: Callable[[CompensatorBlock], Trial]
 
     def or_safer(self, made: Callable[[float], CompensatorBlock]) -> Trial:
-        """Where it helps but is not safe, the block of the largest share that is, and still helps; else this one.
+        """Where it helps but is not safe, the block of the largest share that is, and still helps; else this one,
+        which says so.
 
         `made` gives the block of a share of the lost motion.
         """
@@ -70,7 +71,8 @@ class Trial:
                 note = f"factor {share * whole:.3f}: a larger share was not safe in the study"
                 block = replace(other.block, notes=(*other.block.notes, note))
                 return replace(other, block=block, decision=other.decision.adding(said))
-        return self
+        tried = " and ".join(f"{100.0 * share * whole:.0f} %" for share in SHARES)
+        return replace(self, decision=self.decision.adding(f"Of {tried} of the lost motion none is safe and helps."))
 
 
 def trial(
