@@ -53,10 +53,9 @@ class Trial:
     again: Callable[[CompensatorBlock], Trial]
 
     def or_safer(self, made: Callable[[float], CompensatorBlock]) -> Trial:
-        """Where it helps but is not safe, the block of the largest share that is, and still helps; else this one,
-        which says so.
+        """Where it helps but is not safe, the block of the largest share that is, and still helps; else this one.
 
-        `made` gives the block of a share of the lost motion.
+        `made` gives the block of a share of the lost motion. Where none is safe, this one says so.
         """
         if self.decision.safe or not self.decision.useful:
             return self
