@@ -1,7 +1,7 @@
 """The whole way: each gate closes it, says what opens it, and a reason goes on."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -40,18 +40,21 @@ def steps(monkeypatch):
 def studied(recommendation="compensate", safe=True, useful=False):
     """A study with this result."""
 
+    @dataclass
     class Study:
-        reasons = brief = ("It is worth it.", "The block: better.")
+        recommendation: str
+        safe: bool
+        useful: bool
+        block: lm.CompensatorBlock
+        reasons: tuple = ("It is worth it.", "The block: better.")
+        brief: tuple = ("It is worth it.", "The block: better.")
         cases = dict.fromkeys(("retuned", "with, retuned"), type("Case", (), {"controller": lm.PI(1.23456, 0.0345678)}))
 
         def to_dict(self):
             return {}
 
     def run(fit, controller, record, accept, **_):
-        made = Study()
-        made.recommendation, made.safe, made.useful = recommendation, safe, useful or recommendation == "compensate"
-        made.block = fit.block(accept=accept)
-        return made
+        return Study(recommendation, safe, useful or recommendation == "compensate", fit.block(accept=accept))
 
     return run
 
@@ -100,36 +103,56 @@ def test_the_first_closed_gate_ends_it(steps, settings, name):
         assert "seen on the bench" in passed.summary()
 
 
-@pytest.mark.parametrize("safe", [True, False])
-def test_a_block_must_be_safe_on_the_kind_that_is_as_likely(steps, monkeypatch, safe):
-    """Backlash is the simpler of two that explain the record as well; its block may do harm to a valve that slips."""
+def rivals_of(monkeypatch, safe_up_to, retuned=False):
+    """A record that stiction explains as well as the backlash that is preferred; blocks tried, by kind of valve."""
     fit = made_fit("backlash", lm.Status.OK)
     likelihoods = {"none": 0.0, "backlash": 123.0, "stiction": 124.9, "dead zone": 60.0}
     kinds = KindChoice("backlash", likelihoods, likelihoods, likelihoods, 0.99, "stiction")
     found = replace(example(), verdict="backlash", fit=replace(fit, kinds=kinds))
-    monkeypatch.setattr(
-        solving, "identify", lambda *_, nonlinearity, **__: made_fit(nonlinearity, lm.Status.OTHER_KIND)
-    )
     tried = []
 
-    def study(fit, *given, block=None, **options):
-        tried.append((fit.kind.name, block))
-        made = studied()(fit, *given, **options)
-        made.safe = safe or block is None
+    def study(fit, *given, block=None, factor=1.0, **options):
+        made = studied("compensate and retune" if retuned else "compensate", useful=True)(fit, *given, **options)
+        made.block = fit.block(accept=options["accept"], factor=factor) if block is None else block
+        tried.append((fit.kind.name, round(made.block.settings["factor"], 3)))
+        made.safe = block is None or made.block.settings["factor"] <= safe_up_to
         return made
 
-    made = steps(study=study)
-    assert tried[1:] == []
-    tried.clear()
+    monkeypatch.setattr(solving, "identify", lambda *_, nonlinearity, **__: made_fit(nonlinearity, lm.Status.OK))
     monkeypatch.setattr(solving, "diagnose", lambda *_, **__: found)
+    monkeypatch.setattr(solving, "compensation_study", study)
+    return tried
+
+
+@pytest.mark.parametrize("safe_up_to", [1.0, 0.7, 0.0])
+def test_a_block_must_be_safe_on_the_kind_that_is_as_likely(monkeypatch, safe_up_to):
+    """Backlash is the simpler of two that explain the record as well; its block may do harm to a valve that slips."""
+    tried = rivals_of(monkeypatch, safe_up_to)
     made = way(RECORD)
-    assert [kind for kind, _ in tried] == ["backlash", "stiction"]
-    assert tried[1][1] == made.study.block
-    assert made.outcome == ("block" if safe else "closed")
-    if not safe:
+    shares = {1.0: [1.0], 0.7: [1.0, 0.8, 0.6], 0.0: [1.0, 0.8, 0.6]}[safe_up_to]
+    assert tried == [(kind, share) for share in shares for kind in ("backlash", "stiction")]
+    assert made.outcome == ("block" if safe_up_to else "closed")
+    if safe_up_to == 0.7:
+        words = "compensates 60 % of the lost motion: stiction explains the record as well"
+        assert words in " ".join(made.summary().split())
+        assert any("as likely" in note for note in made.block.notes)
+        assert made.block.settings["factor"] == 0.6
+    if not safe_up_to:
         assert made.closed.name == "simulate"
         assert "stiction" in made.closed.said
         assert way(RECORD, accept="anna has seen the stem").outcome == "block"
+
+
+def test_a_share_that_was_asked_for_is_tried_as_it_is(monkeypatch):
+    tried = rivals_of(monkeypatch, safe_up_to=0.7)
+    assert way(RECORD, factor=0.9).closed.name == "simulate"
+    assert tried == [("backlash", 0.9), ("stiction", 0.9)]
+
+
+def test_a_block_with_a_retuned_controller_is_tried_on_it_too(monkeypatch):
+    tried = rivals_of(monkeypatch, safe_up_to=0.0, retuned=True)
+    assert way(RECORD, retune=True).closed.name == "simulate"
+    assert tried == [("backlash", 1.0), ("stiction", 1.0)]
 
 
 def test_several_gates_leave_each_reason_once(steps):

@@ -13,6 +13,7 @@ from lostmotion.compensate import CompensatorBlock
 from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
 from lostmotion.diagnose import Diagnosis, diagnose
 from lostmotion.errors import GateError, InputError
+from lostmotion.evaluate.rivals import Rivals
 from lostmotion.evaluate.solution import Solution, Step
 from lostmotion.evaluate.study import CompensationStudy, compensation_study
 from lostmotion.identify import HammersteinFit, identify
@@ -122,6 +123,12 @@ class _Way:
     study: CompensationStudy | None = None
 
     @property
+    def _fitted(self) -> HammersteinFit:
+        """Once it has come so far."""
+        assert self.fit is not None  # noqa: S101
+        return self.fit
+
+    @property
     def open(self) -> bool:
         """Whether it goes on."""
         return not self.fine and all(step.passed for step in self.steps)
@@ -189,8 +196,7 @@ class _Way:
         if self.gain is not None:
             self.tell("identifying")
             self.fit = identify(self.record, nonlinearity="auto", gain=self.gain, integrating=self.integrating)
-        assert self.fit is not None  # noqa: S101  the diagnosis has one
-        facts, verdict = self.fit.facts, verdict_of(self.diagnosis) if self.diagnosis is not None else ""
+        facts, verdict = self._fitted.facts, verdict_of(self.diagnosis) if self.diagnosis is not None else ""
         gate = closed(facts, None if self._accepted_verdict(verdict) else verdict)
         if gate is not None:
             self._gate("identify", gate)
@@ -209,10 +215,9 @@ class _Way:
     ) -> None:
         """Whether the block is worth it, and safe with the present controller."""
         self.tell("simulating")
-        assert self.fit is not None  # noqa: S101
         given = {"record": self.record, "span": span, "accept": self.accept, **options}
         try:
-            found = compensation_study(self.fit, controller, **given)
+            found = compensation_study(self._fitted, controller, **given)
         except InputError as error:
             expected, got, remedy = error.said or ("a loop that can be simulated", str(error), "see there")
             said, settings = f"Expected {expected}, got {got}.", next(iter(error.ways), {})
@@ -224,43 +229,55 @@ class _Way:
             more = more.removeprefix(one).removeprefix("; ")
         self.accepted = (*self.accepted, more) if more else self.accepted
         if found.recommendation == RETUNED and retune:
-            self._retuned(found)
+            tuned = found.cases["with, retuned"].controller
+            harmed = self._rivals(given).harmed(found.block, tuned)
+            self._retuned(found) if not harmed else self._harmed(found, harmed)
             return
         if found.recommendation in ("compensate", RETUNED) and found.useful and found.safe:
-            other = self._unsafe_kind(found, controller, given)
-            if other is None:
-                self._pass("simulate", " ".join(found.brief))
-            else:
-                self._gate("simulate", other, " ".join(found.brief) + f" But {other.got}.")
+            self._safest(found, controller, given)
             return
         remedy, settings = _way_out(found)
         gate = Closed("a block that is worth it and safe", found.reasons[0], remedy)
         self._gate("simulate", gate, " ".join(found.brief), settings)
 
-    def _unsafe_kind(self, study: CompensationStudy, controller: PI | None, given: Mapping[str, Any]) -> Closed | None:
-        """Another kind that explains the record as well, where the block does harm to a valve of that kind.
+    def _safest(self, found: CompensationStudy, controller: PI | None, given: Mapping[str, Any]) -> None:
+        """What is safe on all kinds of valve that explain the record alike."""
+        asked = {"factor", "block"} & given.keys()
 
-        Backlash is believed before the stiction that is as likely, as it is simpler; its inverse is not as harmless.
-        """
-        assert self.fit is not None  # noqa: S101
-        for kind in [] if self.fit.kinds is None else self.fit.kinds.as_likely:
+        def smaller(factor: float) -> CompensationStudy:
+            return compensation_study(self._fitted, controller, **given, factor=factor)
+
+        rivals = self._rivals(given)
+        if asked:
+            study, harmed = found, rivals.harmed(found.block, controller)
+        else:
+            study, harmed = rivals.safest(found, controller, smaller)
+        if harmed:
+            self._harmed(found, harmed)
+        else:
+            self.study = study
+            self._pass("simulate", " ".join(study.brief))
+
+    def _rivals(self, given: Mapping[str, Any]) -> Rivals:
+        """Kinds that explain the record as well; each is fitted once."""
+        fits: dict[str, HammersteinFit] = {}
+
+        def on(kind: str, block: CompensatorBlock, controller: PI | None) -> CompensationStudy:
             self.tell(f"simulating a valve with {kind}")
-            other = identify(self.record, nonlinearity=kind, gain=self.gain, integrating=self.integrating)
-            options = dict(given) | {"accept": f"{kind} is as likely", "block": study.block}
-            try:
-                there = compensation_study(other, controller, **options)
-            except InputError:
-                continue  # a loop that cannot be simulated shows no harm
-            if not there.safe:
-                name = study.block.kind
-                expected = f"a block that is safe whichever of {self.fit.preferred} and {kind} the valve has"
-                got = f"the record explains as well by {kind}, and on such a valve this {name} block is not safe"
-                return Closed(
-                    expected,
-                    got,
-                    "mend the valve, or record small moves of OP up and down in manual, which tell a jump from play",
-                )
-        return None
+            if kind not in fits:
+                fits[kind] = identify(self.record, nonlinearity=kind, gain=self.gain, integrating=self.integrating)
+            options = {name: value for name, value in given.items() if name not in ("factor", "block", "accept")}
+            return compensation_study(fits[kind], controller, **options, block=block, accept=f"{kind} is as likely")
+
+        kinds = self._fitted.kinds
+        return Rivals([] if kinds is None else kinds.as_likely, on)
+
+    def _harmed(self, study: CompensationStudy, kind: str) -> None:
+        """The gate where a valve of another kind would take harm."""
+        got = f"{kind} explains the record as well, and on such a valve this {study.block.kind} block is not safe"
+        expected = f"a block that is safe whichever of {self._fitted.preferred} and {kind} the valve has"
+        remedy = "mend the valve, or record small moves of OP up and down in manual, which tell a jump from play"
+        self._gate("simulate", Closed(expected, got, remedy), " ".join(study.brief) + f" But {got}.")
 
     def _retuned(self, study: CompensationStudy) -> None:
         """The block with the gains that it needs."""

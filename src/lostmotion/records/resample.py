@@ -59,8 +59,7 @@ def resample(record: LoopRecord, factor: int) -> LoopRecord:
     blocks = [range(start + factor, stop - factor + 1, factor) for start, stop in pairwise(edges)]
     starts = np.array([row for piece in blocks for row in piece], dtype=np.int64)
     if len(starts) < 2:
-        got = f"{len(starts)} in {len(record)} rows with {len(edges) - 2} gap(s)"
-        raise DataError.expected(f"2 blocks of {factor} rows that no gap cuts", got, "use a smaller factor")
+        raise DataError.expected(f"2 blocks of {factor} rows", f"{len(record)} rows", "use a smaller factor")
     gaps = np.cumsum([len(piece) for piece in blocks])[:-1]
     first = {name: getattr(record, name) for name in ("op", "sp", "position", "mode")}
     chosen: dict[str, Any] = {name: None if value is None else value[starts] for name, value in first.items()}
