@@ -171,7 +171,7 @@ def test_a_measurement_that_stood_still_is_a_fact_and_an_end_of_op_is_no_valve()
             row,
             tag=st.text(min_size=1, max_size=3),
             verdict=st.sampled_from(["none", "stiction", "saturation", "other oscillation", "cannot tell"]),
-            kind=st.sampled_from(["none", "actuator", "tuning", "disturbance", "sensor", "unknown"]),
+            kind=st.sampled_from(["none", "actuator", "tuning", "disturbance", "set point", "sensor", "unknown"]),
             size_percent=st.none() | st.floats(0.01, 100.0),
             confidence=st.none() | st.floats(0.0, 1.0),
             probability=st.none() | st.floats(0.0, 1.0),
@@ -231,6 +231,9 @@ def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
     unknown = ranked([other, source], {}, [replace(group, source="")])[1]
     assert unknown.priority == pytest.approx(0.5 * first.priority), "disturbed from somewhere: not the first to go to"
     assert unknown.priority_reason.startswith("not the actuator: look upstream")
+    moved = ranked([replace(other, kind="set point"), source], {}, [replace(group, source="")])[1]
+    assert moved.priority == unknown.priority, "nothing is to be done in this loop"
+    assert moved.priority_reason.startswith("not the actuator: look at what moves SP")
     worn = replace(STICKS, tag="FIC-2", regularity=9.0, power=0.9, period=100.0)
     assert ranked([worn], {}, [group]) == ranked([worn], {}), "a lost motion of its own is mended whoever swings"
 

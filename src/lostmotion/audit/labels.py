@@ -115,4 +115,4 @@ def disturbed(row: AssessmentRow, around: Around) -> bool:
     """Whether its swing comes from elsewhere: noise lets no linear loop keep its amplitude, whatever its tuning."""
     steady = around.steady or row.indices.get("amplitude_spread", WANDERS) < STEADY
     blamed = row.kind == "tuning" and row.tag != around.source
-    return row.kind == "disturbance" or (blamed and swings(row) and steady)
+    return row.kind in ("disturbance", "set point") or (blamed and swings(row) and steady)

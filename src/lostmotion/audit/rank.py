@@ -177,6 +177,7 @@ def _elsewhere(row: AssessmentRow, around: Around, swing: float, about_swing: li
     """Of a loop that swings, and not because of its actuator."""
     ways = {"tuning": "retune", "process": "look upstream", "sensor": "look at the measurement"}
     way = ways.get(split_of(row, around), "upstream or tuning")
+    way = "look at what moves SP" if row.kind == "set point" else way
     share = CARRIED if disturbed(row, around) and not around.source else ELSEWHERE
     words = [f"not the actuator: {way}, {_sure(row)}", *about_swing]
     stays = row.kind == "tuning" and way != "retune"

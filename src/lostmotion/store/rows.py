@@ -57,7 +57,7 @@ class AssessmentRow:
     verdict : str
         As :class:`lostmotion.Diagnosis` has it; "cannot tell" where only screened.
     kind : str
-        Where it comes from: "actuator", "tuning", "disturbance", "sensor", "unknown", "none".
+        Where it comes from: "actuator", "tuning", "disturbance", "set point", "sensor", "unknown", "none".
     size, low, high, size_percent : float, optional
         Lost motion in units of OP with its 95 % interval, and in % of span.
     excluded_dead_zone, excluded_backlash, excluded_stiction : float, optional
