@@ -31,6 +31,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
 from lostmotion.identify.likelihood.simulated import simulated_output
+from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.identify.recording import Recording
 from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
@@ -245,6 +246,8 @@ class _Identification:
         found = self._beside_nested(kind, found, linear)
         linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
         packed = self._compared(self._packed(found, linear), found, linear)
+        if packed.status not in HIDDEN:
+            return packed
         return replace(packed, linear_alternative=self._packed(linear, linear))
 
     def _compared(self, packed: HammersteinFit, found: Fitted, linear: Fitted) -> HammersteinFit:
@@ -277,7 +280,6 @@ class _Identification:
     def _likeliest(self, linear: Fitted) -> HammersteinFit:
         """The kind that predicts best, or the linear model where none is seen."""
         linear, fits = EveryKind(self.scaled, self.asked, partial(self._fitted, linear)).fits(linear)
-        linear_result = self._packed(linear, linear)
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
         aside = set_aside(kinds, simplest, linear)
@@ -285,14 +287,15 @@ class _Identification:
             chosen = self._packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 if self.sound is not None and may_be_denied(chosen, kinds, self.sound):
-                    sizes = left_open(linear, fits, linear_result, self.scaled.scaling, ahead=surely_ahead(kinds))
+                    beside = self._packed(linear, linear)
+                    sizes = left_open(linear, fits, beside, self.scaled.scaling, ahead=surely_ahead(kinds))
                     kinds = replace(kinds, excluded=with_found(sizes, chosen))
-                return replace(chosen, linear_alternative=linear_result, kinds=kinds)
+                return replace(chosen, kinds=kinds)
             aside = [kinds.best]
         sized = [self._packed(fits[kind], linear) for kind in aside if kind_of(kind).size]
         # beside their own other parameters, not beside the linear model
         bounds = {fit.kind.name: fit.widest for fit in sized if fit.widest is not None}
-        slow = len(sized) < len(aside)  # which is no linear one
+        slow, linear_result = len(sized) < len(aside), self._packed(linear, linear)  # a slow valve is no linear one
         sizes = left_open(linear, fits, linear_result, self.scaled.scaling, slow)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 

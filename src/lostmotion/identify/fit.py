@@ -45,6 +45,8 @@ class HammersteinFit(RatedEstimate):
         Structure of the model: orders, delay, noise order, whether it integrates, loads beside the actuator.
     kinds : KindChoice or None
         With nonlinearity="auto": how the kinds compare, and how sure the choice is.
+    linear_alternative : HammersteinFit or None
+        Where no number is given for the fault: the linear model, whose gain is that of the process.
     residuals : ndarray
         Prediction errors, white where the model is right; simulated : output of the model from its input alone.
     """

@@ -34,6 +34,7 @@ def weigh(
         crossed = crossings(data.u, np.asarray(scaled.segments), below, above)
     loop, healthy = feedback(scaled), kind.healthy(fitted, linear)
     gain = -float(loop.direction) or float(fitted.parts.b.sum())
+    counts = kind.sticks or (kind.dead_between and loop.closed)
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
         gain_over_healthy=None if healthy is linear else gain_over_linear(fitted, healthy),
@@ -44,7 +45,7 @@ def weigh(
         closed_loop=loop.closed,
         free_moves=loop.free,
         crossings=crossed,
-        unseen_moves=data.unseen.of_size(kind.sticks, loop.closed) if kind.sticks or kind.dead_between else 0.0,
+        unseen_moves=data.unseen.of_size(kind.sticks, loop.closed) if counts else 0.0,
         answered=data.answered if loop.closed else True,
         foreknown=loop.closed
         and (data.unseen.mostly or may_be_settled(data, fitted.parts.a, fitted.parts.b) or data.foretold.against(gain)),

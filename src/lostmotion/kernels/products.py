@@ -88,6 +88,18 @@ def add_products(
     out += gram
 
 
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def complete(table: FloatArray, outer: FloatArray, inner: FloatArray) -> None:
+    """Fill sums of products of lags (n, m) from the first row and column: a lag more of both drops and adds a product.
+
+    `outer` (2, n) and `inner` (2, m) are the factors that each lag lets in, and those that it lets out.
+    """
+    for i in range(1, table.shape[0]):
+        before, now, come, gone = table[i - 1], table[i], outer[0, i], outer[1, i]
+        for j in range(1, now.size):
+            now[j] = before[j - 1] + come * inner[0, j] - gone * inner[1, j]
+
+
 @njit(cache=True, nogil=True)
 def add_lagged_table(
     y: FloatArray, outputs: int, x: FloatArray, delay: int, inputs: int, start: int, stop: int, table: FloatArray
@@ -104,15 +116,13 @@ def add_lagged_table(
         sums += value
     past, gram = np.empty((outputs + 1, inputs)), np.empty((inputs, inputs))
     past[0], past[1:, 0], gram[0], gram[:, 0] = across[0], along[0, 1:], across[1], across[1]
+    outer, ends = np.zeros((2, outputs + 1)), np.zeros((2, inputs))  # at lag 0 nothing is let in or out
     for i in range(1, outputs + 1):
-        before, after = y[start - i], y[stop - i]
-        for j in range(1, inputs):
-            past[i, j] = past[i - 1, j - 1] + before * x[start - delay - j] - after * x[stop - delay - j]
-    for i in range(1, inputs):
-        before, after = x[start - delay - i], x[stop - delay - i]
-        for j in range(i, inputs):
-            gram[i, j] = gram[i - 1, j - 1] + before * x[start - delay - j] - after * x[stop - delay - j]
-            gram[j, i] = gram[i, j]
+        outer[0, i], outer[1, i] = y[start - i], y[stop - i]
+    for j in range(1, inputs):
+        ends[0, j], ends[1, j] = x[start - delay - j], x[stop - delay - j]
+    complete(past, outer, ends)
+    complete(gram, ends, ends)
     table[0, 0] += sums
     for j in range(1, inputs):
         sums += x[start - delay - j] - x[stop - delay - j]
@@ -122,30 +132,36 @@ def add_lagged_table(
     table[-1] += past[0]
 
 
-@njit(cache=True, nogil=True)
-def _less_rows_above(floats: FloatArray, width: int, i: int) -> None:
-    """Take from row i of rows `width` long, from column i on, each row above times what it has in that column."""
-    here, at = i * width, i // WIDTH * WIDTH
-    while at + TILE <= width:  # sixteen columns stay in registers
+@njit(cache=True, nogil=True, forceinline=True)
+def _add_rows(
+    floats: FloatArray, width: int, row: int, column: int, weights: FloatArray, first: int, step: int, begin: int,
+    end: int, sign: float,
+) -> None:  # fmt: skip
+    """Add to a row of rows `width` long, from a column on, rows from `begin` to `end`, each times its weight.
+
+    The weights begin at `first`, `step` apart, and count `sign` times. A tile of columns stays in registers: what is
+    before the column in the first of them is overwritten.
+    """
+    here = row * width
+    for at in range(column // TILE * TILE, width, TILE):
         s0, s1 = load(floats, here + at), load(floats, here + at + WIDTH)
         s2, s3 = load(floats, here + at + 2 * WIDTH), load(floats, here + at + 3 * WIDTH)
-        for k in range(i):
-            weight, above = spread(-floats[k * width + i]), k * width + at
-            s0 = plus_product(s0, weight, load(floats, above))
-            s1 = plus_product(s1, weight, load(floats, above + WIDTH))
-            s2 = plus_product(s2, weight, load(floats, above + 2 * WIDTH))
-            s3 = plus_product(s3, weight, load(floats, above + 3 * WIDTH))
+        for k in range(begin, end):
+            weight, other = spread(sign * weights[first + (k - begin) * step]), k * width + at
+            s0 = plus_product(s0, weight, load(floats, other))
+            s1 = plus_product(s1, weight, load(floats, other + WIDTH))
+            s2 = plus_product(s2, weight, load(floats, other + 2 * WIDTH))
+            s3 = plus_product(s3, weight, load(floats, other + 3 * WIDTH))
         store(floats, here + at, s0)
         store(floats, here + at + WIDTH, s1)
         store(floats, here + at + 2 * WIDTH, s2)
         store(floats, here + at + 3 * WIDTH, s3)
-        at += TILE
-    while at < width:
-        s0 = load(floats, here + at)
-        for k in range(i):
-            s0 = plus_product(s0, spread(-floats[k * width + i]), load(floats, k * width + at))
-        store(floats, here + at, s0)
-        at += WIDTH
+
+
+@njit(cache=True, nogil=True)
+def _less_rows(floats: FloatArray, width: int, row: int, column: int, begin: int, end: int) -> None:
+    """Take from a row, from a column on, others times what they have in that column."""
+    _add_rows(floats, width, row, column, floats, begin * width + column, width, begin, end, -1.0)
 
 
 @njit(cache=True, nogil=True)
@@ -155,14 +171,14 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
     Returns the sum of squares that the regression explains. Columns that rounding has made dependent are left out.
     """
     n, total = target.size, 0.0
-    width = (n // WIDTH + 1) * WIDTH
+    width = (n // TILE + 1) * TILE
     upper = np.zeros((n, width))  # L', and the target behind it
     floats = address(upper.reshape(-1))
     for i in range(n):
         for j in range(i, n):
             upper[i, j] = gram[j, i]
         upper[i, n], least = target[i], DEPENDENT * gram[i, i]
-        _less_rows_above(floats, width, i)
+        _less_rows(floats, width, i, i, 0, i)
         inverse = 1.0 / np.sqrt(upper[i, i]) if upper[i, i] > least else 0.0
         for j in range(i + 1, n):
             upper[i, j] *= inverse
@@ -203,33 +219,52 @@ def solve_behind(root: FloatArray, values: FloatArray) -> None:
     """Make `values` (n,) L'^-1 `values`, L from ``factorise``."""
     for i in range(values.size - 1, -1, -1):
         values[i] *= root[i, i]
-        values[:i] -= values[i] * root[i, :i]
+        last, row = values[i], root[i]
+        for k in range(i):
+            values[k] -= last * row[k]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
+@njit(cache=True, nogil=True)
+def _explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
     """Sum of squares that m columns explain beyond k columns that are always there.
 
     `table` (k + m + 1, m) holds the products of those k, of the m and of the target with the m columns; `basis`
     (k, r) makes the k orthonormal and `known` (r,) are their products with the target.
     """
-    k, m = basis.shape[0], table.shape[1]
-    past = np.zeros((basis.shape[1], m))
-    gram, cross = table[k : k + m].copy(), table[k + m].copy()
-    for r in range(past.shape[0]):
-        row = past[r]
-        for i in range(k):
-            weight, products = basis[i, r], table[i]
-            for j in range(m):
-                row[j] += weight * products[j]
-        for i in range(m):
-            weight, products = row[i], gram[i]
-            for j in range(i + 1):
-                products[j] -= weight * row[j]
-            cross[i] -= known[r] * weight
+    (k, r), m, total = basis.shape, table.shape[1], 0.0
+    width = (m // TILE + 1) * TILE
+    rows = np.zeros((r + m + k, width))  # of the k made orthonormal, of the m, and the k as they are; the target behind
+    floats, shares = address(rows.reshape(-1)), address(basis.reshape(-1))
+    for i in range(k):
+        for j in range(m):
+            rows[r + m + i, j] = table[i, j]
+    for p in range(r):
+        _add_rows(floats, width, p, 0, shares, p, r, r + m, r + m + k, 1.0)
+        rows[p, m] = known[p]
     for i in range(m):
-        gram[i, i] += ridge * gram[i, i] + floor
-    return factorise(gram, cross)
+        row = rows[r + i]
+        for j in range(i, m):
+            row[j] = table[k + i, j]
+        row[m] = table[k + m, i]
+        _less_rows(floats, width, r + i, i, 0, r)
+        row[i] += ridge * row[i] + floor
+        least = DEPENDENT * row[i]
+        _less_rows(floats, width, r + i, i, r, r + i)
+        inverse = 1.0 / np.sqrt(row[i]) if row[i] > least else 0.0
+        for j in range(i + 1, m + 1):
+            row[j] *= inverse
+        total += row[m] * row[m]
+    return total
+
+
+def _explained_plain(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
+    k, m = basis.shape[0], table.shape[1]
+    past = basis.T @ table[:k]
+    gram, cross = table[k : k + m] - past.T @ past, table[k + m] - known @ past
+    return factorise(gram + np.diag(ridge * np.diag(gram) + floor), cross)
+
+
+explained = _explained_plain if config.DISABLE_JIT else _explained  # type: ignore[attr-defined]
 
 
 @njit(cache=True, nogil=True)

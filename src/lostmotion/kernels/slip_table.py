@@ -15,7 +15,7 @@ from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
-from lostmotion.kernels.products import explained
+from lostmotion.kernels.products import complete, explained
 from lostmotion.kernels.stiction import HE_RAMP, KANO, SHORTEST_SLIP, mean_on_ramp, slips_on_ramp
 
 LAGS = 4 * WIDTH  # of which sums are made at a time
@@ -196,35 +196,6 @@ def _add_shifted(
 
 
 @njit(cache=True, nogil=True)
-def _complete(
-    x: FloatArray,
-    totals: FloatArray,
-    first: int,
-    last: int,
-    start: int,
-    stop: int,
-    past: FloatArray,
-    gram: FloatArray,
-) -> None:
-    """The rest of both tables from their first rows and columns: a lag more on either side drops and adds a product."""
-    inputs = gram.shape[0]
-    for i in range(1, past.shape[0]):
-        for j in range(1, inputs):
-            past[i, j] = (
-                past[i - 1, j - 1]
-                + (totals[start - i + 1] - totals[start - i]) * x[first - j]
-                - (totals[stop - i + 1] - totals[stop - i]) * x[last - j]
-            )
-    for j in range(inputs):
-        gram[j, 0] = gram[0, j]
-    for i in range(1, inputs):
-        before, after = x[first - i], x[last - i]
-        for j in range(i, inputs):
-            gram[i, j] = gram[i - 1, j - 1] + before * x[first - j] - after * x[last - j]
-            gram[j, i] = gram[i, j]
-
-
-@njit(cache=True, nogil=True)
 def add_slip_table(
     x: FloatArray,
     sums: FloatArray,
@@ -246,8 +217,7 @@ def add_slip_table(
     x(last - 1) F(last) - x(first) F(first) and, for every slip between them, its change times F there.
     """
     first, last = start - delay, stop - delay
-    past = np.zeros((outputs + 1, inputs))
-    gram = np.zeros((inputs, inputs))
+    past, gram = np.empty((outputs + 1, inputs)), np.empty((inputs, inputs))
     with_totals = np.zeros((outputs + inputs + LAGS - 1) // LAGS * LAGS)  # at lags from -outputs on
     with_itself = np.zeros((inputs + LAGS - 1) // LAGS * LAGS)  # at lags inputs - 1 to 0
     low, high = int(np.searchsorted(slips[:count], first, "right")), int(np.searchsorted(slips[:count], last))
@@ -265,14 +235,20 @@ def add_slip_table(
             break
         for j in range(first - slips[m] + 1, min(inputs, last - slips[m])):
             with_totals[outputs + j] += changes[m] * totals[slips[m] + delay + j]
+    outer, ends = np.zeros((2, outputs + 1)), np.zeros((2, inputs))  # at lag 0 nothing is let in or out
     for i in range(outputs + 1):
         past[i, 0] = with_totals[outputs - i] + x[last - 1] * totals[stop - i] - x[first] * totals[start - i]
+        if i > 0:
+            outer[0, i] = totals[start - i + 1] - totals[start - i]
+            outer[1, i] = totals[stop - i + 1] - totals[stop - i]
     for j in range(inputs):
         gram[0, j] = with_itself[inputs - 1 - j] + x[last - 1] * sums[last - j] - x[first] * sums[first - j]
-        table[0, j] += sums[last - j] - sums[first - j]
+        gram[j, 0], table[0, j] = gram[0, j], table[0, j] + sums[last - j] - sums[first - j]
         if j > 0:
+            ends[0, j], ends[1, j] = x[first - j], x[last - j]
             past[0, j] = with_totals[outputs + j] + x[last - j - 1] * totals[stop] - x[first - j] * totals[start]
-    _complete(x, totals, first, last, start, stop, past, gram)
+    complete(past, outer, ends)
+    complete(gram, ends, ends)
     table[-1] += past[0]
     table[1 : outputs + 1] += past[1:]
     table[outputs + 1 : outputs + 1 + inputs] += gram

@@ -72,7 +72,7 @@ class LaggedRegression:
         left = left[:, kept]
         explained = left.T @ y[rows]
         target = y[rows] - left @ explained
-        basis = (right[kept] / sizes[kept, None] / scale).T
+        basis = np.ascontiguousarray((right[kept] / sizes[kept, None] / scale).T)  # as the kernel reads it
         return cls(lags, y, blocks, basis, explained, float(target @ target))
 
     @cached_property

@@ -78,13 +78,13 @@ def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitte
     coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, early)
     basis = None if fitted.basis is None else _basis(fitted, coloured)
     packed = coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset)
-    start = settled(coloured, packed, basis)
-    tied = coloured.family.needles  # whose place is sought elsewhere
-    free = coloured.free_but(coloured.own, basis) if tied else basis
-    begun = Fitted(coloured, replace(fitted.fit, theta=start), basis, fitted.rivals)
+    begun = Fitted(coloured, replace(fitted.fit, theta=packed), basis, fitted.rivals)
     bound = cost_of_equal(begun, per_row(best))
     if is_hopeless(coloured, packed, basis, bound):
         return None
+    start = settled(coloured, packed, basis)
+    tied = coloured.family.needles  # whose place is sought elsewhere
+    free = coloured.free_but(coloured.own, basis) if tied else basis
     return replace(begun, fit=refine(coloured, start, free, tied=tied, bound=bound))
 
 

@@ -135,7 +135,7 @@ def grid_starts(
     held : Held
         What else is known of the process.
     only : list of ndarray, optional
-        Polynomials A instead of the patterns of the grid; of these B is exact, of patterns nearly (``exact_starts``).
+        Polynomials A instead of the patterns of the grid; of these B is exact, of patterns nearly (``exact_start``).
     limit : float or None
         What is worse is left out; None: all but the best of every na.
     """
@@ -199,25 +199,20 @@ def _first_look(
     return np.flatnonzero(misfits <= misfits.min() + FAR_BEHIND)
 
 
-def exact_starts(
+def exact_start(
     data: ScaledData,
     x: FloatArray,
     d: FloatArray,
     ladder: tuple[tuple[int, int], ...],
     delays: tuple[int, int],
-    starts: list[GridStart],
-) -> list[GridStart]:
-    """Some of the ``grid_starts``, arguments as there, with B to rounding."""
+    start: GridStart,
+) -> GridStart:
+    """One of the ``grid_starts``, arguments as there, with B to rounding."""
+    if start.decay == 0.0:  # no pole, or no start at all
+        return start
     low, high = delays
-    rows, found = excerpt(data, MOST_ROWS), []
-    for start in starts:
-        if start.decay == 0.0:  # no pole, or no start at all
-            found.append(start)
-            continue
-        orders = max((nb for na, nb in ladder if na == start.na), default=start.nb) + 1
-        shape = (1, orders, high - low + 1)
-        rss, b = np.empty(shape), np.zeros((*shape, orders))
-        n = _SCAN(x, data.y, rows, d, start.a[None], np.array([start.decay]), low, high, orders, rss, b)
-        exact = b[0, start.nb, start.delay - low, : start.nb + 1]
-        found.append(start._replace(b=exact) if n > 0 else start)
-    return found
+    orders = max((nb for na, nb in ladder if na == start.na), default=start.nb) + 1
+    rss, b = np.empty((1, orders, high - low + 1)), np.zeros((1, orders, high - low + 1, orders))
+    a, decay = start.a[None], np.array([start.decay])
+    n = _SCAN(x, data.y, excerpt(data, MOST_ROWS), d, a, decay, low, high, orders, rss, b)
+    return start._replace(b=b[0, start.nb, start.delay - low, : start.nb + 1]) if n > 0 else start

@@ -20,7 +20,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.in_row import answers_in_row
 from lostmotion.identify.likelihood.noise_order import autoregressions, choose_noise, without_mode
 from lostmotion.identify.likelihood.plausible import FREE, Held
-from lostmotion.identify.likelihood.poles import GridStart, exact_starts, grid_starts, simpler
+from lostmotion.identify.likelihood.poles import GridStart, exact_start, grid_starts, simpler
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import LocalFit, refine, settled
 from lostmotion.identify.likelihood.rivals import rivals
@@ -155,11 +155,12 @@ class _Search:
         """The structures to try for one start of the actuator: best on the grid, the output error white or coloured."""
         x = self._internal(eta)
         plain = self._best_of_grid(x, np.zeros(0))
-        d = self._noise_of(x, plain[0])
+        best = exact_start(self.data, x, np.zeros(0), self.ladder, self.delays, plain[0])
+        d = self._noise_of(x, best)
         starts = self._best_of_grid(x, d) if d.size else []
         white = np.zeros(self.asked.noise or 0)
         attempts = [(eta, start, d) for start in starts]
-        others = [(eta, start, white) for start in (plain[:1] if starts else plain)]
+        others = [(eta, start, white) for start in ([best] if starts else [best, *plain[1:]])]
         attempts += [self._coloured(*other) for other in others] if starts else others
         if self.asked.integrating or (self.asked.orders is None and not self.held.closed):
             return attempts
@@ -235,7 +236,7 @@ class _Search:
             about = (max(low, s.delay - REACH), min(high, s.delay + REACH))
             limit = here + HOPELESS
             grid = [one for one in self._grid(x, d, about, limit=limit) if one.score < limit and one.key not in known]
-            starts += exact_starts(self.data, x, d, self.ladder, about, grid[:MOST_STRUCTURES])
+            starts += grid[:MOST_STRUCTURES]
         return [(eta, start, d) for start in starts]
 
     def close_to(self, best: Fitted) -> list[Fitted]:
@@ -279,9 +280,8 @@ class _Search:
         return starts or [GridStart(na, nb, delays[0], np.zeros(na), np.zeros(nb + 1), 0.0, 0.0)]
 
     def _best_of_grid(self, x: FloatArray, d: FloatArray) -> list[GridStart]:
-        """The best starts of different orders over all delays."""
-        starts = distinct(self._grid(x, d, self.delays, limit=None), MOST_STRUCTURES)
-        return exact_starts(self.data, x, d, self.ladder, self.delays, starts)
+        """The best starts of different orders over all delays; their B is settled beside the model of the noise."""
+        return distinct(self._grid(x, d, self.delays, limit=None), MOST_STRUCTURES)
 
     def _noise_of(self, x: FloatArray, start: GridStart) -> FloatArray:
         """AR model of what a start leaves over; of the order asked for."""
