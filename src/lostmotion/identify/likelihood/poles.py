@@ -31,7 +31,7 @@ ROUNDING = 1e-9  # from 1: what is nearer is an integrator
 FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
 # of a first look at whitened signals, and of log rss there: patterns that served later were within 30 (six open loops)
-FEW_ROWS, FAR_BEHIND = 2000, 100.0
+FEW_ROWS, FAR_BEHIND = 1000, 100.0
 _SCAN: Any = kernel.scan
 
 
