@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lostmotion.identify.likelihood.noise_order import ZEROS, autoregressions, likeliest_zero
+from lostmotion.identify.likelihood.noise_order import ZEROS, Left, autoregressions
 from lostmotion.kernels import zeros as kernel
 
 RNG = np.random.default_rng(3)
@@ -25,10 +25,10 @@ def test_one_zero_alone_is_an_autoregression_of_the_filtered_noise():
     v = np.zeros(4000)
     for k in range(1, 4000):  # slow drift behind fast noise: (1 - 0.99 q^-1) v = (1 - 0.92 q^-1) e
         v[k] = 0.99 * v[k - 1] + e[k] - 0.92 * e[k - 1]
-    assert likeliest_zero([v[:2000], v[2000:]]) == pytest.approx(0.92, abs=0.06)
+    assert Left([v[:2000], v[2000:]]).likeliest_zero == pytest.approx(0.92, abs=0.06)
 
 
 @pytest.mark.parametrize("size", [5, 30, 60])
 def test_of_short_noise_a_zero_is_found_or_none(size):
-    assert likeliest_zero([RNG.normal(size=size)]) in ZEROS
+    assert Left([RNG.normal(size=size)]).likeliest_zero in ZEROS
     assert autoregressions([RNG.normal(size=size)]).most == (20 if size > 42 else 0)

@@ -188,11 +188,13 @@ def _scan(
     rss: FloatArray,
     b: FloatArray,
     quick: bool = False,
+    every: int = 1,
 ) -> int:
     """Residual sums of squares for every A (m, na), order of B below `orders` and delay low .. high.
 
     D(q) = 1 + sum d_i q^-i whitens. Fills rss (m, orders, delays) and b (m, orders, delays, orders); returns the
-    number of rows. `quick`: with rounding as in ``derive_lags``, where there are few poles.
+    number of rows. `quick`: with rounding as in ``derive_lags``, where there are few poles. `every`: of so many delays
+    one is looked at, the others are left as they are.
     """
     lags = high - low + orders
     first = high + orders + d.size
@@ -223,7 +225,7 @@ def _scan(
             if stop - start > first:
                 drives = drive[start:stop], ones[start:stop], white[start:stop]
                 _add_segment(a, modes, *drives, first, low, lags, orders, known[s], squares_of_y[s], grams)
-        for at in range(high - low + 1):
+        for at in range(0, high - low + 1, every):
             _least_squares(grams, at, lags, squares, gains, work)
             for lane in range(min(WIDTH, m - begin)):
                 for order in range(orders):
@@ -252,6 +254,7 @@ def _scan_plain(
     rss: FloatArray,
     b: FloatArray,
     quick: bool = False,  # noqa: ARG001  there is one way only
+    every: int = 1,
 ) -> int:
     """The same by the columns themselves: as plain Python the loops over rows would take minutes."""
     lags, first = high - low + orders, high + orders + d.size
@@ -268,7 +271,7 @@ def _scan_plain(
             gram += _gram_plain([*lagged, level[first:], white[start + first : stop]], mode)
         grams = np.repeat(gram[:, :, None], WIDTH, axis=2)
         squares, gains = np.empty((orders, WIDTH)), np.zeros((orders, orders, WIDTH))
-        for at in range(high - low + 1):
+        for at in range(0, high - low + 1, every):
             _least_squares(grams, at, lags, squares, gains, np.empty((orders + 2, orders, WIDTH)))
             rss[m, :, at], b[m, :, at] = np.maximum(squares[:, 0], 0.0), gains[:, :, 0]
     return sum(stop - start - first for start, stop in long)

@@ -15,12 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import cost_of_equal, per_row
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.noise_order import (
-    autoregression_behind,
-    choose_noise,
-    likeliest_zero,
-    share_of_errors,
-)
+from lostmotion.identify.likelihood.noise_order import choose_noise, share_of_errors
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import is_hopeless, refine, settled, with_states
 from lostmotion.models import NoiseModel
@@ -36,9 +31,8 @@ def with_coloured_noise(fitted: Fitted, asked: Asked) -> Fitted:
         return fitted
     best = fitted
     for _ in range(ROUNDS):
-        left = best.output_residual()
-        zero = likeliest_zero(left)
-        trial = _recoloured(best, left, zero, best) if zero != 0.0 else None
+        zero = best.left.likeliest_zero
+        trial = _recoloured(best, zero, best) if zero != 0.0 else None
         if trial is None or not per_row(trial) < per_row(best):
             break
         best = trial
@@ -49,9 +43,9 @@ def with_best_zero(fitted: Fitted, asked: Asked) -> Fitted:
     """The likeliest of the fits with zeros of all sizes: what one leaves over tells little of those far from it."""
     if not asked.any_noise:
         return fitted
-    best, left = fitted, fitted.output_residual()
+    best = fitted
     for zero in SCANNED:
-        trial = None if zero == fitted.problem.structure.zero else _recoloured(fitted, left, zero, best)
+        trial = None if zero == fitted.problem.structure.zero else _recoloured(fitted, zero, best)
         if trial is not None and per_row(trial) < per_row(best):
             best = trial
     return best
@@ -64,17 +58,17 @@ def autoregression_like(fitted: Fitted, most: int) -> FloatArray:
     return choose_noise(fitted.output_residual(), most)
 
 
-def _recoloured(fitted: Fitted, left: list[FloatArray], zero: float, best: Fitted) -> Fitted | None:
-    """Refined with this zero, and the order that the residual `left` asks for; None: it is the noise that it has.
+def _recoloured(fitted: Fitted, zero: float, best: Fitted) -> Fitted | None:
+    """Refined with this zero, and the order that the residual asks for; None: it is the noise that it has.
 
     Also where it is plain that it does not come near `best`.
     """
-    d = autoregression_behind(left, zero)
+    d = fitted.left.noise(zero)
     problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts
     if (zero, d.size) == (s.zero, s.noise_order):
         return None
     structure = Structure(s.na, s.nb, s.delay, d.size, s.delay + d.size, s.integrating, zero)
-    early = share_of_errors(left, zero, d) if zero else 0.0
+    early = share_of_errors(fitted.left.parts, zero, d) if zero else 0.0
     coloured = Problem(problem.u, problem.y, problem.segments, problem.family, structure, problem.held, early)
     basis = None if fitted.basis is None else _basis(fitted, coloured)
     packed = coloured.pack(parts.a, parts.b, parts.eta, d, parts.offset)

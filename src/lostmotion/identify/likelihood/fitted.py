@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.noise_order import Left
 from lostmotion.identify.likelihood.plausible import plausible, slowest
 from lostmotion.identify.likelihood.problem import Parts, Problem
 from lostmotion.identify.likelihood.refinement import LocalFit
@@ -62,6 +63,11 @@ class Fitted:
     def drifts(self, longest: int) -> bool:
         """Whether a pole is slower than the longest segment of the record: not seen to settle, but a drift."""
         return self.slowest > 1.0 - 1.0 / longest
+
+    @cached_property
+    def left(self) -> Left:
+        """The output residual and its noise."""
+        return Left(self.output_residual())
 
     def output_residual(self) -> list[FloatArray]:
         """Measured minus simulated output, from row `first` of each segment."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -103,11 +104,6 @@ def choose_noise(v: list[FloatArray], most: int = MOST_NOISE_LAGS, penalty: floa
     return autoregressions(v, most).best(penalty)[1]
 
 
-def autoregression_behind(v: list[FloatArray], zero: float, most: int = MOST_NOISE_LAGS) -> FloatArray:
-    """Coefficients d of the noise D(q) v = (1 - c q^-1) e that an information criterion prefers, with c = zero."""
-    return choose_noise([_through(part, zero) for part in v], most)
-
-
 def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
     """Variance of the errors e of D(q) v = (1 - c q^-1) e, with c = zero, over that of v / (1 - c q^-1)."""
     total = left = 0.0
@@ -119,11 +115,32 @@ def share_of_errors(v: list[FloatArray], zero: float, d: FloatArray) -> float:
     return left / total if total > 0.0 else 0.0
 
 
-def likeliest_zero(v: list[FloatArray], most: int = MOST_NOISE_LAGS) -> float:
-    """The c of ZEROS that an information criterion prefers; 0 where none pays."""
-    cost = float(np.log(sum(part.size for part in v)))  # beside a pole of D that it nearly cancels it tells nothing
-    scores = [found.best()[0] + cost * (zero != 0.0) for zero, found in zip(ZEROS, _behind_zeros(v, most), strict=True)]
-    return ZEROS[int(np.argmin(scores))]
+@dataclass(frozen=True)
+class Left:
+    """What a model leaves of PV, by segments, and the noise that it may be.
+
+    Attributes
+    ----------
+    parts : list of ndarray
+    """
+
+    parts: list[FloatArray]
+
+    @cached_property
+    def behind(self) -> dict[float, Autoregressions]:
+        """Autoregressions of the parts seen through each of ZEROS."""
+        return dict(zip(ZEROS, _behind_zeros(self.parts, MOST_NOISE_LAGS), strict=True))
+
+    @property
+    def likeliest_zero(self) -> float:
+        """The c of ZEROS that an information criterion prefers; 0 where none pays."""
+        cost = float(np.log(sum(part.size for part in self.parts)))  # near a pole it tells nothing
+        scores = [found.best()[0] + cost * (zero != 0.0) for zero, found in self.behind.items()]
+        return ZEROS[int(np.argmin(scores))]
+
+    def noise(self, zero: float) -> FloatArray:
+        """Coefficients d of D(q) v = (1 - c q^-1) e that an information criterion prefers, with c = zero, of ZEROS."""
+        return self.behind[zero].best()[1]
 
 
 def _behind_zeros(v: list[FloatArray], most: int) -> list[Autoregressions]:

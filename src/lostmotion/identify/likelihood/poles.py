@@ -32,6 +32,7 @@ FASTEST_RINGING = 2.6  # radians a sample
 MOST_ROWS = 6000  # enough to tell poles apart
 # of a first look at whitened signals, and of log rss there: patterns that served later were within 30 (six open loops)
 FEW_ROWS, FAR_BEHIND = 1000, 100.0
+NEXT_DELAY = 2  # there: what lies between is seen by the next coefficient of B
 _SCAN: Any = kernel.scan
 
 
@@ -152,7 +153,7 @@ def grid_starts(
             near = _first_look(data, x, d, polynomials, decays, delays, orders)
             polynomials, decays = polynomials[near], decays[near]
         shape = (len(polynomials), orders, high - low + 1)
-        rss, b = np.empty(shape), np.zeros((*shape, orders))
+        rss, b = np.empty(shape), np.empty((*shape, orders))  # of each order as many of B as it has
         n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None)
         if n <= 0:
             continue
@@ -193,9 +194,10 @@ def _first_look(
     """Indices of the patterns that are not far behind the best on few rows."""
     low, high = delays
     shape = (len(polynomials), orders, high - low + 1)
-    rss, b = np.empty(shape), np.zeros((*shape, orders))
-    n = _SCAN(x, data.y, excerpt(data, FEW_ROWS), d, polynomials, decays, low, high, orders, rss, b, True)
-    misfits = n * np.log(np.maximum(rss.min(axis=(1, 2)), 1e-300))
+    rss, b = np.empty(shape), np.empty((*shape, orders))
+    few = excerpt(data, FEW_ROWS)
+    n = _SCAN(x, data.y, few, d, polynomials, decays, low, high, orders, rss, b, True, NEXT_DELAY)
+    misfits = n * np.log(np.maximum(rss[:, :, ::NEXT_DELAY].min(axis=(1, 2)), 1e-300))
     return np.flatnonzero(misfits <= misfits.min() + FAR_BEHIND)
 
 
