@@ -239,7 +239,8 @@ def test_a_loop_that_swings_because_of_another_one_comes_after_it() -> None:
 
 
 @pytest.mark.parametrize(("verdict", "kind"), [("cannot tell", "unknown"), ("none", "none"),
-                                               ("other oscillation", "disturbance")])  # fmt: skip
+                                               ("other oscillation", "disturbance"),
+                                               ("other oscillation", "unknown")])  # fmt: skip
 def test_a_loop_that_rings_is_to_be_tuned_whatever_the_diagnosis_sees(verdict: str, kind: str) -> None:
     rings = row(
         verdict=verdict, kind=kind, confidence=0.6, regularity=40.0, power=0.9, period=300.0,

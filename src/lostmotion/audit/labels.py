@@ -101,7 +101,7 @@ def makes_it_swing(row: AssessmentRow, around: Around) -> bool:
     """Whether a loop without a fault of its valve that is known swings by itself."""
     if row.stage is not Stage.ASSESSED and not _controls(row):
         return False
-    untold = row.verdict in ("cannot tell", "none") or row.kind == "disturbance"
+    untold = row.verdict in ("cannot tell", "none") or row.kind in ("disturbance", "unknown")
     return untold and around.source in ("", row.tag) and not around.steady and rings(row)
 
 
