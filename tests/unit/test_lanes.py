@@ -5,7 +5,20 @@ import pytest
 from numba import njit
 
 from lostmotion.kernels import lanes
-from lostmotion.kernels.lanes import address, less, load, over, plus_product, root_above, spread, store, times, total
+from lostmotion.kernels.lanes import (
+    address,
+    less,
+    load,
+    over,
+    plus_product,
+    root_above,
+    spread,
+    store,
+    times,
+    total,
+    where_above,
+    whole,
+)
 
 
 def floats(size=16, seed=0):
@@ -49,6 +62,13 @@ def roots(array, floor):
 
 
 @njit
+def choose_and_round(array):
+    place = address(array)
+    store(place, 8, where_above(load(place, 0), load(place, 4), load(place, 12), spread(3.0)))
+    store(place, 4, whole(times(load(place, 0), spread(5.0))))
+
+
+@njit
 def add_up(array, rounds):
     place = address(array)
     values = spread(0.0)
@@ -72,6 +92,7 @@ def inner(array, one, other, size):
         (scale, (-2.5,)),
         (scale, (3,)),
         (divide_and_take_away, ()),
+        (choose_and_round, ()),
         (roots, (0.1,)),
         (roots, (9.0,)),
         (add_up, (0,)),

@@ -22,7 +22,9 @@ from lostmotion.identify.data import collect
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.scaled import ScaledData, Scaling
-from lostmotion.kernels.slip_table import LAGS, add_slip_table, trace
+from lostmotion.kernels import eight_valves
+from lostmotion.kernels.eight_valves import EIGHT, ROWS, follow_all
+from lostmotion.kernels.slip_table import LAGS, add_slip_table, find_slips
 from lostmotion.kernels.slips import (
     first_positions,
     pattern,
@@ -44,24 +46,46 @@ def command(seed, n=120):
 
 
 def traced(model, u, band, jump, start):
-    x, sums = np.empty(u.size), np.zeros(u.size + 1 + LAGS)
-    rows, falls = np.empty(u.size + 1, np.int64), np.empty(u.size + 1)
-    count, _ = trace(model, u, band, jump, start, x, sums, rows, falls)
-    return x, sums, rows[:count], falls[:count]
+    """One of eight different valves."""
+    bands = band * np.linspace(1.0, 1.7, EIGHT)
+    x = np.empty((EIGHT, u.size))
+    follow_all(model, u, bands, np.full(EIGHT, jump), np.full(EIGHT, start), x)
+    sums = np.zeros(u.size + 1 + LAGS)
+    rows, falls = np.empty(u.size, np.int64), np.empty(u.size)
+    count = find_slips(x[0], sums, rows, falls)
+    return x[0], sums, rows[:count], falls[:count]
 
 
 @given(valves)
 @settings(max_examples=60, deadline=None)
-def test_trace_is_the_valve_of_the_papers(valve):
+def test_slips_are_those_of_the_valve_of_the_papers(valve):
     seed, model, band, share, rest = valve
     u, jump = command(seed), share * band
     start = u[0] + 0.5 * rest * (band + jump)
     x, sums, rows, falls = traced(model, u, band, jump, start)
     assert np.allclose(x, slow.position(model, u, band, jump, start), atol=1e-9)
     assert np.allclose(sums[: u.size + 1], np.concatenate([[0.0], np.cumsum(x)]))
-    steps = np.diff(np.concatenate([[start], x]))
-    assert set(np.flatnonzero(steps)) <= set(rows)
+    steps = np.diff(x, prepend=x[0])
+    assert np.array_equal(np.flatnonzero(steps), rows)
     assert np.allclose(falls, -steps[rows])
+
+
+@pytest.mark.parametrize("follow", [eight_valves._follow_all, eight_valves._follow_all_plain])
+@pytest.mark.parametrize("model", [KANO, HE, HE_RAMP])
+def test_eight_valves_at_once_are_one_after_the_other(model, follow):
+    rng = np.random.default_rng(model)
+    u = command(3, 2 * ROWS + 17)
+    bands = rng.uniform(0.3, 4.0, EIGHT)
+    jumps, starts = bands * rng.uniform(0.0, 1.0, EIGHT), u[0] + bands * rng.uniform(-0.4, 0.4, EIGHT)
+    x = np.empty((EIGHT, u.size + 5))
+    turns = follow(model, u, bands, jumps, starts, x)
+    for lane in range(EIGHT):
+        alone = run(model, u, bands[lane], jumps[lane], starts[lane])
+        assert np.allclose(x[lane, : u.size], alone, rtol=0, atol=1e-12)
+        ways = np.sign(np.diff(alone, prepend=starts[lane]))
+        ways = ways[ways != 0]
+        assert turns[lane] == np.count_nonzero(ways[1:] != ways[:-1])
+    assert turns.max() >= 4
 
 
 @given(valves, st.integers(0, 3), st.integers(1, 6), st.integers(1, 9))
@@ -307,16 +331,13 @@ def test_a_valve_that_hardly_turns_is_not_called_sticking():
 def test_a_slip_between_two_rows_is_a_change_of_each(seed, band, share, rest):
     u = np.cumsum(np.random.default_rng(seed).normal(scale=0.4, size=200))
     start, n = u[0] + 0.5 * rest * band * (1.0 + share), u.size
-    x, sums = np.empty(n), np.zeros(n + 1 + LAGS)
-    slips, changes = np.empty(n + 1, np.int64), np.empty(n + 1)
-    count, turns = trace(HE_RAMP, u, band, share * band, start, x, sums, slips, changes)
-    np.testing.assert_array_equal(x, run(HE_RAMP, u, band, share * band, start))
+    x, sums, slips, changes = traced(HE_RAMP, u, band, share * band, start)
+    np.testing.assert_allclose(x, run(HE_RAMP, u, band, share * band, start), rtol=0, atol=1e-8)
     np.testing.assert_allclose(sums[1 : n + 1], np.cumsum(x), atol=1e-9)
-    rebuilt = np.full(n, start)
-    for row, change in zip(slips[:count], changes[:count], strict=True):
+    rebuilt = np.full(n, x[0])
+    for row, change in zip(slips, changes, strict=True):
         rebuilt[row:] -= change
     np.testing.assert_allclose(rebuilt, x, atol=1e-9)
-    assert turns <= count
 
 
 def sticking_at_rest(band, jump, lag, seed, noise=0.02, rows=1500):

@@ -65,6 +65,18 @@ def less(one: Quad, other: Quad) -> Quad:
     return one - other
 
 
+@machine.as_choice
+def where_above(left: Quad, right: Quad, one: Quad, other: Quad) -> Quad:
+    """`one` where `left` is above `right`, else `other`."""
+    return np.where(left > right, one, other)
+
+
+@machine.as_whole
+def whole(values: Quad) -> Quad:
+    """Greatest whole numbers not above."""
+    return np.floor(values)
+
+
 @machine.as_root_above
 def root_above(left: Quad, floor: Quad) -> Quad:
     """Roots of what is above a floor; infinite elsewhere."""

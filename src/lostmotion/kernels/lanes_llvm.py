@@ -45,7 +45,13 @@ def as_address(meaning: Function) -> Function:
 def _compiler(result: Any, *arguments: Any) -> Callable[[Callable[..., Any]], Callable[[Function], Function]]:
     """Turn code that writes LLVM instructions into a decorator for the Python function that they stand for."""
     given = result(*arguments)
-    typer: Any = {1: lambda _a: given, 2: lambda _a, _b: given, 3: lambda _a, _b, _c: given}[len(arguments)]
+    typers: dict[int, Any] = {
+        1: lambda _a: given,
+        2: lambda _a, _b: given,
+        3: lambda _a, _b, _c: given,
+        4: lambda _a, _b, _c, _d: given,
+    }
+    typer = typers[len(arguments)]
 
     def decorator_of(write: Callable[..., Any]) -> Callable[[Function], Function]:
         def compiled(meaning: Function) -> Function:
@@ -98,6 +104,19 @@ def as_quotient(builder: Any, one: Any, other: Any) -> Any:
 def as_difference(builder: Any, one: Any, other: Any) -> Any:
     """Place by place."""
     return builder.fsub(one, other)
+
+
+@_compiler(_QUAD, _QUAD, _QUAD, _QUAD, _QUAD)
+def as_choice(builder: Any, left: Any, right: Any, one: Any, other: Any) -> Any:
+    """Place by place, without branches."""
+    return builder.select(builder.fcmp_ordered(">", left, right), one, other)
+
+
+@_compiler(_QUAD, _QUAD)
+def as_whole(builder: Any, values: Any) -> Any:
+    """Place by place."""
+    kind = ir.FunctionType(_VECTOR, [_VECTOR])
+    return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.floor.v{WIDTH}f64"), [values])
 
 
 @_compiler(_QUAD, _QUAD, _QUAD)

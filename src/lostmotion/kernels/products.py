@@ -142,20 +142,33 @@ def _add_rows(
     The weights begin at `first`, `step` apart, and count `sign` times. A tile of columns stays in registers: what is
     before the column in the first of them is overwritten.
     """
-    here = row * width
+    here, pairs = row * width, begin + (end - begin) // 2 * 2
     for at in range(column // TILE * TILE, width, TILE):
         s0, s1 = load(floats, here + at), load(floats, here + at + WIDTH)
         s2, s3 = load(floats, here + at + 2 * WIDTH), load(floats, here + at + 3 * WIDTH)
-        for k in range(begin, end):
+        t0 = t1 = t2 = t3 = spread(0.0)  # of every other row: a sum waits for its last addition
+        for k in range(begin, pairs, 2):
             weight, other = spread(sign * weights[first + (k - begin) * step]), k * width + at
             s0 = plus_product(s0, weight, load(floats, other))
             s1 = plus_product(s1, weight, load(floats, other + WIDTH))
             s2 = plus_product(s2, weight, load(floats, other + 2 * WIDTH))
             s3 = plus_product(s3, weight, load(floats, other + 3 * WIDTH))
-        store(floats, here + at, s0)
-        store(floats, here + at + WIDTH, s1)
-        store(floats, here + at + 2 * WIDTH, s2)
-        store(floats, here + at + 3 * WIDTH, s3)
+            weight, other = spread(sign * weights[first + (k + 1 - begin) * step]), other + width
+            t0 = plus_product(t0, weight, load(floats, other))
+            t1 = plus_product(t1, weight, load(floats, other + WIDTH))
+            t2 = plus_product(t2, weight, load(floats, other + 2 * WIDTH))
+            t3 = plus_product(t3, weight, load(floats, other + 3 * WIDTH))
+        if pairs < end:
+            weight, other = spread(sign * weights[first + (pairs - begin) * step]), pairs * width + at
+            s0 = plus_product(s0, weight, load(floats, other))
+            s1 = plus_product(s1, weight, load(floats, other + WIDTH))
+            s2 = plus_product(s2, weight, load(floats, other + 2 * WIDTH))
+            s3 = plus_product(s3, weight, load(floats, other + 3 * WIDTH))
+        one = spread(1.0)
+        store(floats, here + at, plus_product(s0, one, t0))
+        store(floats, here + at + WIDTH, plus_product(s1, one, t1))
+        store(floats, here + at + 2 * WIDTH, plus_product(s2, one, t2))
+        store(floats, here + at + 3 * WIDTH, plus_product(s3, one, t3))
 
 
 @njit(cache=True, nogil=True)

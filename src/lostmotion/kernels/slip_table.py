@@ -14,154 +14,31 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.eight_valves import EIGHT, follow_all
 from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
 from lostmotion.kernels.products import complete, explained
-from lostmotion.kernels.stiction import HE_RAMP, KANO, SHORTEST_SLIP, mean_on_ramp, slips_on_ramp
+from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 
 LAGS = 4 * WIDTH  # of which sums are made at a time
 
 
 @njit(cache=True, nogil=True)
-def trace(
-    model: int,
-    u: FloatArray,
-    band: float,
-    jump: float,
-    start: float,
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    changes: FloatArray,
-) -> tuple[int, int]:
-    """Position `x` (n,) from rest at `start`, and its running sum from 0 on `sums` (n + 1 or more).
+def find_slips(x: FloatArray, sums: FloatArray, slips: IntArray, changes: FloatArray) -> int:
+    """Put the running sum of a position `x` (n,) from 0 on into `sums` (n + 1 or more); the number of its changes.
 
-    `slips` and `changes` (n + 1,) get the rows at which the position changes, in order, and how far it falls there.
-    Returns their number, and how many of them turn.
+    `slips` and `changes` (n or more,) get the rows at which it changes, in order, and how far it falls there. Without
+    branches: where the valve slips often, a processor would guess half of them wrong.
     """
-    if model == KANO:
-        return _trace_kano(u, band, jump, start, x, sums, slips, changes)
-    if model == HE_RAMP:
-        return _trace_on_ramp(u, band, jump, start, x, sums, slips, changes)
-    return _trace_he(u, band, jump, start, x, sums, slips, changes)
-
-
-@njit(cache=True, nogil=True)
-def _trace_kano(
-    u: FloatArray,
-    band: float,
-    jump: float,
-    start: float,
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    changes: FloatArray,
-) -> tuple[int, int]:
-    behind, reach = 0.5 * (band - jump), 0.5 * (band + jump)
-    position, above, below = start, start + reach, start - reach
-    direction = moving = 0.0
-    count = turns = 0
-    last = u[0]
-    sums[0] = total = 0.0
-    for k in range(u.size):
-        v = u[k]
-        if moving != 0.0:
-            if moving * (v - last) > 0.0:
-                slips[count], changes[count] = k, position
-                position = v - moving * behind
-                changes[count] -= position
-                count += 1
-            else:
-                above = last + jump if moving > 0.0 else last + band
-                below = last - band if moving > 0.0 else last - jump
-                moving = 0.0
-        if moving == 0.0 and (v > above or v < below):
-            moving = 1.0 if v > above else -1.0
-            turns += direction * moving < 0.0
-            direction = moving
-            slips[count], changes[count] = k, position
-            position = v - direction * behind
-            changes[count] -= position
-            count += 1
-        x[k] = position
+    count, total, last = 0, 0.0, x[0]
+    sums[0] = 0.0
+    for k in range(x.size):
+        position = x[k]
+        slips[count], changes[count] = k, last - position  # overwritten by the next unless it slips
+        count += position != last
         total += position
         sums[k + 1] = total
-        last = v
-    return count, turns
-
-
-@njit(cache=True, nogil=True)
-def _trace_he(
-    u: FloatArray,
-    band: float,
-    jump: float,
-    start: float,
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    changes: FloatArray,
-) -> tuple[int, int]:
-    """Without branches: where the valve slips often, a processor would guess half of them wrong."""
-    behind, reach = 0.5 * (band - jump), 0.5 * (band + jump)
-    position, above, below = start, start + reach, start - reach
-    direction = 0.0
-    count = turns = 0
-    sums[0] = total = 0.0
-    for k in range(u.size):
-        v = u[k]
-        up = v > above
-        slipped = up | (v < below)
-        turned = 1.0 if up else -1.0
-        after = v - behind if up else v + behind
-        highest = v + jump if up else v + band
-        lowest = v - band if up else v - jump
-        slips[count], changes[count] = k, position - after  # overwritten by the next unless it slips
-        count += slipped
-        turns += slipped & (direction * turned < 0.0)
-        direction = turned if slipped else direction
-        position = after if slipped else position
-        above = highest if slipped else above
-        below = lowest if slipped else below
-        x[k] = position
-        total += position
-        sums[k + 1] = total
-    return count, turns
-
-
-@njit(cache=True, nogil=True)
-def _trace_on_ramp(
-    u: FloatArray,
-    band: float,
-    jump: float,
-    start: float,
-    x: FloatArray,
-    sums: FloatArray,
-    slips: IntArray,
-    changes: FloatArray,
-) -> tuple[int, int]:
-    """A slip between two rows changes the mean position of the row in which it ends, and of the next."""
-    reach = 0.5 * (band + jump)
-    long = max(jump, SHORTEST_SLIP * reach)
-    position = mean = last = start
-    direction = 0.0
-    count = turns = 0
-    sums[0] = total = 0.0
-    for k in range(u.size):
-        v, before = u[k], mean
-        mean = position
-        if abs(v - position) > reach:
-            number, way, at = slips_on_ramp(last, v, position, reach, long)
-            turns += direction * way < 0.0
-            direction = way
-            mean = mean_on_ramp(position, way, number, at, long, v - last)
-            position += way * number * long
-        if mean != before:
-            slips[count], changes[count] = k, before - mean
-            count += 1
-        x[k] = mean
-        total += mean
-        sums[k + 1] = total
-        last = v
-    return count, turns
+        last = position
+    return count
 
 
 @njit(cache=True, nogil=True)
@@ -249,9 +126,14 @@ def add_slip_table(
             past[0, j] = with_totals[outputs + j] + x[last - j - 1] * totals[stop] - x[first - j] * totals[start]
     complete(past, outer, ends)
     complete(gram, ends, ends)
-    table[-1] += past[0]
-    table[1 : outputs + 1] += past[1:]
-    table[outputs + 1 : outputs + 1 + inputs] += gram
+    for j in range(inputs):
+        table[outputs + inputs + 1, j] += past[0, j]
+    for i in range(outputs):
+        for j in range(inputs):
+            table[i + 1, j] += past[i + 1, j]
+    for i in range(inputs):
+        for j in range(inputs):
+            table[outputs + 1 + i, j] += gram[i, j]
 
 
 @njit(cache=True, nogil=True)
@@ -280,23 +162,33 @@ def explained_by_slips(
     longest = 0
     for piece in pieces:
         longest = max(longest, piece[3] - piece[1])
-    x, sums = np.empty(longest), np.zeros(longest + 1 + LAGS)
-    slips, changes = np.empty(longest + 1, np.int64), np.empty(longest + 1)
-    found = np.empty(models.size)
-    table = np.empty((outputs + inputs + 2, inputs))
-    for v in range(models.size):
-        band, jump = etas[v]
-        turned = 0
-        table[:] = 0.0
-        for index, head, first, stop in pieces:
-            rest = rests[v, index] if index < rests.shape[1] else 0.0
-            start = u[head] + 0.5 * rest * (band + jump)
-            part = x[: stop - head]
-            count, more = trace(models[v], u[head:stop], band, jump, start, part, sums, slips, changes)
-            turned += more
-            add_slip_table(
-                part, sums, slips, changes, count, totals[head:], outputs, delay, inputs, first - head, stop - head,
-                table,
-            )  # fmt: skip
-        found[v] = explained(table, basis, known, floor, ridge) if turned >= turns else -np.inf
+    x, sums = np.empty((EIGHT, longest)), np.empty(longest + 1 + LAGS)
+    slips, changes = np.empty(longest, np.int64), np.empty(longest)
+    found, tables = np.empty(models.size), np.empty((EIGHT, outputs + inputs + 2, inputs))
+    bands, jumps, starts = np.empty(EIGHT), np.empty(EIGHT), np.empty(EIGHT)
+    turned = np.empty(EIGHT)
+    for model in (KANO, HE, HE_RAMP):
+        places = np.flatnonzero(models == model)
+        for done in range(0, places.size, EIGHT):
+            eight = places[done : done + EIGHT]
+            for lane in range(EIGHT):
+                bands[lane], jumps[lane] = etas[eight[min(lane, eight.size - 1)]]
+            turned[:] = 0.0
+            tables[:] = 0.0
+            for index, head, first, stop in pieces:
+                part = u[head:stop]
+                for lane in range(EIGHT):
+                    v = eight[min(lane, eight.size - 1)]
+                    rest = rests[v, index] if index < rests.shape[1] else 0.0
+                    starts[lane] = part[0] + 0.5 * rest * (bands[lane] + jumps[lane])
+                turned += follow_all(model, part, bands, jumps, starts, x)
+                for lane in range(eight.size):
+                    count = find_slips(x[lane, : part.size], sums, slips, changes)
+                    add_slip_table(
+                        x[lane], sums, slips, changes, count, totals[head:], outputs, delay, inputs, first - head,
+                        stop - head, tables[lane],
+                    )  # fmt: skip
+            for lane in range(eight.size):
+                enough = turned[lane] >= turns
+                found[eight[lane]] = explained(tables[lane], basis, known, floor, ridge) if enough else -np.inf
     return found
