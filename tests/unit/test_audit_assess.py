@@ -239,6 +239,9 @@ def test_looks_that_disagree_name_no_fault():
     assert told([fault, silent]) is silent
     assert told([fault, One("actuator", "stiction", 0.7)]) is fault
     assert told([silent, fault, One("actuator", "stiction", 0.7)]) is fault
+    weak = One("actuator", "stiction", 0.6)
+    assert told([weak, silent, weak]) is silent  # together not likelier than none
+    assert told([weak, weak]) is weak
     assert told([fault, One("actuator", "stiction", 0.7), other]) is other
     assert [_another(seen, 0.1) for seen in ([fault], [silent], [other], [fault, silent], [fault, other])] == [
         True, False, False, True, False,
@@ -266,6 +269,13 @@ def test_a_look_that_cannot_tell_contradicts_none():
     denied = [fault, silent, Look("none", "none")]
     assert about_looks(denied) == "stretches of the window disagree: 'backlash' and 'none'"
     assert _shown_once(denied) == {}
+    weak = [fault, Look("actuator", "stiction", 3.5), silent]
+    said = (
+        "two of three stretches show a backlash and a stiction, the other cannot tell: together not likelier than none"
+    )
+    assert about_looks(weak) == said
+    assert about_looks([fault, silent, fault]).startswith("two of three stretches show a backlash, the other")
+    assert _shown_once(weak) == {"shown_percent": 3.5}
     unsized = Look("actuator", "saturation")
     assert about_looks([unsized, silent]) == "one of two stretches shows a saturation, the other cannot tell"
     assert _shown_once([unsized, silent]) == {}

@@ -19,7 +19,7 @@ from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose_part
 from lostmotion.diagnose.op_span import op_span
-from lostmotion.diagnose.verdict import limits_decide
+from lostmotion.diagnose.verdict import SURE, limits_decide
 from lostmotion.errors import DataError
 from lostmotion.kernels.threads import one_thread
 from lostmotion.plant.loop import PlantLoop
@@ -112,13 +112,19 @@ def _another(seen: list[Seen], value: float) -> bool:
 def told(seen: list[Seen]) -> Seen:
     """The look that is believed: a fault where two looks name one and none denies it, else the first that names none.
 
+    Where another cannot tell, the fault must be likelier than none by all looks, as it must be in one diagnosis.
     Sizes that it excludes are its own: the smaller of two 95 % limits would be none of 95 %.
     """
     alarms, others = [one for one in seen if one.alarm], [one for one in seen if not one.alarm]
     clear = [one for one in others if one.found.verdict != "cannot tell"]
-    if not others or (len(alarms) > 1 and not clear):
+    if not others or (len(alarms) > 1 and not clear and likelihood(seen) > SURE):
         return max(alarms, key=lambda one: one.probability)
     return (clear or others)[0]
+
+
+def likelihood(seen: list[Seen]) -> float:
+    """Probability of a fault of the actuator by all looks."""
+    return float(np.mean([one.probability for one in seen]))
 
 
 def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
@@ -129,7 +135,7 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
     fields = said(best.found)
     fields |= _pooled_size(seen, best) if best.alarm else NO_SIZE
     fields |= {
-        "probability": finite(float(np.mean([one.probability for one in seen]))),
+        "probability": finite(likelihood(seen)),
         "indices": {**row.indices, **fields["indices"], **_of_looks(seen, best)},
         **_performance(row, best.found),
     }
@@ -142,9 +148,11 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
 
 
 def _shown_once(seen: list[Seen]) -> dict[str, float]:
-    """Size in % of the fault that one look names where the others cannot tell; nothing where one of them denies it."""
-    told = [one.found for one in seen if one.found.verdict != "cannot tell"]
-    return {"shown_percent": told[0].size_percent} if len(told) == 1 and np.isfinite(told[0].size_percent) else {}
+    """Largest size in % of the fault that looks name where the others cannot tell; nothing where one denies it."""
+    if any(not one.alarm and one.found.verdict != "cannot tell" for one in seen):
+        return {}
+    sizes = [one.found.size_percent for one in seen if one.alarm and np.isfinite(one.found.size_percent)]
+    return {"shown_percent": max(sizes)} if sizes else {}
 
 
 def _limited(row: AssessmentRow) -> AssessmentRow:

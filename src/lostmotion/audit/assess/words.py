@@ -22,11 +22,18 @@ class Looked(Protocol):
 
 
 def about_looks(seen: Sequence[Looked]) -> str:
-    """One sentence on looks of which one names a fault and another does not; "cannot tell" contradicts nothing."""
+    """One sentence on looks of which some name a fault and another does not; "cannot tell" contradicts nothing.
+
+    Of several that name one, beside others that cannot tell: they are too weak together.
+    """
     told = [one.found for one in seen if one.found.verdict != "cannot tell"]
-    if len(told) > 1:
+    if any(one.kind != "actuator" for one in told):
         return f"stretches of the window disagree: {' and '.join(repr(one.verdict) for one in told)}"
-    count, silent = COUNT.get(len(seen), str(len(seen))), "the other" if len(seen) == 2 else "the others"
+    count, silent = COUNT.get(len(seen), str(len(seen))), "the other" if len(seen) == len(told) + 1 else "the others"
+    if len(told) > 1:
+        faults = " and ".join(dict.fromkeys(f"a {one.verdict}" for one in told))
+        number = COUNT.get(len(told), str(len(told)))
+        return f"{number} of {count} stretches show {faults}, {silent} cannot tell: together not likelier than none"
     return f"one of {count} stretches shows a {told[0].verdict}{_size(told[0])}, {silent} cannot tell"
 
 
