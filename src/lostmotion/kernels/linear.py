@@ -140,18 +140,24 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
     Over the later half more than `least` of its peak is there, it went the other way by `most_back` of the peak at
     most, and its sign is not that of `direction`.
     """
-    recent = np.zeros(a.size)
+    few, recent = a.size <= FEW, np.zeros(max(a.size, 1))
+    a1, a2 = a[0] if a.size > 0 else 0.0, a[1] if a.size > 1 else 0.0
+    a3, a4 = a[2] if a.size > 2 else 0.0, a[3] if a.size > 3 else 0.0
+    y1 = y2 = y3 = y4 = 0.0
     low = high = drive = total = before = 0.0
     at = 0
     for k in range(late[-1]):
         if k < b.size:
             drive += b[k]
-        value = drive
-        for i in range(a.size):
-            value -= a[i] * recent[i]
-        for i in range(a.size - 1, 0, -1):
-            recent[i] = recent[i - 1]
-        if a.size > 0:
+        if few:  # in registers
+            value = (drive - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1
+            y4, y3, y2, y1 = y3, y2, y1, value
+        else:
+            value = drive
+            for i in range(a.size):
+                value -= a[i] * recent[i]
+            for i in range(a.size - 1, 0, -1):
+                recent[i] = recent[i - 1]
             recent[0] = value
         low, high, total = min(low, value), max(high, value), total + value
         if k + 1 == late[at] // 2:
