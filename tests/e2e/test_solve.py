@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.compensate.block_origin import read_origin
+from lostmotion.compensate.saved_block import read_origin
 from lostmotion.files import write_columns
 from tests.e2e.test_gates import run
 

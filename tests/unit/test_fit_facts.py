@@ -10,7 +10,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli.origin import saved_block
 from lostmotion.compensate import read_fit_or_block
-from lostmotion.compensate.block_origin import read_origin
+from lostmotion.compensate.saved_block import read_origin
 from lostmotion.design.prior import known as known_before_test
 from lostmotion.errors import DataError, FileAccessError, ParameterError
 from lostmotion.evaluate.study.faults import fault_of

@@ -113,7 +113,7 @@ def export(
     and nothing is written, where they differ, or where the fit does not show the lost motion that the block is for;
     --accept REASON goes on, and the reason stands in every file. No file has been verified in a vendor's tool.
     """
-    from lostmotion.compensate.block_origin import read_origin
+    from lostmotion.compensate.saved_block import read_origin
 
     source = lm.compensate.read_fit_or_block(saved)
     opened = gate.given()

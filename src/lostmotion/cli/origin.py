@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def saved_block(block: CompensatorBlock, fit: RatedEstimate | None, file: Path | None = None) -> dict[str, Any]:
     """The dictionary of a block for its file; `file` is that of the block, where it was read."""
-    from lostmotion.compensate.block_origin import read_origin
+    from lostmotion.compensate.saved_block import read_origin
     from lostmotion.export.provenance import provenance
     from lostmotion.identify import facts_of
 

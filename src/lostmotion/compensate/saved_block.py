@@ -16,6 +16,7 @@ from lostmotion.identify.saved_fit import LONGEST, SHORTEST
 KEYS = ("kind", "scan_time", "settings")
 OTHER_KEYS = ("notes", "accepted")
 REMEDY = "use what simulate --block-out wrote, or block.to_dict()"
+ORIGIN = ("data", "fit", "interval")  # where the settings come from: beside the block in its file, in words
 EITHER = "use what identify --out or simulate --block-out wrote"
 
 
@@ -40,6 +41,23 @@ def read_fit_or_block(path: str | os.PathLike[str]) -> FitFacts | CompensatorBlo
     if any(key in data for key in KEYS):
         return block_of(data)
     raise DataError.expected("the JSON of a fit or of a block", f"keys {sorted(data)} in {path}", EITHER)
+
+
+def read_origin(path: str | os.PathLike[str]) -> dict[str, str]:
+    """Where the settings of a saved block come from; empty in older files, and of a block without a fit.
+
+    Raises
+    ------
+    FileAccessError
+        The file is not there or not readable.
+    DataError
+        What is said of it is no text.
+    """
+    saved = Fields(read_json(path, "a block", REMEDY), "a block", REMEDY)
+    if "origin" not in saved:
+        return {}
+    origin = saved.part("origin")
+    return {name: origin.text(name) for name in ORIGIN if name in origin}
 
 
 def block_of(data: Mapping[str, Any]) -> CompensatorBlock:

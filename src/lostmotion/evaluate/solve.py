@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from lostmotion.errors import GateError, InputError
 from lostmotion.evaluate.rivals import Rivals
 from lostmotion.evaluate.solution import Solution, Step
 from lostmotion.evaluate.study import CompensationStudy, compensation_study
+from lostmotion.evaluate.study.trial import SHARES
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
 from lostmotion.records import LoopRecord
@@ -253,7 +254,7 @@ class _Way:
         else:
             study, harmed = rivals.safest(found, controller, smaller)
         if harmed:
-            self._harmed(found, harmed)
+            self._harmed(found, harmed, smaller=() if asked else SHARES)
         else:
             self.study = study
             self._pass("simulate", " ".join(study.brief))
@@ -272,9 +273,11 @@ class _Way:
         kinds = self._fitted.kinds
         return Rivals([] if kinds is None else kinds.as_likely, on)
 
-    def _harmed(self, study: CompensationStudy, kind: str) -> None:
-        """The gate where a valve of another kind would take harm."""
+    def _harmed(self, study: CompensationStudy, kind: str, smaller: Sequence[float] = ()) -> None:
+        """The gate where a valve of another kind would take harm, of `smaller` shares of the block as well."""
         got = f"{kind} explains the record as well, and on such a valve this {study.block.kind} block is not safe"
+        shares = " and ".join(f"{100.0 * share * study.block.settings['factor']:.0f} %" for share in smaller)
+        got += f"; of {shares} of the lost motion none is safe on both and helps" if smaller else ""
         expected = f"a block that is safe whichever of {self._fitted.preferred} and {kind} the valve has"
         remedy = "mend the valve, or record small moves of OP up and down in manual, which tell a jump from play"
         self._gate("simulate", Closed(expected, got, remedy), " ".join(study.brief) + f" But {got}.")
