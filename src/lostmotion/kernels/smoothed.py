@@ -11,7 +11,7 @@ from numba import njit
 from lostmotion.arrays import FloatArray, IntArray
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def smooth(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> None:
     """Fill `out` (n,) on the segments; it may be `x` itself."""
     share = 1.0 - zero
@@ -22,7 +22,7 @@ def smooth(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> N
             out[k] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def smooth_rows(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> None:
     """The same for every row of `x` (m, n): four at a time, as none waits for another."""
     share, whole = 1.0 - zero, x.shape[0] - x.shape[0] % 4

@@ -181,12 +181,82 @@ def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> f
 
 
 @njit(cache=True)
+def _follow_kano(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
+    """``step_kano`` over an array, its state in registers; `ways` is the direction where the valve moves, else 0."""
+    direction, behind = 1.0, 0.5 * (band - jump)
+    moving, position, last, stop = False, start, start, start + behind
+    for k in range(u.size):
+        v = u[k]
+        x[k], ways[k] = v, 0.0
+        if np.isnan(v):
+            continue
+        if np.isnan(position):
+            position, last, stop = v, v, v + behind
+        if moving and direction * (v - last) <= 0.0:
+            moving, stop = False, last
+        if not moving:
+            ahead = direction * (v - stop)
+            if -ahead > band:
+                direction, moving = -direction, True
+            else:
+                moving = ahead > jump
+        if moving:
+            position, ways[k] = v - direction * behind, direction
+        x[k], last = position, v
+
+
+@njit(cache=True)
+def _follow_he(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
+    """The same of ``step_he``."""
+    position, reach, behind = start, 0.5 * (band + jump), 0.5 * (band - jump)
+    for k in range(u.size):
+        v, ways[k] = u[k], 0.0
+        position = v if np.isnan(position) else position
+        force = v - position
+        if abs(force) > reach:
+            ways[k] = 1.0 if force > 0.0 else -1.0
+            position = v - ways[k] * behind
+        x[k] = v if np.isnan(v) else position
+
+
+@njit(cache=True)
+def _follow_on_ramp(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
+    """The same of ``step_he_ramp``, of a valve that does not follow at once."""
+    position, last, reach = start, start, 0.5 * (band + jump)
+    long = max(jump, SHORTEST_SLIP * reach)
+    for k in range(u.size):
+        v, ways[k] = u[k], 0.0
+        if np.isnan(position):
+            position = last = v
+        x[k] = v if np.isnan(v) else position
+        if abs(v - position) > reach:
+            count, ways[k], at = slips_on_ramp(last, v, position, reach, long)
+            x[k] = mean_on_ramp(position, ways[k], count, at, long, v - last)
+            position += ways[k] * count * long
+        last = last if np.isnan(v) else v
+
+
+@njit(cache=True)
+def _follow(model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
+    """Fill `x` (n,) with the position and `ways` (n,) with the direction where the valve moves, else 0."""
+    if model == KANO:
+        _follow_kano(u, band, jump, start, x, ways)
+    elif model == HE:
+        _follow_he(u, band, jump, start, x, ways)
+    elif model == HE_RAMP and band + jump > 0.0:
+        _follow_on_ramp(u, band, jump, start, x, ways)
+    else:
+        state = init(start)
+        for k in range(u.size):
+            x[k] = step(model, u[k], band, jump, state)
+            ways[k] = state[DIRECTION] if state[MOVING] == 1.0 else 0.0
+
+
+@njit(cache=True)
 def run(model: int, u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
     """Position over an array, from rest at `start` (NaN: at the first finite u)."""
     x = np.empty(u.size)
-    state = init(start)
-    for k in range(u.size):
-        x[k] = step(model, u[k], band, jump, state)
+    _follow(model, u, band, jump, start, x, np.empty(u.size))
     return x
 
 
@@ -203,15 +273,12 @@ def sensitivities(
     if model == HE_RAMP:
         sensitivities_on_ramp(u, band, jump, start, 0.0, x, dx)
         return
-    state = init(start)
-    dx[:, :] = 0.0
-    by_band = 0.0
+    by_band, ways = 0.0, dx[1]
+    _follow(model, u, band, jump, start, x, ways)
     for k in range(u.size):
-        x[k] = step(model, u[k], band, jump, state)
-        if state[MOVING] == 1.0:
-            by_band = -0.5 * state[DIRECTION]
-        dx[0, k] = by_band
-        dx[1, k] = -by_band
+        if ways[k] != 0.0:
+            by_band = -0.5 * ways[k]
+        dx[0, k], dx[1, k] = by_band, -by_band
 
 
 @njit(cache=True)
