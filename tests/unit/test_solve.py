@@ -220,6 +220,18 @@ def test_where_the_record_does_not_tell_a_test_is_named(steps, kind, verdict):
     assert ("--left" in lines[1]) == (kind != "dead zone")
 
 
+@pytest.mark.parametrize("kind", ["dead zone", "backlash"])
+def test_what_is_known_of_the_loop_is_said_in_all_lines(steps, kind):
+    found = steps(verdict="cannot tell", kind=kind, status=lm.Status.WIDE)
+    known = {"known_gain": 2.0, "integrating": False, "loop_type": "flow"}
+    identify, _, diagnose, *_ = command_lines(found, Path("a.csv"), RecordOptions(), known)
+    assert "--self-regulating" in identify
+    assert ("--gain 2" in identify) == (kind == "dead zone")
+    assert diagnose == "lostmotion diagnose a.csv --loop-type flow --self-regulating"
+    again = command_lines(found, Path("a.csv"), RecordOptions(), {"integrating": True})
+    assert "--integrating" in again[0]
+
+
 def printed(fit, linear):
     """Lines for a record that does not tell, whose fit without a fault is another."""
     found = Solution("closed", (Step("diagnose", False, "no", "test"),), replace(example(), verdict="cannot tell"), fit)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -65,7 +66,8 @@ def solve(
     }  # fmt: skip
     lines = _next(found, file, out)
     if found.closed is not None:
-        lines = command_lines(found, file, columns, asked, lambda: lm.identify(record, nonlinearity="none").facts)
+        free = partial(lm.identify, record, nonlinearity="none", integrating=integrating)
+        lines = command_lines(found, file, columns, asked, lambda: free().facts)
     told = as_options(found.summary()).replace("--span ", "--op-span ")
     text = "\n".join([told, *(f"  {line}" for line in lines)])
     output.show(text, found.to_dict() | {"commands": lines})

@@ -54,9 +54,10 @@ def command_lines(
     elif step.name == "simulate" and solution.study is None and asked.get("kp") is None:
         lines.append(f"{_line('solve', *words, *_flags(asked))} --kp KP --ki KI")
     elif step.name in ("diagnose", "identify") and _telling(solution):
-        lines += _test(solution, file, words, linear_fit)
+        lines += _test(solution, file, words, asked, linear_fit)
     if step.name == "diagnose":
-        lines.append(_line("diagnose", *words))
+        known = {name: asked.get(name) for name in ("loop_type", "integrating")}
+        lines.append(_line("diagnose", *words, *_flags(known)))
     if step.acceptable:
         lines.append(f'{_line("solve", *words, *_flags(asked))} --accept "{PLACE}"')
     return lines
@@ -74,7 +75,13 @@ def _telling(solution: Solution) -> bool:
     return solution.diagnosis is not None and solution.diagnosis.verdict not in ("other oscillation", "saturation")
 
 
-def _test(solution: Solution, file: Path, words: list[str], linear_fit: Callable[[], FitFacts] | None) -> list[str]:
+def _test(
+    solution: Solution,
+    file: Path,
+    words: list[str],
+    asked: Mapping[str, Any],
+    linear_fit: Callable[[], FitFacts] | None,
+) -> list[str]:
     """Identify the record, and design the test that would tell; in words where no process is known to design it for."""
     from lostmotion.compensate.gate import closed
 
@@ -91,9 +98,10 @@ def _test(solution: Solution, file: Path, words: list[str], linear_fit: Callable
         options["pv_limits"] = _pv_limits(fit.data.y)
     if not _taken(used, dict(options)):
         return [_by_hand(used, low, high)]
-    asked = () if own else ("--nonlinearity", "none")
+    known = {"integrating": asked.get("integrating"), "gain": asked.get("known_gain") if own else None}
+    kind = () if own else ("--nonlinearity", "none")
     return [
-        _line("identify", *words, *asked, "--out", out),
+        _line("identify", *words, *kind, *_flags(known), "--out", out),
         _line("design", "--fit", out, *_flags(options), "--out", "test.csv"),
     ]
 
@@ -176,6 +184,8 @@ def typed(columns: RecordOptions) -> list[str]:
 def _flags(given: dict[str, Any]) -> list[str]:
     words = []
     for name, value in given.items():
+        if name == "integrating" and value is False:
+            words.append("--self-regulating")
         if value is None or value is False:
             continue
         if isinstance(value, list):
