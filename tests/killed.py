@@ -1,5 +1,6 @@
 """Processes that are killed while they write: at a moment, or at each call that the writer makes."""
 
+import gc
 import os
 import signal
 import sys
@@ -60,6 +61,7 @@ def threads_of_polars():
 
 def _child(work, call, writing, out, error):
     code = 1
+    gc.disable()  # what is left of other tests may wait at its end for threads that are not here
     try:
         _stand_on(out, error)
         os.write(writing, b"x")
