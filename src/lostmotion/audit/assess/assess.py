@@ -117,12 +117,12 @@ def told(seen: list[Seen]) -> Seen:
     """
     alarms, others = [one for one in seen if one.alarm], [one for one in seen if not one.alarm]
     clear = [one for one in others if one.found.verdict != "cannot tell"]
-    if not others or (len(alarms) > 1 and not clear and likelihood(seen) > SURE):
+    if not others or (len(alarms) > 1 and not clear and probability_by_all(seen) > SURE):
         return max(alarms, key=lambda one: one.probability)
     return (clear or others)[0]
 
 
-def likelihood(seen: list[Seen]) -> float:
+def probability_by_all(seen: list[Seen]) -> float:
     """Probability of a fault of the actuator by all looks."""
     return float(np.mean([one.probability for one in seen]))
 
@@ -135,7 +135,7 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
     fields = said(best.found)
     fields |= _pooled_size(seen, best) if best.alarm else NO_SIZE
     fields |= {
-        "probability": finite(likelihood(seen)),
+        "probability": finite(probability_by_all(seen)),
         "indices": {**row.indices, **fields["indices"], **_of_looks(seen, best)},
         **_performance(row, best.found),
     }
