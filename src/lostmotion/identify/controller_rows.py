@@ -64,7 +64,7 @@ class ControllerRows:
 def controller_rows(data: IdentificationData, first: int = 0) -> ControllerRows | None:
     """What the controller leaves of OP beside PV from `first` rows ago on; None where there are too few rows."""
     rows = _rows(data)
-    return None if rows is None else ControllerRows(_own(rows), *_left(rows, data, first))
+    return None if rows is None else ControllerRows(_own(data), *_left(rows, data, first))
 
 
 def of_past_rows(data: IdentificationData) -> bool:
@@ -102,8 +102,11 @@ def _rows(data: IdentificationData) -> _Rows | None:
     return data.u - data.u_centre, data.y - data.y_centre, sp, now, inside
 
 
-def _own(rows: _Rows) -> float:
-    """Deviation of what the past of OP leaves of it."""
+@remembered
+def _own(data: IdentificationData) -> float:
+    """Deviation of what the past of OP leaves of it; there are rows enough."""
+    rows = _rows(data)
+    assert rows is not None  # noqa: S101  as its caller has seen
     op, _, _, now, inside = rows
     return _regressed(_lags([op], now, 1, OWN), op[now], inside)[0]
 

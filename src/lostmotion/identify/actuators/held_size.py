@@ -16,6 +16,7 @@ from lostmotion.identify.likelihood.family import Family, LinearFamily
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine
+from lostmotion.identify.likelihood.remembered import remembered
 
 STEPS = 40  # of the refinement at each size
 KEPT = 2  # fits beside which sizes are tried by turns
@@ -91,6 +92,7 @@ def _with_actuator(base: Fitted, family: Family) -> Problem:
     return replace(base.problem, family=replace(family, load=beside.load, loads=beside.loads))
 
 
+@remembered
 def _basis_without_actuator(base: Fitted) -> FloatArray | None:
     """Free directions of a fit without its actuator; None: all."""
     mine = list(base.problem.own)

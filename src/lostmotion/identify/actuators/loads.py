@@ -36,6 +36,7 @@ from lostmotion.identify.likelihood.noise_order import autoregressions
 from lostmotion.identify.likelihood.parameters import information_inverse
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.likelihood import add_lagged, all_pole
 from lostmotion.kernels.linear import simulate
@@ -221,7 +222,6 @@ class _Errors:
         self.room = MOST_EVENTS - problem.family.sought
         self.limit = 2.0 * PROMISING * float(np.log(problem.errors)) * fitted.variance
         self.segments = [(start, start + s.start, stop) for start, stop in problem.segments.tolist()]
-        self.dominant: dict[tuple[int, int], float | None] = {}
         self.errors = np.zeros(n)
         steps = sum(isinstance(event, Step) for event in problem.family.loads.events) if problem.family.loads else 0
         self.steps_left = (MOST_BY_HAND if held_by_hand(problem) else MOST_EVENTS) - steps
@@ -276,9 +276,7 @@ class _Errors:
 
         What swings from outside does so at its own period first; harmonics alone are made by the actuator.
         """
-        if (start, stop) not in self.dominant:
-            self.dominant[start, stop] = dominant(self.fitted.problem.y[start:stop])
-        whole = self.dominant[start, stop]
+        whole = _own_swing(self.fitted.problem.y, start, stop)
         loads = self.fitted.problem.family.loads
         outside = [event.period for event in loads.events if isinstance(event, Swing)] if loads is not None else []
         if whole is None or any(abs(period / whole - 1.0) < SAME for period in outside):
@@ -330,6 +328,12 @@ class _Errors:
         if problem.structure.zero != 0.0:
             all_pole(np.array([-problem.structure.zero]), result.copy(), result)
         return result
+
+
+@remembered
+def _own_swing(y: FloatArray, start: int, stop: int) -> float | None:
+    """Period of the line that is most of PV (n,) in these rows."""
+    return dominant(y[start:stop])
 
 
 def _solved(gram: FloatArray, target: FloatArray, smallest: float) -> FloatArray:

@@ -20,6 +20,7 @@ from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.in_row import answers_in_row
+from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData, Signals
 from lostmotion.kernels.products import explained_by_lags
 
@@ -111,6 +112,7 @@ def lags_of(data: ScaledData, asked: Asked) -> Lags:
     return Lags.for_record(data.shortest, asked.orders[2])
 
 
+@remembered
 def regression(data: ScaledData, asked: Asked) -> LaggedRegression:
     """PV without its own past, for profiles."""
     return LaggedRegression.on(data, lags_of(data, asked))
@@ -147,7 +149,7 @@ def operator_profile(
     x = np.empty(end)
 
     def score(etas: list[FloatArray], member: Family) -> list[Start]:
-        found, short = [], _until(end, member)
+        found, short = [], _until(member, end)
         for eta in etas:
             valid = member.project(eta)
             short.path(valid, u[:end], x)
@@ -167,10 +169,13 @@ def operator_profile(
     return best[0].family, _apart(best, regression.samples, most)
 
 
-def _until(end: int, family: Family) -> Family:
+def _until(family: Family, end: int) -> Family:
     """The family on the first rows only; segments that begin later are empty."""
-    if not isinstance(family, MemoryFamily):
-        return family
+    return _cut(family, end) if isinstance(family, MemoryFamily) else family
+
+
+@remembered
+def _cut(family: MemoryFamily, end: int) -> MemoryFamily:
     cut = np.minimum(family.segments, end)
     cut[cut[:, 0] == end] = end - 1
     return replace(family, segments=cut)
@@ -203,7 +208,7 @@ def settle_rests(regression: LaggedRegression, family: Family, eta: FloatArray, 
     if not 0 < family.resting <= MOST_SEGMENTS:
         return family
     end = regression.blocks[-1][1]
-    x, short = np.empty(end), _until(end, family)
+    x, short = np.empty(end), _until(family, end)
 
     def squares(rests: list[float]) -> float:
         short.with_rests(rests).path(eta, u[:end], x)

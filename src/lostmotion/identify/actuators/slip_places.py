@@ -84,6 +84,12 @@ class Places:
             np.concatenate([one.squares for one in every]),
         )
 
+    def in_segments(self, number: int) -> Places:
+        """The same valves in so many segments: where those are others, a first position is only where to begin."""
+        known = self.rests.shape[1]
+        rests = self.rests if known == number else np.repeat(self.rests[:, :1], number, axis=1)
+        return Places(self.models, self.etas, rests, self.costs, self.squares)
+
     def apart(self, reach: float, most: int) -> Places:
         """The best of them that are not in a box about a better one, best first."""
         order = np.argsort(self.costs, kind="stable")

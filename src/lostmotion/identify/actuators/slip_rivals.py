@@ -12,7 +12,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.loads import without_their_effect
 from lostmotion.identify.actuators.operator_profile import AUTO_LAGS
-from lostmotion.identify.actuators.slip_profile import profiles, seek_slips
+from lostmotion.identify.actuators.slip_profile import profile_of, slips_of
 from lostmotion.identify.actuators.stiction_family import own
 from lostmotion.identify.likelihood.arx_gram import Lags
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -29,8 +29,8 @@ def rival_places(fitted: Fitted) -> list[FloatArray]:
     problem = fitted.problem
     data = without_their_effect(fitted, ScaledData(problem.u, problem.y, problem.segments))
     first = min(problem.structure.delay, 1)
-    late, whole, span = profiles(data, Lags.for_record(data.shortest, first, inputs=AUTO_LAGS))
-    found = seek_slips(late, whole, span)
+    lags = Lags.for_record(data.shortest, first, inputs=AUTO_LAGS)
+    found, whole = slips_of(data, lags), profile_of(data, lags)
     band, jump = fitted.actuator.tolist()
     family = own(problem.family)
     rests = (*family.rests, *[0.0] * (len(found[0].rests) - len(family.rests)))[: len(found[0].rests)]

@@ -15,6 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.arx_gram import RIDGE, Lags, arx_products
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.null_space import RANK, weighted
 
 START_LAGS = 25  # past rows that an ARX of a start takes by default; the search gives its own
 REWEIGHTINGS = 3  # each with the weights of the A and B before it; a start only, the likelihood goes on from there
@@ -63,33 +64,11 @@ def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[Float
         lag = shift + j
         if lag < length:
             regressors[lag:, na + j] = -a_high[: length - lag]
-    theta = _solved(regressors, -b_high)
+    theta, misfit = np.asarray(np.linalg.lstsq(regressors, -b_high, rcond=RANK)[0], np.float64), 0.0
+    covariance = arx.variance * arx.covariance
     for _ in range(REWEIGHTINGS):
-        root = _whitening(arx, _inside(theta[:na]), theta[na:], shift, length)
-        left, right = root @ regressors, -(root @ b_high)
-        theta = _solved(left, right)
-    misfit = float(np.sum((left @ theta - right) ** 2))
+        theta, misfit = weighted(_inside(theta[:na]), theta[na:], shift, covariance, n, regressors, -b_high)
     return _inside(theta[:na]), theta[na:], misfit
-
-
-def _solved(left: FloatArray, right: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.lstsq(left, right, rcond=1e-12)[0], np.float64)
-
-
-def _whitening(arx: HighOrderArx, a: FloatArray, b: FloatArray, shift: int, length: int) -> FloatArray:
-    """Inverse square root of the covariance of A B_n - B A_n, from the covariance of the ARX coefficients."""
-    n, m = arx.a.size, arx.b.size
-    transfer = np.zeros((length, n + m))
-    rows = np.arange(length)
-    for lag, value in enumerate([1.0, *a]):
-        transfer[rows[lag:], n + rows[: length - lag]] += value
-    for lag, value in enumerate(b, shift + 1):
-        if lag < length:
-            transfer[rows[lag:], rows[: length - lag]] -= value
-    spread = arx.variance * (transfer @ arx.covariance @ transfer.T)
-    values, vectors = np.linalg.eigh(spread)
-    floor = max(float(values[-1]) * 1e-9, 1e-300)
-    return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
 
 
 def _inside(a: FloatArray) -> FloatArray:

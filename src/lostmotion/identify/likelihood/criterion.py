@@ -6,6 +6,7 @@ import math
 
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import PENALTY
+from lostmotion.identify.likelihood.remembered import remembered
 
 FLOOR = 1e-26  # variance of scaled residuals that is rounding
 SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
@@ -27,6 +28,7 @@ def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:
     return float(n * math.log(max(fitted.fit.cost, n * floor))) + cost_of_parameters(fitted, n)
 
 
+@remembered
 def per_row(fitted: Fitted) -> float:
     """Information criterion for each row, counted from a variance of 1."""
     n = fitted.problem.errors

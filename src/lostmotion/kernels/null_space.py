@@ -1,0 +1,117 @@
+"""Least squares with the weights of weighted null-space fitting, from the coefficients of a high-order ARX."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import config, njit
+
+from lostmotion.arrays import FloatArray
+
+FLOOR = 1e-9  # of the sum of variances: nothing counts as told better than this
+RANK = 1e-12  # relative size of a direction that is none
+
+
+@njit(cache=True, nogil=True)
+def _spread(a: FloatArray, b: FloatArray, shift: int, covariance: FloatArray, outputs: int, rows: int) -> FloatArray:
+    """Covariance (rows, rows) of A B_n - B A_n; see ``weighted``."""
+    size = covariance.shape[0]
+    half, found = np.empty((rows, size)), np.empty((rows, rows))
+    for row in range(rows):
+        for i in range(size):
+            half[row, i] = covariance[outputs + row, i]
+        for lag in range(min(a.size, row)):
+            weight, other = a[lag], covariance[outputs + row - lag - 1]
+            for i in range(size):
+                half[row, i] += weight * other[i]
+        for lag in range(min(b.size, row - shift)):
+            weight, other = b[lag], covariance[row - shift - lag - 1]
+            for i in range(size):
+                half[row, i] -= weight * other[i]
+    for row in range(rows):
+        ahead, behind = half[row, outputs:], half[row]
+        for column in range(row + 1):
+            value = ahead[column]
+            for lag in range(min(a.size, column)):
+                value += a[lag] * ahead[column - lag - 1]
+            for lag in range(min(b.size, column - shift)):
+                value -= b[lag] * behind[column - shift - lag - 1]
+            found[row, column] = found[column, row] = value
+    return found
+
+
+def _spread_plain(
+    a: FloatArray, b: FloatArray, shift: int, covariance: FloatArray, outputs: int, rows: int
+) -> FloatArray:
+    transfer, at = np.zeros((rows, len(covariance))), np.arange(rows)
+    for lag, value in enumerate([1.0, *a]):
+        transfer[at[lag:], outputs + at[: max(rows - lag, 0)]] += value
+    for lag, value in enumerate(b, shift + 1):
+        transfer[at[lag:], at[: max(rows - lag, 0)]] -= value
+    return np.asarray(transfer @ covariance @ transfer.T)
+
+
+spread = _spread_plain if config.DISABLE_JIT else _spread  # type: ignore[attr-defined]
+
+
+@njit(cache=True, nogil=True)
+def _solved(table: FloatArray) -> tuple[FloatArray, float]:
+    """Least squares of the last row (m,) of `table` (p + 1, m) by those before it, and what is left; orthogonalised."""
+    p, m = table.shape[0] - 1, table.shape[1]
+    upper, found, left = np.zeros((p + 1, p + 1)), np.zeros(p), 0.0
+    for row in range(p + 1):
+        before = np.sum(table[row] ** 2)
+        for other in range(row):
+            if upper[other, other] > 0.0:
+                share = 0.0
+                for i in range(m):
+                    share += table[other, i] * table[row, i]
+                for i in range(m):
+                    table[row, i] -= share * table[other, i]
+                upper[other, row] = share
+        left = np.sum(table[row] ** 2)
+        if left > RANK * RANK * before:  # else it depends on the others
+            upper[row, row] = np.sqrt(left)
+            table[row] /= upper[row, row]
+    for row in range(p - 1, -1, -1):
+        if upper[row, row] > 0.0:
+            value = upper[row, p]
+            for other in range(row + 1, p):
+                value -= upper[row, other] * found[other]
+            found[row] = value / upper[row, row]
+    return found, left
+
+
+@njit(cache=True, nogil=True)
+def weighted(
+    a: FloatArray,
+    b: FloatArray,
+    shift: int,
+    covariance: FloatArray,
+    outputs: int,
+    regressors: FloatArray,
+    target: FloatArray,
+) -> tuple[FloatArray, float]:
+    """Solution (p,) of least weighted squares of `regressors` (m, p) times it less `target` (m,), and these squares.
+
+    The errors are those of A B_n - B A_n, where `covariance` is that of the coefficients of A_n, of which there are
+    `outputs`, then of B_n; B is `shift` rows later than B_n.
+    """
+    (m, p), root = regressors.shape, spread(a, b, shift, covariance, outputs, regressors.shape[0])
+    floor, white = max(FLOOR * np.trace(root), 1e-300), np.empty((p + 1, m))
+    white[:p], white[p] = regressors.T, target
+    for row in range(m):
+        here = root[row]
+        for column in range(row):
+            other, value = root[column], here[column]
+            for i in range(column):
+                value -= here[i] * other[i]
+            here[column] = value / other[column]
+        least = here[row]
+        for i in range(row):
+            least -= here[i] * here[i]
+        here[row] = np.sqrt(max(least, floor))
+        for one in white:
+            for i in range(row):
+                one[row] -= here[i] * one[i]
+            one[row] /= here[row]
+    return _solved(white)
