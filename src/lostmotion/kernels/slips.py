@@ -170,6 +170,28 @@ def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatA
             before = values[m]
 
 
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _add_products(
+    without: FloatArray,
+    by_level: FloatArray,
+    by_side: FloatArray,
+    left: FloatArray,
+    turned: FloatArray,
+    sums: FloatArray,
+) -> None:
+    """Write `left` and `turned` (n,) and add their products with themselves and each other to `sums` (3,)."""
+    own = both = other = 0.0
+    for k in range(without.size):
+        x, y = without[k] - by_level[k], by_side[k]
+        left[k], turned[k] = x, y
+        own += x * x
+        both += x * y
+        other += y * y
+    sums[0] += own
+    sums[1] += both
+    sums[2] += other
+
+
 @njit(cache=True, nogil=True)
 def weigh_patterns(
     model: int,
@@ -210,6 +232,7 @@ def weigh_patterns(
         band, jump = etas[v]
         reach = 0.5 * (band + jump)
         turns[v] = done = answered = 0
+        sums[v] = 0.0
         for index in range(len(segments)):
             start, stop = segments[index]
             first = u[start] + begun[v, index, 0] * reach
@@ -225,9 +248,9 @@ def weigh_patterns(
             part = answers[answered : answered + n]
             add_answers(slips[:count], levels, begin, part, seen[v, 0])
             add_answers(slips[:count], sides, begin, part, seen[v, 1])
-            for k in range(rows):
-                left[done + k] = without[done + k] - by_level[skipped + k]
-                turned[done + k] = by_side[skipped + k]
+            _add_products(
+                without[done : done + rows], by_level[skipped:], by_side[skipped:], left[done : done + rows],
+                turned[done : done + rows], sums[v],
+            )  # fmt: skip
             done += rows
             answered += n
-        sums[v, 0], sums[v, 1], sums[v, 2] = np.dot(left, left), np.dot(left, turned), np.dot(turned, turned)

@@ -172,9 +172,10 @@ def seek_slips(late: SlipProfile, whole: SlipProfile, span: float) -> list[Place
     found = _settled(late, whole, live)
     if more < max(NEARLY * gained, SCANT):
         return found
-    others = _settled(late, whole, _shrunk(late, between, BOXES_BETWEEN))
-    if others[0].cost < found[0].cost and _jumps(whole, others[0]):
-        return sorted([*others, *found], key=cost_of)
+    between = _shrunk(late, between, BOXES_BETWEEN)
+    best = _settled(late, whole, between, 1)[0]  # without needles the best before it is settled is the best after
+    if best.cost < found[0].cost and _jumps(whole, best):
+        return sorted([*_settled(late, whole, between), *found], key=cost_of)
     return found
 
 
@@ -193,9 +194,9 @@ def _shrunk(late: SlipProfile, live: Places, boxes: tuple[tuple[float, int], ...
     return live
 
 
-def _settled(late: SlipProfile, whole: SlipProfile, live: Places) -> list[Place]:
+def _settled(late: SlipProfile, whole: SlipProfile, live: Places, most: int = MOST) -> list[Place]:
     """The best of them on all rows, best first; one, where there is nothing to sharpen."""
-    most = MOST if live.costs.min() <= late.linear - SCANT else 1
+    most = most if live.costs.min() <= late.linear - SCANT else 1
     places = live.apart(APART, most).in_segments(min(len(whole.segments), MOST_SEGMENTS))
     return sorted((settled_place(whole, place) for place in places), key=cost_of)
 
