@@ -12,6 +12,7 @@ from lostmotion.kernels import (
     linear,
     loop,
     normal_equations,
+    null_space,
     products,
     squared_errors,
     stamps,
@@ -427,3 +428,33 @@ def test_a_long_record_whose_initial_state_has_gone():
     orders, segments, u, y, theta = likelihood_case(2, 2, 2, 1, 3, [3 * normal_equations.BLOCK + 7], 0)
     theta[:2] = np.poly([0.5, 0.3])[1:]
     check_normal_equations(orders, segments, u, y, theta)
+
+
+@pytest.mark.parametrize(("na", "nb", "shift"), [(1, 0, 0), (2, 1, 3), (3, 2, 1), (2, 2, 29), (1, 0, 40)])
+def test_weighted_null_space(na, nb, shift):
+    """Against whitening with the root of the covariance of A B_n - B A_n, written out as a matrix."""
+    rng = np.random.default_rng(na)
+    m, n = 30, 32
+    half = rng.normal(size=(2 * n, 3 * n))
+    covariance, regressors = half @ half.T / 3.0 / n, rng.normal(size=(m, na + nb + 1))
+    a, b, target = rng.normal(size=na), rng.normal(size=nb + 1), rng.normal(size=m)
+    found, misfit = null_space.weighted(a, b, shift, covariance, n, regressors, target)
+    rows, transfer = np.arange(m), np.zeros((m, 2 * n))
+    for lag, value in enumerate([1.0, *a]):
+        transfer[rows[lag:], n + rows[: m - lag]] += value
+    for lag, value in enumerate(b, shift + 1):
+        if lag < m:
+            transfer[rows[lag:], rows[: m - lag]] -= value
+    values, vectors = np.linalg.eigh(transfer @ covariance @ transfer.T)
+    root = (vectors / np.sqrt(values)).T
+    expected, left, *_ = np.linalg.lstsq(root @ regressors, root @ target)
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-8)
+    np.testing.assert_allclose(misfit, left[0], rtol=1e-6)
+
+
+def test_weighted_null_space_leaves_out_what_is_nothing():
+    regressors = np.zeros((10, 2))
+    regressors[:, 0] = np.arange(10.0)
+    found, misfit = null_space.weighted(np.zeros(1), np.zeros(1), 0, np.eye(20), 10, regressors, 2.0 * np.arange(10.0))
+    np.testing.assert_allclose(found, [2.0, 0.0], atol=1e-9)
+    assert misfit < 1e-12

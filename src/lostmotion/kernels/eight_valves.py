@@ -106,6 +106,19 @@ def follow(
 
 
 @njit(cache=True, nogil=True, forceinline=True)
+def _both(floats: FloatArray, at: int) -> tuple[Quad, Quad]:
+    """Both quads of eight floats."""
+    return load(floats, at), load(floats, at + WIDTH)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _keep(floats: FloatArray, at: int, first: Quad, second: Quad) -> None:
+    """Write both."""
+    store(floats, at, first)
+    store(floats, at + WIDTH, second)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
 def _turned(turns: Quad, direction: Quad, way: Quad) -> Quad:
     return less(turns, where_above(spread(0.0), times(direction, way), spread(-1.0), spread(0.0)))
 
@@ -128,30 +141,24 @@ def _follow_he(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:
     now, values, half = address(state), address(x), spread(0.5)
-    b0, b1 = load(address(bands), 0), load(address(bands), WIDTH)
-    j0, j1 = load(address(jumps), 0), load(address(jumps), WIDTH)
+    b0, b1 = _both(address(bands), 0)
+    j0, j1 = _both(address(jumps), 0)
     o0, o1 = times(half, less(b0, j0)), times(half, less(b1, j1))
-    x0, x1 = load(now, X), load(now, X + WIDTH)
-    a0, a1 = load(now, ABOVE), load(now, ABOVE + WIDTH)
-    l0, l1 = load(now, BELOW), load(now, BELOW + WIDTH)
-    d0, d1 = load(now, DIRECTION), load(now, DIRECTION + WIDTH)
-    t0, t1 = load(now, TURNS), load(now, TURNS + WIDTH)
+    x0, x1 = _both(now, X)
+    a0, a1 = _both(now, ABOVE)
+    l0, l1 = _both(now, BELOW)
+    d0, d1 = _both(now, DIRECTION)
+    t0, t1 = _both(now, TURNS)
     for k in range(begin, end):
         v, at = spread(u[k]), (k - begin) * EIGHT
         x0, a0, l0, d0, t0 = _he(v, b0, j0, o0, x0, a0, l0, d0, t0)
         x1, a1, l1, d1, t1 = _he(v, b1, j1, o1, x1, a1, l1, d1, t1)
-        store(values, at, x0)
-        store(values, at + WIDTH, x1)
-    store(now, X, x0)
-    store(now, X + WIDTH, x1)
-    store(now, ABOVE, a0)
-    store(now, ABOVE + WIDTH, a1)
-    store(now, BELOW, l0)
-    store(now, BELOW + WIDTH, l1)
-    store(now, DIRECTION, d0)
-    store(now, DIRECTION + WIDTH, d1)
-    store(now, TURNS, t0)
-    store(now, TURNS + WIDTH, t1)
+        _keep(values, at, x0, x1)
+    _keep(now, X, x0, x1)
+    _keep(now, ABOVE, a0, a1)
+    _keep(now, BELOW, l0, l1)
+    _keep(now, DIRECTION, d0, d1)
+    _keep(now, TURNS, t0, t1)
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -187,34 +194,27 @@ def _follow_kano(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:
     now, values, half = address(state), address(x), spread(0.5)
-    b0, b1 = load(address(bands), 0), load(address(bands), WIDTH)
-    j0, j1 = load(address(jumps), 0), load(address(jumps), WIDTH)
+    b0, b1 = _both(address(bands), 0)
+    j0, j1 = _both(address(jumps), 0)
     o0, o1 = times(half, less(b0, j0)), times(half, less(b1, j1))
-    x0, x1 = load(now, X), load(now, X + WIDTH)
-    a0, a1 = load(now, ABOVE), load(now, ABOVE + WIDTH)
-    l0, l1 = load(now, BELOW), load(now, BELOW + WIDTH)
-    d0, d1 = load(now, DIRECTION), load(now, DIRECTION + WIDTH)
-    m0, m1 = load(now, MOVING), load(now, MOVING + WIDTH)
-    t0, t1 = load(now, TURNS), load(now, TURNS + WIDTH)
+    x0, x1 = _both(now, X)
+    a0, a1 = _both(now, ABOVE)
+    l0, l1 = _both(now, BELOW)
+    d0, d1 = _both(now, DIRECTION)
+    m0, m1 = _both(now, MOVING)
+    t0, t1 = _both(now, TURNS)
     for k in range(begin, end):
         last, at = u[max(k - 1, 0)], (k - begin) * EIGHT
         v, stop, rise = spread(u[k]), spread(last), spread(u[k] - last)
         x0, a0, l0, d0, m0, t0 = _kano(v, stop, rise, b0, j0, o0, x0, a0, l0, d0, m0, t0)
         x1, a1, l1, d1, m1, t1 = _kano(v, stop, rise, b1, j1, o1, x1, a1, l1, d1, m1, t1)
-        store(values, at, x0)
-        store(values, at + WIDTH, x1)
-    store(now, X, x0)
-    store(now, X + WIDTH, x1)
-    store(now, ABOVE, a0)
-    store(now, ABOVE + WIDTH, a1)
-    store(now, BELOW, l0)
-    store(now, BELOW + WIDTH, l1)
-    store(now, DIRECTION, d0)
-    store(now, DIRECTION + WIDTH, d1)
-    store(now, MOVING, m0)
-    store(now, MOVING + WIDTH, m1)
-    store(now, TURNS, t0)
-    store(now, TURNS + WIDTH, t1)
+        _keep(values, at, x0, x1)
+    _keep(now, X, x0, x1)
+    _keep(now, ABOVE, a0, a1)
+    _keep(now, BELOW, l0, l1)
+    _keep(now, DIRECTION, d0, d1)
+    _keep(now, MOVING, m0, m1)
+    _keep(now, TURNS, t0, t1)
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -242,25 +242,21 @@ def _follow_on_ramp(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:
     now, values, zero, half, least = address(state), address(x), spread(0.0), spread(0.5), spread(SHORTEST_SLIP)
-    b0, b1 = load(address(bands), 0), load(address(bands), WIDTH)
-    j0, j1 = load(address(jumps), 0), load(address(jumps), WIDTH)
+    b0, b1 = _both(address(bands), 0)
+    j0, j1 = _both(address(jumps), 0)
     r0, r1 = times(half, less(b0, less(zero, j0))), times(half, less(b1, less(zero, j1)))
     s0, s1 = times(least, r0), times(least, r1)
     j0, j1 = where_above(j0, s0, j0, s0), where_above(j1, s1, j1, s1)
-    x0, x1 = load(now, X), load(now, X + WIDTH)
-    d0, d1 = load(now, DIRECTION), load(now, DIRECTION + WIDTH)
-    t0, t1 = load(now, TURNS), load(now, TURNS + WIDTH)
+    x0, x1 = _both(now, X)
+    d0, d1 = _both(now, DIRECTION)
+    t0, t1 = _both(now, TURNS)
     for k in range(begin, end):
         last, at = u[max(k - 1, 0)], (k - begin) * EIGHT
         rise = u[k] - last
         v, before, steep = spread(u[k]), spread(last), spread(1.0 / rise if rise != 0.0 else 0.0)
         m0, x0, d0, t0 = _on_ramp(v, before, steep, r0, j0, x0, d0, t0)
         m1, x1, d1, t1 = _on_ramp(v, before, steep, r1, j1, x1, d1, t1)
-        store(values, at, m0)
-        store(values, at + WIDTH, m1)
-    store(now, X, x0)
-    store(now, X + WIDTH, x1)
-    store(now, DIRECTION, d0)
-    store(now, DIRECTION + WIDTH, d1)
-    store(now, TURNS, t0)
-    store(now, TURNS + WIDTH, t1)
+        _keep(values, at, m0, m1)
+    _keep(now, X, x0, x1)
+    _keep(now, DIRECTION, d0, d1)
+    _keep(now, TURNS, t0, t1)

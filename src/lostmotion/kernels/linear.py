@@ -142,16 +142,16 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
     """
     few, recent = a.size <= FEW, np.zeros(max(a.size, 1))
     a1, a2 = a[0] if a.size > 0 else 0.0, a[1] if a.size > 1 else 0.0
-    a3, a4 = a[2] if a.size > 2 else 0.0, a[3] if a.size > 3 else 0.0
-    y1 = y2 = y3 = y4 = 0.0
+    a3 = a[2] if a.size > 2 else 0.0
+    y1 = y2 = y3 = 0.0
     low = high = drive = total = before = 0.0
     at = 0
     for k in range(late[-1]):
         if k < b.size:
             drive += b[k]
         if few:  # in registers
-            value = (drive - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1
-            y4, y3, y2, y1 = y3, y2, y1, value
+            value = (drive - a3 * y3 - a2 * y2) - a1 * y1
+            y3, y2, y1 = y2, y1, value
         else:
             value = drive
             for i in range(a.size):

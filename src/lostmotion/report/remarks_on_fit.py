@@ -17,6 +17,7 @@ FEW_LEVELS = 4.0  # steps of OP inside the dead zone
 FAST = 40.0  # samples in the slowest time constant
 WANTED = 10.0  # samples in it after resampling
 FEWEST_LEFT = 300  # samples after resampling: fewer tell less
+LEAST_REACH = 1e-4  # of the range of OP: a step of PV that less would make is one of a gain that is rounding
 LATE = 20  # samples of delay
 MOST_SAID = 3  # periods
 SLOW = 0.5  # samples in the slowest time constant
@@ -107,12 +108,12 @@ def about_pv_step(fit: HammersteinFit) -> str:
     if ratio < FELT_STEP:
         return ""
     size = f"PV was stored in steps of {step:g}"
-    reach = step_in_op(fit)
-    if reach > float(np.ptp(fit.data.u)):
+    reach, span = step_in_op(fit), float(np.ptp(fit.data.u))
+    if reach > span:
         return (
             f"Beware: {size}, and all that OP moved would move PV at rest by less than one. The record tells nothing."
         )
-    if reach > 0:
+    if reach > LEAST_REACH * span:
         size += f", which is what OP moves by {reach:.2g} at rest"
     share = min(100.0 * step**2 / 12.0 / fit.noise.variance, 100.0)
     if ratio < COARSE_STEP:
