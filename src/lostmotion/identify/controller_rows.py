@@ -141,5 +141,7 @@ def _regressed(columns: FloatArray, target: FloatArray, rows: Bools) -> tuple[fl
         weights = np.asarray(np.linalg.lstsq(every[taken], target[taken], rcond=None)[0], dtype=np.float64)
         errors = np.abs(target - every @ weights)
         left = DEVIATION * float(np.median(errors[rows]))
-        taken = rows & (errors <= ORDINARY * left + 1e-12)
+        before, taken = taken, rows & (errors <= ORDINARY * left + 1e-12)
+        if np.array_equal(taken, before):
+            break
     return left, (weights / np.where(scale > 0.0, scale, 1.0))[:-1]

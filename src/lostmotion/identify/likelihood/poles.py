@@ -158,18 +158,19 @@ def grid_starts(
         if n <= 0:
             continue
         kept: list[GridStart] = []
+        kinds = [np.flatnonzero(kind) for kind in (decays < 1.0, decays == 1.0)]
+        kinds = [kind for kind in kinds if kind.size and integrating in (None, bool(decays[kind[0]] == 1.0))]
         for nb in {nb for order, nb in ladder if order == na}:
-            for kind in (decays < 1.0, decays == 1.0):
-                chosen = np.flatnonzero(kind)
-                if not chosen.size or integrating not in (None, bool(decays[chosen[0]] == 1.0)):
-                    continue
+            for chosen in kinds:
                 best = held.best_allowed(rss[:, nb], chosen, polynomials, b[:, nb, :, : nb + 1])
                 columns = np.flatnonzero(best >= 0)
+                if not columns.size:
+                    continue
                 best = best[columns]
                 misfits = n * np.log(np.maximum(rss[best, nb, columns], 1e-300) / n)
                 scores = misfits + (na + nb + 2) * np.log(n)
-                good = scores < limit if limit is not None else scores == scores.min(initial=np.inf)
-                for i in np.flatnonzero(good).tolist():
+                good = np.flatnonzero(scores < limit) if limit is not None else [int(scores.argmin())]
+                for i in np.asarray(good).tolist():
                     row, column = best[i], columns[i]
                     gains = b[row, nb, column, : nb + 1].copy()
                     place = na, nb, int(low + column), polynomials[row], gains
