@@ -17,13 +17,14 @@ from lostmotion.kernels.squared_errors import squared_errors
 
 STEP_GAIN = 1e-4  # stop when a step promises less than this much of a unit of log-likelihood
 STALL, STALL_GAIN = 10, 0.01  # or when ten steps together gained so little: the likelihood has kinks to zigzag on
+SMOOTH = 1e-2  # damping below which a step promises all that there is
 # times the promise of an undamped step: a bound further off is not reached. Of 2,111 refinements that had a bound those
 # given up so would all have ended above it, also with 5 times; with 3 times one would not
 HOPELESS = 10.0
 # and times what the last ten steps gained: of 8,281 refinements of held sizes one would have got there
 TOO_SLOW = 10.0
 UNDAMPED = 1e-10  # relative, against singular equations
-COST, DAMPING, PROMISED, ERRORS, FLOOR, BOUND = 0, 1, 2, 3, 4, 5  # floats of a refinement
+COST, DAMPING, PROMISED, ERRORS, FLOOR, BOUND, TARGET, TOLERANCE = range(8)  # floats of a refinement
 STEPS, MOST, UPHILL, CONVERGED, TRYING, STILL = 0, 1, 2, 3, 4, 5  # integers of one
 
 
@@ -57,8 +58,12 @@ def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: 
     counts[STEPS] += 1
     step, promised = damped_step(model[:free], model[free], numbers[DAMPING])
     numbers[PROMISED] = promised
-    if cost <= numbers[FLOOR] or promised <= STEP_GAIN * (cost / numbers[ERRORS]):
+    least = numbers[TOLERANCE] if numbers[DAMPING] < SMOOTH else 0.0
+    if cost <= numbers[FLOOR] or promised <= max(STEP_GAIN, least) * (cost / numbers[ERRORS]):
         counts[CONVERGED], counts[TRYING] = 1, 0
+        return
+    if cost <= numbers[TARGET]:
+        counts[TRYING] = 0
         return
     gap = cost - numbers[BOUND]
     far = counts[STEPS] > 1 and gap > HOPELESS * promised  # a damped step is looked at first: it is known
@@ -81,7 +86,7 @@ def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray,
     variance = numbers[COST] / numbers[ERRORS]
     if better:
         gained = numbers[COST] - cost
-        done = gained <= STEP_GAIN * variance and numbers[DAMPING] < 1e-2
+        done = gained <= max(STEP_GAIN, numbers[TOLERANCE]) * variance and numbers[DAMPING] < SMOOTH
         numbers[COST] = cost
         numbers[DAMPING] = max(numbers[DAMPING] * (0.1 if gained > 0.5 * numbers[PROMISED] else 0.5), 1e-12)
     else:
@@ -91,7 +96,7 @@ def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray,
     steps = counts[STEPS]
     history[steps] = numbers[COST]
     lately = history[steps - STALL] - numbers[COST] if steps > STALL else np.inf
-    counts[CONVERGED] = done or lately <= STALL_GAIN * variance
+    counts[CONVERGED] = done or lately <= max(STALL_GAIN, numbers[TOLERANCE]) * variance
     slow = numbers[COST] - numbers[BOUND] > TOO_SLOW * lately
     counts[TRYING] = not counts[CONVERGED] and not slow and steps < counts[MOST]
 

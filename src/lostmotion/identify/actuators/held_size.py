@@ -19,6 +19,7 @@ from lostmotion.identify.likelihood.refinement import refine
 from lostmotion.identify.likelihood.remembered import remembered
 
 STEPS = 40  # of the refinement at each size
+NEARLY = 0.02  # variances: twice the log-likelihood that it may be short of, of the 1.35 by which a size is excluded
 KEPT = 2  # fits beside which sizes are tried by turns
 
 _made: dict[int, Beside] = {}  # of the fits asked for last
@@ -62,12 +63,14 @@ class HeldSize:
     def _refined(self, bound: float) -> float:
         """The same, where the actuator lies as well, as long as OP meets it; above a bound it is not exact."""
         problem, theta, basis, held = self.problem, self.theta, self.basis, self._held
+        asked = bound < np.inf  # only whether it is reached
+        target, tolerance = (bound, NEARLY) if asked else (-np.inf, 0.0)
         beside = problem.family
         for slide in self.kind.slides:
             sliding = SlidingFamily(held.actuator, held.at, np.array(slide), load=beside.load, loads=beside.loads)
             fit = refine(
                 replace(problem, family=sliding), np.insert(theta, problem.eta_at, 0.0), self._with_slide(), STEPS,
-                tied=True, bound=bound,
+                tied=True, bound=bound, target=target, tolerance=tolerance,
             )  # fmt: skip
             place = sliding.slid(fit.theta[problem.eta_at :])
             met = self.kind.met_by(problem.u, place)
@@ -75,7 +78,7 @@ class HeldSize:
                 return fit.cost
             theta = np.delete(fit.theta, problem.eta_at)
             problem = replace(problem, family=replace(held, at=met, load=beside.load, loads=beside.loads))
-        return refine(problem, theta, basis, STEPS, tied=True, bound=bound).cost
+        return refine(problem, theta, basis, STEPS, tied=True, bound=bound, target=target, tolerance=tolerance).cost
 
     def _with_slide(self) -> FloatArray | None:
         """Free directions with that in which the actuator slides."""

@@ -25,13 +25,14 @@ _ADVANCE: Any = kernel.advance
 
 @dataclass(frozen=True)
 class LocalFit:
-    """A local maximum of the likelihood."""
+    """A local maximum of the likelihood; a rough one was asked for with a tolerance, to which it has converged."""
 
     theta: FloatArray
     cost: float
     hessian: FloatArray
     steps: int
     converged: bool
+    rough: bool = False
 
 
 def refine(
@@ -41,10 +42,13 @@ def refine(
     most_steps: int = MOST_STEPS,
     tied: bool = False,
     bound: float = np.inf,
+    target: float = -np.inf,
+    tolerance: float = 0.0,
 ) -> LocalFit:
     """Minimise the sum of squared prediction errors from `theta` over theta + span(basis) (default: the problem's).
 
-    Given up after the first step where it is plain that it does not end below `bound`.
+    Given up after the first step where it is plain that it does not end below `bound`, and done where it has reached
+    `target`, or where a step, or ten together, gain less than `tolerance` variances.
 
     Steps that make A unstable are refused like steps uphill; actuator parameters are projected on their valid
     set (unless the basis ties them together). Columns are scaled by their norm, so the damping is free of units
@@ -61,7 +65,7 @@ def refine(
     points[:] = theta
     model = kernel.projected(normal, basis)
     errors, floor = max(problem.errors - model.shape[1], 1), ROUNDING * float(problem.y @ problem.y)
-    numbers = np.array([cost, FIRST_DAMPING, 0.0, errors, floor, bound])
+    numbers = np.array([cost, FIRST_DAMPING, 0.0, errors, floor, bound, target, tolerance])
     counts = np.array([0, most_steps, 0, 0, most_steps > 0, still])
     own = points, normal, model, basis, np.full(most_steps + 1, cost), numbers, counts, *problem.rules, *problem.layout
     known = problem.courses, problem.target, problem.structure.zero, problem.early, problem.scale
@@ -72,7 +76,8 @@ def refine(
         _ADVANCE(*own, *problem.internal(points[1]), *known)
     best, found = points[0].copy(), float(numbers[kernel.COST])
     problem.keep(best, (found, normal[-1], normal[:-1]))
-    return LocalFit(best, found, normal[:-1], int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED]))
+    steps, converged = int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED])
+    return LocalFit(best, found, normal[:-1], steps, converged, tolerance > 0.0)
 
 
 def _is_still(problem: Problem, basis: FloatArray | None, tied: bool) -> bool:
