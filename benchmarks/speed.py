@@ -226,8 +226,8 @@ The plain fit knows the orders, that the noise is white and where to start; `ide
 globally, fits the linear alternative, settles noise and offset, tests the residuals and needs no start.
 
 Median over simulated loops of known fault (both families of `benchmarks/diagnosis.py`; of the longer ones the first),
-of each the least of {looks} rounds, as what else a machine does adds to the time of a processor; one round beside another
-has differed by a third:
+of each the least of {looks} rounds, as what else a machine does adds to the time of a processor; single rounds have
+differed by a third:
 
 | what | processor time |
 |---|---|
