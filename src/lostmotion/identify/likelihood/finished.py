@@ -26,8 +26,6 @@ def finished(data: ScaledData, best: Fitted, asked: Asked) -> Fitted:
     whole = best.problem.segments is data.segments and s.start == s.delay + s.noise_order
     if not (best.fit.converged and whole and d.size == s.noise_order):
         best = refined(data, best, d)
-    elif best.fit.rough:
-        best = replace(best, fit=refine(best.problem, best.fit.theta, best.basis))
     return with_coloured_noise(best, asked)
 
 

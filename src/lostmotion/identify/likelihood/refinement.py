@@ -25,14 +25,13 @@ _ADVANCE: Any = kernel.advance
 
 @dataclass(frozen=True)
 class LocalFit:
-    """A local maximum of the likelihood; a rough one was asked for with a tolerance, to which it has converged."""
+    """A local maximum of the likelihood."""
 
     theta: FloatArray
     cost: float
     hessian: FloatArray
     steps: int
     converged: bool
-    rough: bool = False
 
 
 def refine(
@@ -76,8 +75,7 @@ def refine(
         _ADVANCE(*own, *problem.internal(points[1]), *known)
     best, found = points[0].copy(), float(numbers[kernel.COST])
     problem.keep(best, (found, normal[-1], normal[:-1]))
-    steps, converged = int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED])
-    return LocalFit(best, found, normal[:-1], steps, converged, tolerance > 0.0)
+    return LocalFit(best, found, normal[:-1], int(counts[kernel.STEPS]), bool(counts[kernel.CONVERGED]))
 
 
 def _is_still(problem: Problem, basis: FloatArray | None, tied: bool) -> bool:
