@@ -458,3 +458,14 @@ def test_weighted_null_space_leaves_out_what_is_nothing():
     found, misfit = null_space.weighted(np.zeros(1), np.zeros(1), 0, np.eye(20), 10, regressors, 2.0 * np.arange(10.0))
     np.testing.assert_allclose(found, [2.0, 0.0], atol=1e-9)
     assert misfit < 1e-12
+
+
+def test_weighted_null_space_of_what_is_no_covariance():
+    """Rounding in a record without noise leaves one with negative variances."""
+    rng = np.random.default_rng(0)
+    some = rng.normal(size=(40, 40))
+    found, misfit = null_space.weighted(
+        rng.normal(size=2), rng.normal(size=2), 1, some + some.T, 20, rng.normal(size=(20, 4)), rng.normal(size=20)
+    )
+    assert np.isfinite(found).all()
+    assert np.isfinite(misfit)

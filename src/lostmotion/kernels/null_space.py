@@ -7,7 +7,7 @@ from numba import config, njit
 
 from lostmotion.arrays import FloatArray
 
-FLOOR = 1e-9  # of the sum of variances: nothing counts as told better than this
+FLOOR = 1e-9  # of the largest variance: nothing counts as told better than this
 RANK = 1e-12  # relative size of a direction that is none
 
 
@@ -97,19 +97,20 @@ def weighted(
     `outputs`, then of B_n; B is `shift` rows later than B_n.
     """
     (m, p), root = regressors.shape, spread(a, b, shift, covariance, outputs, regressors.shape[0])
-    floor, white = max(FLOOR * np.trace(root), 1e-300), np.empty((p + 1, m))
+    floor, white = max(FLOOR * np.abs(root).max(), 1e-300), np.empty((p + 1, m))
     white[:p], white[p] = regressors.T, target
+    least_root = np.sqrt(floor)
     for row in range(m):
         here = root[row]
         for column in range(row):
             other, value = root[column], here[column]
             for i in range(column):
                 value -= here[i] * other[i]
-            here[column] = value / other[column]
+            here[column] = value / other[column] if other[column] > least_root else 0.0
         least = here[row]
         for i in range(row):
             least -= here[i] * here[i]
-        here[row] = np.sqrt(max(least, floor))
+        here[row] = np.sqrt(least) if least > floor else least_root  # rounding: the others hang on it no further
         for one in white:
             for i in range(row):
                 one[row] -= here[i] * one[i]

@@ -19,6 +19,7 @@ from lostmotion.kernels.null_space import RANK, weighted
 
 START_LAGS = 25  # past rows that an ARX of a start takes by default; the search gives its own
 REWEIGHTINGS = 3  # each with the weights of the A and B before it; a start only, the likelihood goes on from there
+TINY = 1e-300  # variance of what is exact
 START_RADIUS = 0.998  # unstable or integrating starts are pulled inside this
 
 
@@ -65,10 +66,9 @@ def linear_start(arx: HighOrderArx, na: int, nb: int, delay: int) -> tuple[Float
         if lag < length:
             regressors[lag:, na + j] = -a_high[: length - lag]
     theta, misfit = np.asarray(np.linalg.lstsq(regressors, -b_high, rcond=RANK)[0], np.float64), 0.0
-    covariance = arx.variance * arx.covariance
     for _ in range(REWEIGHTINGS):
-        theta, misfit = weighted(_inside(theta[:na]), theta[na:], shift, covariance, n, regressors, -b_high)
-    return _inside(theta[:na]), theta[na:], misfit
+        theta, misfit = weighted(_inside(theta[:na]), theta[na:], shift, arx.covariance, n, regressors, -b_high)
+    return _inside(theta[:na]), theta[na:], misfit / max(arx.variance, TINY)
 
 
 def _inside(a: FloatArray) -> FloatArray:
