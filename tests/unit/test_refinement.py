@@ -98,3 +98,25 @@ def test_hopeless_is_what_ends_far_above_its_bound() -> None:
     assert not is_hopeless(problem, theta, None, 1.01 * end.cost)
     assert is_hopeless(problem, end.theta, None, 0.5 * near[0])
     assert not is_hopeless(problem, end.theta, None, np.inf)
+
+
+def test_a_target_that_is_reached_ends_it() -> None:
+    problem, theta = begun(Structure(1, 1, 1, 2, 4))
+    whole = refine(problem, theta)
+    begin = problem.evaluate(problem.project(theta))[0]
+    target = 0.5 * (begin + whole.cost)
+    found = refine(problem, theta, target=target)
+    assert whole.cost < found.cost <= target
+    assert found.steps < whole.steps
+    assert not found.converged
+    assert refine(problem, theta, target=0.5 * whole.cost).cost == whole.cost
+
+
+def test_a_tolerance_is_all_that_is_missing_where_the_actuator_is_held() -> None:
+    """Where it moves there are kinks, at which a step promises less than is to be had."""
+    problem, theta = begun(Structure(1, 1, 1, 2, 4))
+    basis = problem.free_but(problem.own)
+    whole, found = refine(problem, theta, basis), refine(problem, theta, basis, tolerance=0.5)
+    assert found.steps < whole.steps
+    assert found.converged
+    assert 0.0 <= found.cost - whole.cost < 0.5 * whole.cost / problem.errors

@@ -1,8 +1,11 @@
 """What is remembered of data is found once, and goes with them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from lostmotion.identify.likelihood.remembered import remembered
+import numpy as np
+
+from lostmotion.identify.likelihood.remembered import remembered, remembered_of_signals
+from lostmotion.identify.scaled import ScaledData
 
 
 @dataclass(frozen=True)
@@ -35,4 +38,31 @@ def test_other_data_in_the_same_place_are_other_data():
         data = Data([value])
         found.append(first(data))
         del data  # freed at once: the next takes its place
+    assert found == list(range(50))
+
+
+def test_data_made_anew_from_the_same_arrays_are_the_same():
+    asked = []
+
+    @remembered_of_signals
+    def total(data, more=0.0):
+        asked.append(data)
+        return float(data.u.sum() + data.y.sum()) + more
+
+    one = ScaledData(np.ones(3), np.ones(3), np.array([[0, 3]]))
+    again, other = ScaledData(one.u, one.y, one.segments), replace(one, y=2.0 * one.y)
+    assert [total(one), total(again), total(again, 1.0), total(other)] == [6.0, 6.0, 7.0, 9.0]
+    assert len(asked) == 3
+
+
+def test_other_arrays_in_the_same_place_are_other_data():
+    @remembered_of_signals
+    def first(data):
+        return float(data.y[0])
+
+    u, segments, found = np.zeros(1000), np.array([[0, 1000]]), []
+    for value in range(50):
+        data = ScaledData(u, np.full(1000, float(value)), segments)
+        found.append(first(data))
+        del data
     assert found == list(range(50))
