@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 import lostmotion as lm
 from lostmotion.errors import Status
 from lostmotion.identify.recursive import ml_bytes
-from lostmotion.kernels.recursive_ml import drift
+from lostmotion.kernels.recursive_ml import drift, watch
 from lostmotion.kernels.recursive_ml import state as ml
 
 PROCESS = lm.LinearModel((-0.6,), (0.4, 0.2), 1)
@@ -181,7 +181,7 @@ def test_a_command_that_stays_far_out_is_believed():
     u, y = record(5, 4_000)
     rml = lm.RecursiveML(1, 1, 1, start_samples=300, noise="white")
     rml.run(u, y)
-    rml.run(np.full(200, 200.0), np.full(200, 100.0))
+    rml.run(np.full(200, 200.0), np.random.default_rng(0).normal(100.0, 0.1, 200))
     assert rml._recursion.memory.span[1] * rml._recursion.scales[0] == pytest.approx(200.0)
     rml.run(np.full(200, 1e9), np.full(200, 100.0))
     assert rml._recursion.memory.span[1] * rml._recursion.scales[0] == pytest.approx(200.0)
@@ -218,32 +218,90 @@ def test_an_integrating_process_is_refused_and_its_differences_are_followed():
     assert followed.estimate.parameters["right"] == pytest.approx(1.0, abs=0.1)
 
 
-# --- states of the first format
+# --- PV that is stuck
 
 
-def as_first_format(data):
+def masked_by_definition(y, share):
+    """PV without what comes again more often in a row than chance allows, and the share of new ones that do."""
+    kept, again = y.copy(), 0
+    for k in range(1, len(y)):
+        if y[k] == y[k - 1]:
+            again += 1
+            if share < 0.1 and share**again < 1e-4:
+                kept[k] = np.nan
+            share += (1 - share) / 1000 if again == 1 else 0.0
+        else:
+            share *= 1 - 1 / 1000 if again == 0 and np.isfinite(y[k] + y[k - 1]) else 1.0
+            again = 0
+    return kept, share
+
+
+@pytest.mark.parametrize("step", [1e-9, 0.03, 0.1, 0.5])
+def test_repeats_are_left_out_as_defined(step):
+    y = np.round(np.random.default_rng(0).normal(size=3_000) / step) * step
+    for at, length in ((0, 3), (100, 2), (200, 40), (900, 5), (2_990, 10)):
+        y[at : at + length] = y[at]
+    y[[50, 1_000, 1_001]] = np.nan
+    new = np.flatnonzero(np.isfinite(y[2:] + y[1:-1]) & (y[1:-1] != y[:-2])) + 2
+    new = np.concatenate([[1], new])
+    expected, share = masked_by_definition(y, np.mean(y[new] == y[new - 1]))
+    found = np.empty(ml.REPEATS_SIZE)
+    np.testing.assert_array_equal(watch.without_stuck(y, found), expected)
+    assert found[[ml.LAST_Y, ml.SHARE]] == pytest.approx([y[-1], share], rel=1e-9)
+    assert np.isnan(expected).sum() > 40 if step < 0.3 else np.isnan(expected).sum() == 3
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("at", [50, 250, 800])
+def test_a_stuck_pv_is_missing(at):
+    u, y = record(4, 1_500)
+    y[at : at + 60] = y[at]
+    missing = y.copy()
+    missing[at + 1 : at + 60] = np.nan
+    if at < 300:  # by then its share is one of some hundreds, and that is not rare enough for one repeat
+        missing[at + 1] = y[at]
+    told, found = after(u, missing), after(u, y)
+    assert found.estimate.parameters == told.estimate.parameters
+    assert not found.events
+
+
+@pytest.mark.statistics
+def test_a_rounded_pv_is_not_stuck():
+    u, y = record(5, 3_000)
+    rounded = after(u, np.round(y, 1))  # steps of one deviation of the noise
+    assert rounded._recursion.layout[ml.MISSING] == 0
+    assert holds(rounded.estimate)
+
+
+# --- states of earlier formats
+
+
+def as_format(name, data):
     with np.load(io.BytesIO(data)) as stored:
-        parts = {name: stored[name] for name in stored.files}
+        parts = {part: stored[part] for part in stored.files}
     header = json.loads(parts["header"].tobytes())
-    header["format"] = ml_bytes.FIRST_FORMAT
-    del header["integrating"]
+    header["format"] = name
+    size, first_new = (ml.SECOND_SIZE, ml.REPEATS) if name == ml_bytes.SECOND_FORMAT else (ml.FIRST_SIZE, ml.WATCH)
+    if name == ml_bytes.FIRST_FORMAT:
+        del header["integrating"]
     parts["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     if parts["state"].size:
-        parts["state"] = parts["state"][: parts["layout"][ml.WATCH]]
-        parts["layout"] = parts["layout"][: ml.FIRST_SIZE]
+        parts["state"] = parts["state"][: parts["layout"][first_new]]
+        parts["layout"] = parts["layout"][:size]
         parts["layout"][ml.SIZE] = parts["state"].size
     buffer = io.BytesIO()
     np.savez(buffer, **parts)
     return buffer.getvalue()
 
 
+@pytest.mark.parametrize("name", [ml_bytes.FIRST_FORMAT, ml_bytes.SECOND_FORMAT])
 @pytest.mark.parametrize("n", [100, 700])
-def test_states_of_the_first_format_are_read(n):
+def test_states_of_earlier_formats_are_read(n, name):
     u, y = record(6, 1_000)
     rml = after(u[:n], y[:n], false_alarms=None)
-    older = lm.RecursiveML.from_bytes(as_first_format(rml.to_bytes()))
+    older = lm.RecursiveML.from_bytes(as_format(name, rml.to_bytes()))
     for one in (rml, older):
         one.run(u[n:], y[n:])
-    for name, value in rml.estimate.parameters.items():
-        assert older.estimate.parameters[name] == pytest.approx(value, rel=1e-9), name
+    for parameter, value in rml.estimate.parameters.items():
+        assert older.estimate.parameters[parameter] == pytest.approx(value, rel=1e-9), parameter
     assert lm.RecursiveML.from_bytes(older.to_bytes()).to_bytes() == older.to_bytes()

@@ -108,7 +108,7 @@ def test_layout_is_that_of_saved_bytes():
     assert layout[: ml.SIZE].tolist() == [*sizes, *offsets]
     assert layout[[ml.RING_S, ml.INVERSE, ml.TEST_AFTER, ml.REFIT_AT]].tolist() == [1929, 2389, 24, 2**63 - 1]
     assert layout[[ml.WATCH, ml.EVIDENCE, ml.BANK_H, ml.BANK_R]].tolist() == [2833, 2841, 2847, 3711]
-    assert state.size == layout[ml.SIZE] == 2833 + 8 + 6 + 7 * 12 * 13 + 16 + 8 + 15
+    assert state.size == layout[ml.SIZE] == 2833 + 8 + 6 + 7 * 12 * 13 + 16 + 8 + 15 + 3
     assert sum(part.size for part in ml.named(state, layout).values()) == state.size - ml.HEAD
 
 

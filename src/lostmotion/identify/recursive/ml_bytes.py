@@ -25,7 +25,8 @@ from lostmotion.identify.recursive.recursive_estimate import ChangeEvent
 from lostmotion.kernels.recursive_ml import drift
 from lostmotion.kernels.recursive_ml import state as ml
 
-FORMAT = "lostmotion recursive ml 2"
+FORMAT = "lostmotion recursive ml 3"
+SECOND_FORMAT = "lostmotion recursive ml 2"  # without what tells a stuck PV
 FIRST_FORMAT = "lostmotion recursive ml 1"  # without what tells drift, colour and steps of OP; they begin anew
 
 
@@ -52,7 +53,7 @@ def unpacked(data: bytes) -> tuple[FirstWindow, Recursion | None]:
     """First window and recursion from bytes; DataError where they are something else."""
     with reading(data) as parts:
         header = check_header(parsed(parts["header"].tobytes()))
-        if header["format"] not in (FORMAT, FIRST_FORMAT):
+        if header["format"] not in (FORMAT, SECOND_FORMAT, FIRST_FORMAT):
             raise ValueError(header["format"])
         return _restored(header, parts)
 
@@ -70,7 +71,7 @@ def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindo
     if not parts["state"].size:
         return first, None
     state, layout = np.ascontiguousarray(parts["state"]), np.ascontiguousarray(parts["layout"])
-    if header["format"] == FIRST_FORMAT:
+    if header["format"] != FORMAT:
         state, layout = _grown(settings, state, layout)
     check_recursion(settings, state, layout)
     if header["format"] == FIRST_FORMAT:
@@ -79,7 +80,7 @@ def _restored(header: dict[str, Any], parts: dict[str, Any]) -> tuple[FirstWindo
 
 
 def _grown(settings: Settings, state: FloatArray, layout: IntArray) -> tuple[FloatArray, IntArray]:
-    if layout.dtype != np.int64 or state.dtype != np.float64 or layout.shape != (ml.FIRST_SIZE,):
+    if layout.dtype != np.int64 or state.dtype != np.float64 or layout.size <= ml.P:
         raise ValueError("layout")
     p = int(layout[ml.P])
     if not 0 <= p * p < state.size:

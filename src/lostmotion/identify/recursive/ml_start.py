@@ -17,7 +17,7 @@ from lostmotion.identify.likelihood.refinement import LocalFit, refine
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.identify.recursive.ml_window import LARGEST_WINDOW, Window, fit_window, may_begin
-from lostmotion.kernels.recursive_ml import advance, drift, information
+from lostmotion.kernels.recursive_ml import advance, drift, information, watch
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.threads import one_thread
 
@@ -63,11 +63,16 @@ class FirstWindow:
     @one_thread
     def _begun(self) -> Recursion | None:
         waited = self.seen / self.settings.start_samples
-        found = fit_window(Window(np.array(self.u), np.array(self.y)).plausible, self.settings)
+        repeats = np.empty(ml.REPEATS_SIZE)
+        y = watch.without_stuck(np.array(self.y), repeats)
+        found = fit_window(Window(np.array(self.u), y).plausible, self.settings)
         self.integrating = found is not None and found[0].chosen.integrating
         if found is not None and may_begin(found[0], waited):
             self.u, self.y = [], []
-            return begin(*found, self.settings, self.seen - found[1].u.size)
+            recursion = begin(*found, self.settings, self.seen - found[1].u.size)
+            repeats[ml.LAST_Y] /= recursion.scales[1]
+            recursion.memory.parts["repeats"][:] = repeats
+            return recursion
         if waited >= LARGEST_WINDOW:  # keep the newer half and go on waiting
             half = len(self.u) // 2
             self.u, self.y = self.u[half:], self.y[half:]

@@ -19,7 +19,7 @@ COUNTED = (
     ml.JUDGED,
 )  # fmt: skip
 TUNED = (ml.TAIL, ml.KEEP, ml.CLIP, ml.THRESHOLD, ml.RATIO_LIMIT)
-MAY_BE_MISSING = ("u", "y", "watch")
+MAY_BE_MISSING = ("u", "y", "watch", "repeats")
 EVENT = group(
     sample=whole(), since=whole(-LARGEST_WHOLE), name=text(40), before=number(), after=number(), standard_error=number()
 )
@@ -104,6 +104,9 @@ def _check_values(state: FloatArray, layout: IntArray) -> None:
     head = state[[ml.SQUARES, ml.WEIGHT, ml.LOW, ml.HIGH, ml.HELD]]
     if not (_plain(head) and head[0] >= 0.0 and head[1] > 0.0 and head[2] <= head[3]):
         raise ValueError("state")
+    again, share = parts["repeats"][[ml.REPEATED, ml.SHARE]]
+    if not (again >= 0.0 and 0.0 <= share <= 1.0):
+        raise ValueError("repeats")
     if not (np.isnan(state[ml.ZERO]) or state[ml.ZERO] in (0.0, 1.0)):
         raise ValueError("state")
 

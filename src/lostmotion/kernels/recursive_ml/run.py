@@ -13,7 +13,7 @@ from lostmotion.kernels.recursive_ml.change import find_change
 from lostmotion.kernels.recursive_ml.drift import leave
 from lostmotion.kernels.recursive_ml.equations import gather, influence, informed_sides, merge
 from lostmotion.kernels.recursive_ml.information import newton_step, total_information
-from lostmotion.kernels.recursive_ml.watch import believable, watch_command, watch_error
+from lostmotion.kernels.recursive_ml.watch import believable, stuck, watch_command, watch_error
 
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
@@ -125,8 +125,10 @@ def take(
     g: FloatArray,
     psi: FloatArray,
 ) -> float:
-    """One sample: bridge or mask what is missing, filter, add to the block. Return the error (NaN without y)."""
+    """One sample: bridge or mask what is missing or stuck, filter, add to the block. Its error, NaN without y."""
     na, nb1, delay, p = layout[ml.NA], layout[ml.NB1], layout[ml.DELAY], layout[ml.P]
+    if stuck(y, state, layout[ml.REPEATS]):
+        y = np.nan
     if np.isnan(u) or (used and not believable(u, state, layout)):
         used = False
         u = bridge(state, layout)

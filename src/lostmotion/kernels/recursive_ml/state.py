@@ -19,7 +19,8 @@ TOTAL_H, TOTAL_R, ROOT, PERIOD_H, PERIOD_R, WORK, SIZE = range(21, 28)
 COUNT, FILLED, BLOCKS, SETTLE, WAIT, LOST, SINCE, LEFT_AT, RIGHT_AT, CLIPPED, MISSING, MASKED = range(28, 40)
 PERIOD_FROM, WINDOW, REFIT_AT, TEST_AFTER, FROM_BLOCK, EXPLAIN_AT, RING_S, INVERSE, FIRST_SIZE = range(40, 49)
 WATCH, EVIDENCE, BANK_H, BANK_R, GONE_H, GONE_R, ERRORS, PRODUCTS, USUAL = range(48, 57)
-GROUPED, DRIFT, FAR, JUDGED, LAYOUT_SIZE = range(57, 62)
+GROUPED, DRIFT, FAR, JUDGED, SECOND_SIZE = range(57, 62)
+REPEATS, LAYOUT_SIZE = range(61, 63)
 
 # head of `state`
 TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT, STATISTIC, HEAD = range(13)
@@ -27,12 +28,21 @@ TAIL, KEEP, CLIP, THRESHOLD, SQUARES, WEIGHT, LOW, HIGH, HELD, ZERO, RATIO_LIMIT
 # part `watch`
 GAP, LAST_U, WATCHED, WATCHED_SQUARES, WAS, RATE, WATCH_SIZE = 0, 1, 2, 3, 4, 6, 8  # WAS, RATE: left and right
 
+# part `repeats`
+LAST_Y, REPEATED, SHARE, REPEATS_SIZE = range(4)  # last PV, how often it has come again, share of new ones that do
+
 DRIFTS = 6  # hypotheses about how fast the break points move, see `drift`
 LAGS = (1, 2, 3, 4, 6, 8, 12, 16)  # samples, at which the prediction errors are watched: any noise order shows in them
 LONGEST_LAG = LAGS[-1]
 WINDOWS, DIRECTIONS = 5, 3  # that are tested for changes: 1, 2, 4, 8, 16 blocks; left, right, gain
 
-NOT_MOVING = (*range(COUNT), RING_S, INVERSE, *range(WATCH, GROUPED))  # sizes and offsets: those of the settings
+NOT_MOVING = (
+    *range(COUNT),
+    RING_S,
+    INVERSE,
+    *range(WATCH, GROUPED),
+    REPEATS,
+)  # sizes and offsets: those of the settings
 NEVER = int(np.iinfo(np.int64).max)  # of REFIT_AT
 
 
@@ -62,17 +72,19 @@ def lay_out(places: Places) -> tuple[FloatArray, IntArray]:
     layout[REFIT_AT] = NEVER
     state = np.zeros(at)
     state[layout[WATCH] + GAP], state[layout[WATCH] + LAST_U] = np.inf, np.nan
+    state[layout[REPEATS] + LAST_Y], state[layout[REPEATS] + SHARE] = np.nan, 1.0  # not rare until they are counted
     return state, layout
 
 
 def grown(state: FloatArray, layout: IntArray, places: Places) -> tuple[FloatArray, IntArray]:
-    """State and layout of the first format with room for what has come since; ValueError where they are none."""
+    """State and layout of an earlier format with room for what has come since; ValueError where they are none."""
     new_state, new_layout = lay_out(places)
-    if layout.shape != (FIRST_SIZE,) or state.shape != (new_layout[WATCH],) or layout[SIZE] != state.size:
+    first_new = {(FIRST_SIZE,): WATCH, (SECOND_SIZE,): REPEATS}.get(layout.shape)
+    if first_new is None or state.shape != (new_layout[first_new],) or layout[SIZE] != state.size:
         raise ValueError("layout")
     new_state[: state.size] = state
     size = new_layout[SIZE]
-    new_layout[:FIRST_SIZE] = layout
+    new_layout[: layout.size] = layout
     new_layout[SIZE] = size
     return new_state, new_layout
 
@@ -111,6 +123,7 @@ def parts(layout: IntArray) -> list[tuple[str, int, tuple[int, ...]]]:
         ("errors", ERRORS, (LONGEST_LAG,)),  # last prediction errors over their deviation, newest first
         ("products", PRODUCTS, (len(LAGS),)),
         ("usual", USUAL, (WINDOWS, DIRECTIONS)),  # mean squares of the statistics of changes
+        ("repeats", REPEATS, (REPEATS_SIZE,)),
     ]
 
 

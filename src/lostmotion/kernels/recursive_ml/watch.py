@@ -1,4 +1,4 @@
-"""What the samples say about the assumptions: steps of OP, commands that are none, errors that are not white."""
+"""What the samples say about the assumptions: steps of OP, what is no command or no PV, errors that are not white."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ FAR, FARTHEST = (
 )  # times the range of u beyond it: believed where it lasts; never (0 to 100 % in steps of 0.1)
 WATCHED = 1.0 - 1.0 / 5000  # memory for the colour of the errors
 MOST_DEVIATIONS = 4.0  # an outlier counts as so many
+RARE = 0.1  # share of PV that come again by chance, up to which a stuck one can be told: steps of a third of the noise
+CHANCE = 1e-4  # that a PV comes again so often by chance
+SHARES = 1.0 / 1000  # of each new PV in the share of those that come again
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -40,6 +43,43 @@ def watch_command(u: float, state: FloatArray, layout: IntArray) -> None:
         if rest > SMALLEST_MOVE:
             state[at + ml.GAP] = rest
     state[at + ml.LAST_U] = u
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def stuck(y: float, state: FloatArray, at: int) -> bool:
+    """Whether PV is to the last bit the one before, more often in a row than chance allows.
+
+    A PV with noise comes again where it is rounded, with a share of new ones that is counted; each further time in a
+    row is as rare. A frozen transmitter or a historian that fills in repeats what is no measurement. The part
+    `repeats` lies in `state` from `at` on.
+    """
+    last, again = state[at + ml.LAST_Y], state[at + ml.REPEATED]
+    if y != last:
+        if again == 0.0 and not np.isnan(y) and not np.isnan(last):
+            state[at + ml.SHARE] *= 1.0 - SHARES
+        state[at + ml.LAST_Y], state[at + ml.REPEATED] = y, 0.0
+        return False
+    share = state[at + ml.SHARE]
+    if again == 0.0:
+        state[at + ml.SHARE] += SHARES * (1.0 - share)
+    state[at + ml.REPEATED] = again + 1.0
+    return bool(share < RARE and share ** (again + 1.0) < CHANCE)
+
+
+@njit(cache=True, nogil=True)
+def without_stuck(y: FloatArray, repeats: FloatArray) -> FloatArray:
+    """The same PV (n,), NaN where it is stuck; counts the share first, leaves `repeats` (3,) as after the last one."""
+    new = again = 0
+    for k in range(1, y.size):
+        if not (np.isnan(y[k]) or np.isnan(y[k - 1])) and (k == 1 or y[k - 1] != y[k - 2]):
+            new += 1
+            again += y[k] == y[k - 1]
+    repeats[ml.LAST_Y], repeats[ml.REPEATED], repeats[ml.SHARE] = np.nan, 0.0, again / max(new, 1)
+    kept = y.copy()
+    for k in range(y.size):
+        if stuck(y[k], repeats, 0):
+            kept[k] = np.nan
+    return kept
 
 
 @njit(cache=True, nogil=True, forceinline=True)
