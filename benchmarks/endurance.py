@@ -87,7 +87,7 @@ def serve(samples: int, seed: int) -> tuple[list[Lane], list[int]]:
     """Run all blocks through both lanes; largest resident memory in bytes after the first blocks and at the end."""
     warm = days.Service(seed + 1).block(BLOCK)  # compiles
     estimator().run(warm.u, warm.y, use=warm.use)
-    lanes = [Lane("every PV taken", False, samples), Lane("a PV equal to the last one masked", True, samples)]
+    lanes = [Lane("record as it is", False, samples), Lane("a PV equal to the last one masked", True, samples)]
     service, span, memory = days.Service(seed), (np.inf, -np.inf), [0, 0]
     for number in range(samples // BLOCK):
         block = service.block(BLOCK)

@@ -161,7 +161,7 @@ QUOTES = (
     Quote(
         "state file (about {:.1f} MB, however long the record)",
         "endurance",
-        lambda p: [max(p.numbers("saved state", "every PV taken")) / 1e6],
+        lambda p: [max(p.numbers("saved state", "record as it is")) / 1e6],
     ),
     Quote(
         "open loop, {:.0f} seeds each of {:,.0f} and {:,.0f} samples",

@@ -66,8 +66,9 @@ minutes (no excitation), valve moved by hand with a stale OP (masked), gaps in O
 noise deviations in 1 of 10,000 samples, PV stuck for 3 s on average once in 100,000 samples. Forgetting 0.9995, orders
 given, the rest default.
 
-{samples:,} samples, {days:.0f} days of service. The same record goes to two estimators: one takes every PV, one is
-told to leave out (`use`) a PV that is to the last bit the one before.
+{samples:,} samples, {days:.0f} days of service. The same record goes to two estimators: one gets it as it is and
+leaves out by itself a PV that comes again to the last bit more often than chance allows; one is told (`use`) to leave
+out every PV that is to the last bit the one before.
 
 | what | {head} |
 |---|{lines}

@@ -43,7 +43,8 @@ class RecursiveML:
         Output at rest inside the dead zone, as in ``identify``. It is always estimated; "auto" reports the estimate
         with offset zero while the information criterion prefers it.
     start_samples : int
-        Samples of the first window. Where it tells nothing or little, twice, four and eight times as many are tried.
+        Samples of the first window. Where it tells little, or OP stood at fewer than ten values in it, twice,
+        four and eight times as many are tried.
     outliers : float or None
         Prediction errors beyond so many standard deviations have bounded influence (Huber); None: they count fully.
     false_alarms : float or None

@@ -65,9 +65,10 @@ class FirstWindow:
         waited = self.seen / self.settings.start_samples
         repeats = np.empty(ml.REPEATS_SIZE)
         y = watch.without_stuck(np.array(self.y), repeats)
-        found = fit_window(Window(np.array(self.u), y).plausible, self.settings)
+        window = Window(np.array(self.u), y).plausible
+        found = fit_window(window, self.settings)
         self.integrating = found is not None and found[0].chosen.integrating
-        if found is not None and may_begin(found[0], waited):
+        if found is not None and may_begin(found[0], waited, window.places):
             self.u, self.y = [], []
             recursion = begin(*found, self.settings, self.seen - found[1].u.size)
             repeats[ml.LAST_Y] /= recursion.scales[1]

@@ -21,6 +21,8 @@ GOOD = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE, Status.FEW_CROSS
 CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
 # the same of the static gain: a start with 0.28 (16.7 for 6.7) ended at the bound of the slope ratio and stayed there
 CLEAR_GAIN = 0.25
+# values of OP: through few of them another dead zone with other slopes, gain and offset goes as well, to the last digit
+FEWEST_PLACES = 10
 CLEAR_WINDOW = 2  # times the first window: from then on a dead zone that is known less well may begin
 UNSEEN_WINDOW = 4  # times the first window: that there is no dead zone is believed later than a dead zone
 LARGEST_WINDOW = 8  # times the first window: how long a start may wait for information
@@ -39,6 +41,11 @@ class Window:
         edges = np.flatnonzero(np.diff(good.astype(np.int8)))
         pairs = edges.reshape(-1, 2)
         return np.asarray(pairs[pairs[:, 1] - pairs[:, 0] >= shortest])
+
+    @property
+    def places(self) -> int:
+        """At how many values u stood."""
+        return int(np.unique(self.u[np.isfinite(self.u)]).size)
 
     @property
     def plausible(self) -> Window:
@@ -76,8 +83,8 @@ def _fit(u: FloatArray, y: FloatArray, segments: IntArray, settings: Settings) -
     return identify_alone(records, "dead zone", settings.orders, settings.noise, settings.offset)
 
 
-def may_begin(fit: HammersteinFit, waited: float) -> bool:
-    """Whether the recursion may begin from this fit after a wait of so many first windows.
+def may_begin(fit: HammersteinFit, waited: float, places: int) -> bool:
+    """Whether the recursion may begin from this fit after a wait of so many first windows, u at so many values in them.
 
     A process that integrates is never followed.
     """
@@ -86,7 +93,8 @@ def may_begin(fit: HammersteinFit, waited: float) -> bool:
         accepted = (*accepted, Status.ONE_SIDED)
     clear = waited >= CLEAR_WINDOW or is_clear(fit)
     anchored = waited >= LARGEST_WINDOW or is_anchored(fit)
-    return fit.status in accepted and clear and anchored and not fit.chosen.integrating
+    seen = waited >= LARGEST_WINDOW or places >= FEWEST_PLACES
+    return fit.status in accepted and clear and anchored and seen and not fit.chosen.integrating
 
 
 def is_clear(fit: HammersteinFit) -> bool:
