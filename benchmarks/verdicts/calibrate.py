@@ -75,7 +75,9 @@ def with_real(prior: Weights, rows: list[Row]) -> Weights:
     """The prior with its log-odds of sticking discounted as real loops show.
 
     Letting real loops move each weight as well, with a ridge of 16, 4 or 1 towards the discounted ones, made the Brier
-    score of contributors left out worse: 0.121, 0.125, 0.130 for 0.120.
+    score of contributors left out worse: 0.121, 0.125, 0.130 for 0.120. A share of real loops whose evidence says
+    nothing (0.09) beside a discount (0.82) named 51 of 60 visible valves that stick instead of 47, and was as good by
+    Brier score (0.116), but of the real loops accused 4.1 instead of 1.1 were sound, for 1.1 more that stick.
     """
     odds = features_of(rows)[:, OF_STICKING] @ prior.each[OF_STICKING]
     side, weight = 2.0 * sticks(rows) - 1.0, shares(rows)
