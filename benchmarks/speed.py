@@ -235,7 +235,7 @@ differed by a third:
 {diagnoses}
 
 In the runs of this page in its first week the plain fit took 77 to 261 ms: seconds hang on the hour of the machine,
-ratios hardly do.
+ratios hang on it less.
 
 Memory beyond the data at 200,000 samples, largest:
 
