@@ -36,13 +36,8 @@ LAGS = (1, 2, 3, 4, 6, 8, 12, 16)  # samples, at which the prediction errors are
 LONGEST_LAG = LAGS[-1]
 WINDOWS, DIRECTIONS = 5, 3  # that are tested for changes: 1, 2, 4, 8, 16 blocks; left, right, gain
 
-NOT_MOVING = (
-    *range(COUNT),
-    RING_S,
-    INVERSE,
-    *range(WATCH, GROUPED),
-    REPEATS,
-)  # sizes and offsets: those of the settings
+# sizes and offsets: those of the settings
+NOT_MOVING = (*range(COUNT), RING_S, INVERSE, *range(WATCH, GROUPED), REPEATS)
 NEVER = int(np.iinfo(np.int64).max)  # of REFIT_AT
 
 
