@@ -14,9 +14,11 @@ from lostmotion.kernels import (
     normal_equations,
     null_space,
     products,
+    row_products,
     squared_errors,
     stamps,
 )
+from lostmotion.kernels.pole_filters import REST, all_pole, answers_of, pole_filter
 from tests.naive import backlash as slow_backlash
 from tests.naive import contrast as slow_contrast
 from tests.naive import dead_zone as slow_zone
@@ -153,7 +155,7 @@ def test_all_pole(order):
     rng = np.random.default_rng(order)
     a, x = stable_polynomial(rng, order), rng.normal(size=50)
     out = np.full(50, np.nan)
-    likelihood.all_pole(a, x, out)
+    all_pole(a, x, out)
     expected = slow_linear.simulate(a, [1.0], 0, x)
     np.testing.assert_allclose(out, expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
 
@@ -163,13 +165,41 @@ def test_all_pole_decays_to_zero_itself(order):
     a, x = stable_polynomial(np.random.default_rng(order), order), np.zeros(40_000)
     x[0] = x[30_000] = 1.0
     out = np.empty(x.size)
-    likelihood.all_pole(a, x, out)
+    all_pole(a, x, out)
     for at in (0, 30_000):
         expected = slow_linear.simulate(a, [1.0], 0, x[:200])
         np.testing.assert_allclose(out[at : at + 200], expected, rtol=1e-9, atol=1e-90)
     assert out[29_999] == 0.0
     denormal = (out != 0.0) & (np.abs(out) < np.finfo(float).tiny)
-    assert denormal.sum() <= 2 * likelihood.REST
+    assert denormal.sum() <= 2 * REST
+
+
+@pytest.mark.parametrize("order", range(7))
+def test_poles_go_on_from_block_to_block(order):
+    rng = np.random.default_rng(order)
+    a, x, past = stable_polynomial(rng, order), rng.normal(size=90), 7
+    row, at = np.concatenate([np.zeros(past), np.full(90, np.nan)]), past
+    for m in (1, 8, 23, 0, 16, 42):
+        pole_filter(a, answers_of(a), x[at - past : at - past + m], row, at)
+        at += m
+    expected = slow_linear.simulate(a, [1.0], 0, x)
+    np.testing.assert_allclose(row[past:], expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("m", [0, 1, 7, 8, 29, 32])
+@pytest.mark.parametrize(("singles", "lags"), [(1, 1), (4, 4), (5, 7), (8, 10)])
+def test_products_of_rows(m, singles, lags):
+    rng = np.random.default_rng(m)
+    flat = rng.normal(size=600)
+    single, lagged = rng.integers(0, 500, size=singles), rng.integers(0, 500, size=lags)
+    parts = np.zeros(row_products.room(singles, lags))
+    for _ in range(2):
+        row_products.add_row_products(flat, single, singles, lagged, lags, m, parts)
+    found = row_products.added_up(parts, singles, lags)
+    for i in range(singles):
+        for j in range(lags):
+            expected = 2.0 * flat[single[i] : single[i] + m] @ flat[lagged[j] : lagged[j] + m]
+            assert found[i, j] == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
 CASES = [
@@ -208,10 +238,11 @@ def actuator_arrays(orders, theta, u):
 @pytest.mark.parametrize("rows", [1, 15, 16, 17, 50])
 def test_whitening(taps, rows):
     rng = np.random.default_rng(taps)
-    d, row, out = rng.normal(size=taps), rng.normal(size=21 + rows), np.empty(rows)
-    gradient_signals.whiten(d, row, 21, out)
+    room = rows + gradient_signals.TILE
+    d, row, out = rng.normal(size=taps), rng.normal(size=21 + room), np.zeros(1 + room)
+    gradient_signals.whiten(d, row, 21, rows, out, 1)
     expected = np.convolve(np.append(1.0, d), row)[21 : 21 + rows]
-    np.testing.assert_allclose(out, expected, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(out[1 : 1 + rows], expected, rtol=1e-12, atol=1e-13)
 
 
 def check_normal_equations(orders, segments, u, y, theta):
@@ -278,7 +309,7 @@ def test_normal_equations_without_actuator(p, lengths):
     check_normal_equations(*likelihood_case(2, 1, p, 2, 0, lengths, 1))
 
 
-@pytest.mark.parametrize("rows", [normal_equations.BLOCK - 1, normal_equations.BLOCK, normal_equations.BLOCK + 1])
+@pytest.mark.parametrize("rows", [gradient_signals.BLOCK - 1, gradient_signals.BLOCK, gradient_signals.BLOCK + 1])
 def test_normal_equations_at_the_edge_of_a_block(rows):
     orders = likelihood_case(2, 1, 2, 1, 3, [40], 0)[0]
     length = rows + orders.first + orders.p
@@ -425,7 +456,7 @@ def test_a_column_twice_explains_as_much_as_once():
 
 
 def test_a_long_record_whose_initial_state_has_gone():
-    orders, segments, u, y, theta = likelihood_case(2, 2, 2, 1, 3, [3 * normal_equations.BLOCK + 7], 0)
+    orders, segments, u, y, theta = likelihood_case(2, 2, 2, 1, 3, [3 * gradient_signals.BLOCK + 7], 0)
     theta[:2] = np.poly([0.5, 0.3])[1:]
     check_normal_equations(orders, segments, u, y, theta)
 

@@ -9,15 +9,23 @@ from lostmotion.kernels.lanes import (
     address,
     less,
     load,
+    load_eight,
+    load_widest,
+    newest,
     over,
     plus_product,
     root_above,
+    second_newest,
     spread,
+    spread_eight,
+    spread_widest,
     store,
+    third_newest,
     times,
     total,
     where_above,
     whole,
+    widest,
 )
 
 
@@ -78,6 +86,23 @@ def add_up(array, rounds):
 
 
 @njit
+def eight_at_once(array):
+    place = address(array)
+    values = load_eight(place, 3)
+    values = plus_product(times(newest(values), second_newest(values)), third_newest(values), spread_eight(0.5))
+    store(place, 1, less(values, load_eight(place, 8)))
+
+
+@njit
+def as_wide_as_can_be(array, factor):
+    widest()
+    place = address(array)
+    store(place, 2, times(load_widest(place, 1), spread_widest(factor)))
+    for k in range(array.size):
+        array[k] *= 2.0
+
+
+@njit
 def inner(array, one, other, size):
     return lanes.dot(address(array), one, other, size)
 
@@ -97,6 +122,8 @@ def inner(array, one, other, size):
         (roots, (9.0,)),
         (add_up, (0,)),
         (add_up, (4,)),
+        (eight_at_once, ()),
+        (as_wide_as_can_be, (1.5,)),
     ],
 )
 def test_compiled_is_the_python_body(function, arguments):
@@ -119,6 +146,9 @@ def test_what_they_mean():
     first = array.copy()
     scale(array, 2.0)
     np.testing.assert_array_equal(array[4:8], 2.0 * first[1:5])
+    first = array.copy()
+    eight_at_once(array)
+    np.testing.assert_allclose(array[1:9], first[10] * first[9] + 0.5 * first[8] - first[8:16], rtol=1e-14)
 
 
 def test_integers_keep_their_type():

@@ -13,7 +13,8 @@ import numpy as np
 from lostmotion.arguments import finite, finite_signal, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
-from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.models.noise import white_share
 from lostmotion.records.compression import scan_factor

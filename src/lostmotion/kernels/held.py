@@ -10,7 +10,9 @@ import numpy as np
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.pole_filters import all_pole
 
 
 @njit(cache=True, nogil=True)
@@ -25,6 +27,7 @@ def respond(a: FloatArray, d: FloatArray, x: FloatArray, out: FloatArray) -> Non
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _sum_of_products(one: FloatArray, other: FloatArray) -> float:
+    widest()
     total = 0.0
     for k in range(one.size):
         total += one[k] * other[k]

@@ -16,8 +16,9 @@ from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import lanes_llvm as machine
 
 Quad: TypeAlias = FloatArray
+Octet: TypeAlias = FloatArray
 AnyArray = TypeVar("AnyArray", FloatArray, IntArray)
-WIDTH = machine.WIDTH
+WIDTH, EIGHT, WIDEST = machine.WIDTH, machine.EIGHT, machine.WIDEST
 
 
 @machine.as_address
@@ -29,22 +30,57 @@ def address(array: AnyArray) -> AnyArray:
     return array
 
 
+@machine.as_widest
+def widest() -> None:
+    """Loops of the function that calls it may use the widest registers there are, which compilers shun."""
+
+
 @machine.as_load
 def load(floats: FloatArray, at: int) -> Quad:
     """Four neighbours from `at` on."""
     return floats[at : at + WIDTH].copy()
 
 
+@machine.as_load_eight
+def load_eight(floats: FloatArray, at: int) -> Octet:
+    """Eight neighbours from `at` on."""
+    return floats[at : at + EIGHT].copy()
+
+
 @machine.as_store
 def store(floats: FloatArray, at: int, values: Quad) -> None:
-    """Write four neighbours from `at` on."""
-    floats[at : at + WIDTH] = values
+    """Write neighbours from `at` on, as many as there are values."""
+    floats[at : at + values.size] = values
 
 
 @machine.as_spread
 def spread(value: float) -> Quad:
     """The same float four times."""
     return np.full(WIDTH, value)
+
+
+@machine.as_spread_eight
+def spread_eight(value: float) -> Octet:
+    """The same float eight times."""
+    return np.full(EIGHT, value)
+
+
+@machine.as_newest
+def newest(values: Octet) -> Octet:
+    """The last of eight, eight times."""
+    return np.full(EIGHT, values[-1])
+
+
+@machine.as_second_newest
+def second_newest(values: Octet) -> Octet:
+    """The last but one, eight times."""
+    return np.full(EIGHT, values[-2])
+
+
+@machine.as_third_newest
+def third_newest(values: Octet) -> Octet:
+    """The one before that, eight times."""
+    return np.full(EIGHT, values[-3])
 
 
 @machine.as_product
@@ -102,3 +138,9 @@ def dot(floats: FloatArray, one: int, other: int, size: int) -> float:
     for j in range(0, size, WIDTH):
         values = plus_product(values, load(floats, one + j), load(floats, other + j))
     return total(values)
+
+
+# As many as a register holds, four or eight: where the code does not say how many. A processor that has none of eight
+# has few of four, and spends its time to move them.
+load_widest = load_eight if WIDEST == EIGHT else load
+spread_widest = spread_eight if WIDEST == EIGHT else spread

@@ -19,61 +19,7 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray
-
-GONE = 1e-100  # what has decayed to this is zero: below 1e-308 a product of two numbers takes a hundred times as long
-REST = 256  # samples after which it is looked at
-
-
-@njit(cache=True, fastmath={"contract"})
-def all_pole(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """Write (1/A) x into `out`, from rest; up to four poles run in registers."""
-    if a.size > 4:
-        _many_poles(a, x, out)
-        return
-    a1 = a[0] if a.size > 0 else 0.0
-    a2 = a[1] if a.size > 1 else 0.0
-    a3 = a[2] if a.size > 2 else 0.0
-    a4 = a[3] if a.size > 3 else 0.0
-    y1 = y2 = y3 = y4 = 0.0
-    for begin in range(0, x.size, REST):
-        if abs(y1) < GONE and abs(y2) < GONE and abs(y3) < GONE and abs(y4) < GONE:
-            y1 = y2 = y3 = y4 = 0.0
-        for k in range(begin, min(begin + REST, x.size)):
-            value = (x[k] - a4 * y4 - a3 * y3 - a2 * y2) - a1 * y1  # the newest last: it is the critical path
-            y4, y3, y2, y1 = y3, y2, y1, value
-            out[k] = value
-
-
-@njit(cache=True, fastmath={"contract"})
-def two_all_pole(a: FloatArray, x: FloatArray, out: FloatArray, other_x: FloatArray, other: FloatArray) -> None:
-    """The same for two signals of one length at once: neither waits for the other."""
-    if a.size > 3:
-        all_pole(a, x, out)
-        all_pole(a, other_x, other)
-        return
-    a1 = a[0] if a.size > 0 else 0.0
-    a2 = a[1] if a.size > 1 else 0.0
-    a3 = a[2] if a.size > 2 else 0.0
-    y1 = y2 = y3 = z1 = z2 = z3 = 0.0
-    for begin in range(0, x.size, REST):
-        if abs(y1) < GONE and abs(y2) < GONE and abs(y3) < GONE:
-            y1 = y2 = y3 = 0.0
-        if abs(z1) < GONE and abs(z2) < GONE and abs(z3) < GONE:
-            z1 = z2 = z3 = 0.0
-        for k in range(begin, min(begin + REST, x.size)):
-            value = (x[k] - a3 * y3 - a2 * y2) - a1 * y1  # the newest last: it is the critical path
-            second = (other_x[k] - a3 * z3 - a2 * z2) - a1 * z1
-            y3, y2, y1, z3, z2, z1 = y2, y1, value, z2, z1, second
-            out[k], other[k] = value, second
-
-
-@njit(cache=True, fastmath={"contract"})
-def _many_poles(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    for k in range(x.size):
-        value = x[k]
-        for i in range(min(a.size, k)):
-            value -= a[i] * out[k - 1 - i]
-        out[k] = value if abs(value) > GONE else 0.0
+from lostmotion.kernels.pole_filters import all_pole
 
 
 @njit(cache=True, fastmath={"contract"})

@@ -8,66 +8,13 @@ block of the signals ever exists, whatever the length of the record.
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.gradient_signals import ETA, H, X, Z, fill_block
-
-BLOCK = 512  # samples: a dozen signals of this length stay in the fastest memory
-DEAD = 1e-30  # an initial state that has decayed to this share tells nothing more
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _add_cross(
-    flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, out: FloatArray
-) -> None:
-    """Add to `out` the products of rows that begin at `single` with rows that begin at `lagged`, m long each.
-
-    Two and four at a time stay in registers.
-    """
-    for i in range(0, singles, 2):
-        i1 = min(i + 1, singles - 1)
-        first, second = flat[single[i] : single[i] + m], flat[single[i1] : single[i1] + m]
-        for j in range(0, lags, 4):
-            j1, j2, j3 = min(j + 1, lags - 1), min(j + 2, lags - 1), min(j + 3, lags - 1)
-            r0, r1 = flat[lagged[j] : lagged[j] + m], flat[lagged[j1] : lagged[j1] + m]
-            r2, r3 = flat[lagged[j2] : lagged[j2] + m], flat[lagged[j3] : lagged[j3] + m]
-            s0 = s1 = s2 = s3 = t0 = t1 = t2 = t3 = 0.0
-            for k in range(m):
-                x, y = first[k], second[k]
-                s0 += x * r0[k]
-                s1 += x * r1[k]
-                s2 += x * r2[k]
-                s3 += x * r3[k]
-                t0 += y * r0[k]
-                t1 += y * r1[k]
-                t2 += y * r2[k]
-                t3 += y * r3[k]
-            out[i, j] += s0
-            if i1 > i:
-                out[i1, j] += t0
-            if j1 > j:
-                out[i, j1] += s1
-                if i1 > i:
-                    out[i1, j1] += t1
-            if j2 > j1:
-                out[i, j2] += s2
-                if i1 > i:
-                    out[i1, j2] += t2
-            if j3 > j2:
-                out[i, j3] += s3
-                if i1 > i:
-                    out[i1, j3] += t3
-
-
-def _add_cross_plain(
-    flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, out: FloatArray
-) -> None:
-    ahead = np.stack([flat[at : at + m] for at in single[:singles]])
-    out[:singles, :lags] += ahead @ np.stack([flat[at : at + m] for at in lagged[:lags]]).T
-
-
-_cross = _add_cross_plain if config.DISABLE_JIT else _add_cross  # type: ignore[attr-defined]
+from lostmotion.kernels.gradient_signals import BLOCK, ETA, TILE, H, X, Z, block_at, fill_block, is_quiet
+from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.pole_filters import answers_of
+from lostmotion.kernels.row_products import add_row_products, added_up, room
 
 
 @njit(cache=True, nogil=True)
@@ -81,7 +28,7 @@ def _layout(
     because it goes first, of the initial state.
     """
     groups, behind = 4 + ne, 4 + ne if p > 0 else 0  # first row of the signals behind D
-    history = width - BLOCK
+    history = width - BLOCK - TILE
     row, lag, count = np.empty(groups, np.int64), np.zeros(groups, np.int64), np.ones(groups, np.int64)
     place = np.zeros(groups, np.int64)
     row[0], lag[0], count[0] = behind + Z, 1, na
@@ -144,6 +91,7 @@ def _assemble(
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _sum(values: FloatArray, m: int) -> float:
+    widest()
     total = 0.0
     for k in range(m):
         total += values[k]
@@ -151,21 +99,13 @@ def _sum(values: FloatArray, m: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _quiet(values: FloatArray) -> bool:
-    loudest = 0.0
-    for value in values:
-        loudest = max(loudest, abs(value))
-    return loudest < DEAD
-
-
-@njit(cache=True, nogil=True)
 def _add_block(
     flat: FloatArray, begins: IntArray, single: IntArray, lagged: IntArray, gone: int, skipped: int, rows: int,
-    cross: FloatArray, sums: FloatArray,
+    parts: FloatArray, sums: FloatArray,
 ) -> None:  # fmt: skip
-    """Add the products of a block to `cross` and the sums of its signals to `sums`; the `gone` last lags are zero."""
+    """Add the products of a block to `parts` and the sums of its signals to `sums`; the `gone` last lags are zero."""
     singles = single.size - 1 if gone else single.size
-    _cross(flat, single + skipped, singles, lagged + skipped, lagged.size - gone, rows, cross)
+    add_row_products(flat, single + skipped, singles, lagged + skipped, lagged.size - gone, rows, parts)
     for g in range(begins.size):
         sums[g] += _sum(flat[begins[g] + skipped :], rows)
 
@@ -250,38 +190,46 @@ def normal_equations(
     shared = level + 1 + ne
     a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
     history = max(na, nb + 1, p, 4) + 1
-    begins, count, lagged, place, single = _layout(na, nb + 1, ne, p, nc, history + BLOCK)
+    begins, count, lagged, place, single = _layout(na, nb + 1, ne, p, nc, history + BLOCK + TILE)
     groups, many = count.size, lagged.size
-    buffer, work = np.empty((2 * signals if p > 0 else signals, history + BLOCK)), np.empty((2, BLOCK))
+    buffer = np.empty((2 * signals if p > 0 else signals, history + BLOCK + TILE))
     raw, white, flat = buffer[:signals], buffer[-signals:], buffer.reshape(-1)
-    sign = -np.ones(groups)
+    answers, sign = answers_of(a), -np.ones(groups)
     sign[0] = sign[2 + ne] = 1.0
     heads, tails = np.zeros((groups, history)), np.zeros((groups, history))
+    parts, work = np.empty(room(groups + 1, many)), np.empty((2, BLOCK))
     whole = -(1.0 + d.sum())  # gradient of the offset
     cost = 0.0
     for s in range(segments.shape[0]):
         head, n, place[-1] = segments[s, 0] + first, segments[s, 1] - segments[s, 0] - first, shared + p + s * nc
         if n <= p:
             continue
-        c, cross, sums, total = theta[place[-1] : place[-1] + nc], np.zeros((groups + 1, many)), np.zeros(groups), 0.0
+        c, sums, total = theta[place[-1] : place[-1] + nc], np.zeros(groups), 0.0
+        parts[:] = 0.0
         buffer[:, :history] = 0.0
-        for k0 in range(0, n, BLOCK):
-            m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
-            gone = nc if k0 > 0 and _quiet(white[H, :history]) else 0
+        k0 = 0
+        while k0 < n:
+            m, skipped = block_at(k0, n, p), max(p - k0, 0)
+            gone = nc if k0 > 0 and is_quiet(white[H, :history]) else 0
             part, at = y[head + k0 : head + k0 + m], head - delay
-            fill_block(a, b, c, d, offset, k0, at, x, dx, shapes, part, raw, white, history, work, zero, gone > 0)
+            fill_block(
+                a, answers, b, c, d, offset, k0, at, x, dx, shapes, part, raw, white, history, work, zero, gone > 0
+            )
             if k0 == 0:
                 _ends(flat, begins, count, p - 1, heads)
                 if early > 0.0:
                     cost += _add_early(flat, begins, count, single[-2], place, sign, d, level, early, hessian, gradient)
             if m > skipped:
-                _add_block(flat, begins, single, lagged, gone, skipped, m - skipped, cross, sums)
+                buffer[:, history + m : history + m + TILE] = 0.0  # what is behind a block is read, and adds nothing
+                _add_block(flat, begins, single, lagged, gone, skipped, m - skipped, parts, sums)
                 errors = white[ETA + ne, history + skipped : history + m]
                 total, cost = total + _sum(errors, m - skipped), cost + np.dot(errors, errors)
             if k0 + m < n:
                 buffer[:, :history] = buffer[:, m : m + history]
             else:
                 _ends(flat, begins, count, m - 1, tails)
+            k0 += m
+        cross = added_up(parts, groups + 1, many)
         _assemble(cross, count, heads, tails, place, sign, hessian)
         _add_level(cross, sums, whole, level, count, heads, tails, place, sign, hessian, gradient)
         hessian[level, level] += whole * whole * (n - p)

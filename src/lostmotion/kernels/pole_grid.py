@@ -28,7 +28,8 @@ from lostmotion.kernels.lanes import (
     store,
     times,
 )
-from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.pole_sums import GONE, derive_lags, respond, sum_lags, sum_modes
 from lostmotion.kernels.products import add_lags
 

@@ -6,7 +6,7 @@ import numpy as np
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
+from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store, widest
 
 TILE = 4 * WIDTH  # columns of a factor at a time
 DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
@@ -18,6 +18,7 @@ def _add_lags(first: FloatArray, second: FloatArray, other: FloatArray, begin: i
 
     Two by four at a time stay in registers.
     """
+    widest()
     m = first.size
     for j in range(0, lags, 4):
         j1, j2, j3 = min(j + 1, lags - 1), min(j + 2, lags - 1), min(j + 3, lags - 1)

@@ -10,7 +10,8 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.likelihood import two_all_pole
+from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.stiction import KANO
 
 TINY = 1e-300  # keeps divisions finite
@@ -152,7 +153,8 @@ def through_process(
     for_levels, for_sides = drive[0][:n], drive[1][:n]
     _through_numerator(slips, levels, begin, steps, for_levels)
     _through_numerator(slips, sides, begin, steps, for_sides)
-    two_all_pole(a, for_levels, of_levels, for_sides, of_sides)
+    all_pole(a, for_levels, of_levels)
+    all_pole(a, for_sides, of_sides)
 
 
 @njit(cache=True, nogil=True)
@@ -180,6 +182,7 @@ def _add_products(
     sums: FloatArray,
 ) -> None:
     """Write `left` and `turned` (n,) and add their products with themselves and each other to `sums` (3,)."""
+    widest()
     own = both = other = 0.0
     for k in range(without.size):
         x, y = without[k] - by_level[k], by_side[k]

@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.gradient_signals import fill_errors, whiten
-from lostmotion.kernels.normal_equations import BLOCK
+from lostmotion.kernels.gradient_signals import BLOCK, TILE, block_at, fill_errors, whiten
+from lostmotion.kernels.pole_filters import answers_of
 
 
 @njit(cache=True, nogil=True)
@@ -33,24 +33,28 @@ def squared_errors(
     shared = level + 1 + ne
     a, b, d, offset = theta[:na], theta[na:level], theta[shared : shared + p], theta[level]
     history = max(na, nb + 1, p, 4) + 1
-    raw, work, white = np.empty((3, history + BLOCK)), np.empty((2, BLOCK)), np.empty(BLOCK)
-    cost = 0.0
+    raw, work, white = np.empty((3, history + BLOCK + TILE)), np.empty((2, BLOCK)), np.empty(BLOCK + TILE)
+    answers, cost = answers_of(a), 0.0
     for s in range(segments.shape[0]):
         head, n, at = segments[s, 0] + first, segments[s, 1] - segments[s, 0] - first, shared + p + s * nc
         if n <= p:
             continue
         c = theta[at : at + nc]
         raw[:, :history] = 0.0
-        for k0 in range(0, n, BLOCK):
-            m, skipped = min(BLOCK, n - k0), max(p - k0, 0)
+        k0 = 0
+        while k0 < n:
+            m, skipped = block_at(k0, n, p), max(p - k0, 0)
             part = y[head + k0 : head + k0 + m]
-            fill_errors(a, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work, zero)
+            fill_errors(
+                a, answers, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work, zero
+            )
             if m > skipped or (early > 0.0 and k0 == 0):
-                whiten(d, raw[2], history, white[:m])
+                whiten(d, raw[2], history, m, white, 0)
                 if k0 == 0:
                     cost += early * np.dot(white[:skipped], white[:skipped])
                 errors = white[skipped:m]
                 cost += np.dot(errors, errors)
             if k0 + m < n:
                 raw[:, :history] = raw[:, m : m + history]
+            k0 += m
     return cost

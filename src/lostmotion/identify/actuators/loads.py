@@ -38,8 +38,9 @@ from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.likelihood.remembered import remembered
 from lostmotion.identify.scaled import ScaledData
-from lostmotion.kernels.likelihood import add_lagged, all_pole
+from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.linear import simulate
+from lostmotion.kernels.pole_filters import all_pole
 
 COST = 1.5  # of log n, in log-likelihood: what a swing or a step must bring, search for its time included
 PROMISING = 0.9  # the same at the noise model of the fit, which has taken over a part of every load; then it is tried

@@ -24,6 +24,7 @@ from lostmotion.identify.actuators.slip_draws import FEWEST_TURNS, spaced_rests
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.kernels import likelihood as kernel
+from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.slips import weigh_patterns
 
 INSIDE = 0.01  # of the rectangle, from its sides
@@ -324,7 +325,7 @@ def error_gradients(problem: Problem, theta: FloatArray) -> FloatArray:
 def _answer(a: FloatArray, x: FloatArray) -> FloatArray:
     """(1/A) x from rest."""
     out = np.empty(x.size)
-    kernel.all_pole(a, np.ascontiguousarray(x), out)
+    all_pole(a, np.ascontiguousarray(x), out)
     return out
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import WIDTH
-from lostmotion.kernels.likelihood import GONE, add_lagged
+from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.nested import nested
+from lostmotion.kernels.pole_filters import GONE
 from lostmotion.kernels.products import add_products
 from lostmotion.kernels.smoothed import smooth
 from lostmotion.kernels.zeros import add_products_behind
