@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.linalg import eigh
 
+from lostmotion.kernels.recursive_ml.follow import FELT
 from tests.naive.dead_zone import STEP, dead_zone
 from tests.naive.linear import largest_root, simulate
 
@@ -103,7 +104,7 @@ class Recursion:
         self.in_block = 0
         self.squares, self.weight = variance * weight, weight
         self.u, self.y = [], []  # as they act: bridged, and the noise model's own output where y is missing
-        self.good_y = []
+        self.good_y, self.learned = [], []
         self.x, self.x_slopes, self.w, self.v = [], [], [], []  # (1/A) x, (1/A) dx/deta, -(1/A) z, v
         self.x_d, self.w_d = [], []  # after D
         self.e_slopes = []  # (B/A) dx/deta
@@ -136,10 +137,12 @@ class Recursion:
         masked = not np.isnan(u) and not use
         u, learn = self.known(u, use)
         self.u.append(u)
+        self.y.append(y)
         error, psi = self.filter(y)
         self.good_y.append(not np.isnan(y) and not masked)
         seen = len(self.good_y) > self.p or all(self.good_y)  # at rest before the first
-        if learn and seen and all(self.good_y[-self.p - 1 :]):
+        self.learned.append(learn and seen and all(self.good_y[-self.p - 1 :]))
+        if self.learned[-1]:
             self.learn(u, error, psi)
         self.in_block += 1
         if self.in_block == self.block:
@@ -204,6 +207,34 @@ class Recursion:
         a, _, _, left, right, _, d = parts(self.theta, self.na, self.nb)
         if not (self.low <= left <= right <= self.high and largest_root(a) < 1 and largest_root(d) < 1):
             raise NotImplementedError(self.theta)
+        self.follow()
+
+    def follow(self):
+        """X and v of the newest samples by the theta of now, where predictions would be clearly wrong by those held."""
+        a, b, offset, left, right, log_ratio, d = parts(self.theta, self.na, self.nb)
+        reach = settling_time(a) + self.delay + self.nb + 1 + self.p
+        first = len(self.u) - self.block * min(-(-reach // self.block), len(self.blocks))
+        limit = self.clip * np.sqrt(self.squares / self.weight)
+        x, v = self.x[:first], self.v[:first]
+
+        def filtered(past, value):
+            return value - sum(c * at(past, len(past) - i) for i, c in enumerate(a, start=1))
+
+        for k in range(first, len(self.u)):
+            x.append(filtered(x, dead_zone(at(self.u, k - self.delay), left, right, np.exp(log_ratio), 1.0)))
+            foreseen = -sum(c * at(v, k - j) for j, c in enumerate(d, start=1))
+            error = self.y[k] - offset - sum(c * at(x, k - i) for i, c in enumerate(b)) - foreseen
+            weight = min(1.0, limit / abs(error)) if error and self.learned[k] else 1.0
+            v.append(foreseen if np.isnan(error) else foreseen + weight * error)
+        apart = [one - other for one, other in zip(x, self.x, strict=True)]
+        wrong = []
+        for _ in range(self.block):
+            wrong.append(abs(sum(c * at(apart, len(apart) - 1 - i) for i, c in enumerate(b))))
+            apart.append(filtered(apart, 0.0))
+        if max(wrong) >= FELT * np.sqrt(self.squares / self.weight):
+            held = max(self.na, self.nb + 1, self.p)
+            self.x[-held:] = x[-held:]
+            self.v[len(v) - self.p :] = v[len(v) - self.p :]
 
     def total(self):
         """Information and right-hand side of everything in whole blocks."""

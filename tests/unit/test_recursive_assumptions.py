@@ -273,6 +273,59 @@ def test_a_rounded_pv_is_not_stuck():
     assert holds(rounded.estimate)
 
 
+@pytest.mark.parametrize(("equal", "expected"), [(1, 1.0), (8, 1.0), (9, (8 / 9) ** 2), (800, 1e-4)])
+def test_weight_of_a_rounded_pv_that_comes_again(equal, expected):
+    repeats = np.array([0.0, equal - 1.0, watch.ROUNDED])
+    assert watch.news(repeats, 0) == pytest.approx(expected, rel=1e-12)
+    assert watch.stuck(0.0, repeats, 0) is False
+    assert repeats.tolist() == [0.0, equal, watch.ROUNDED]
+    repeats[ml.REPEATED], repeats[ml.SHARE] = equal, 1.0
+    assert watch.news(repeats, 0) == 1.0
+
+
+def test_mean_weight_is_that_of_the_samples():
+    y = np.repeat([1.0, np.nan, 2.0, 1.0], [3, 5, 20, 1])
+    expected = (3 + 8 + np.sum((8 / np.arange(9, 21)) ** 2) + 1) / 24
+    assert watch.mean_news(y, np.array([1.0, 7.0, watch.ROUNDED])) == pytest.approx(expected, rel=1e-12)
+
+
+def at_rest(hold, seed, step, n=20_000, wider=0.0):
+    """Tank whose OP rests for long, PV rounded to so many deviations of its noise; wider by half of the record."""
+    tank = lm.platforms.level_tank()
+    u = lm.signals.prs(n, -5, 5, hold=hold, seed=seed)
+    x = np.maximum(u - 1.0 - np.where(np.arange(n) < n // 2, 0.0, wider), 0.0) + np.minimum(u + 1.0, 0.0)
+    y = tank.linear.simulate(x) + np.random.default_rng(seed).normal(scale=0.003, size=n)
+    return u, 0.003 * step * np.round(y / (0.003 * step))
+
+
+def followed_tank(u, y):
+    rml = lm.RecursiveML(3, 2, 3)
+    rml.run(u, y, every=u.size)
+    return rml
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize(("hold", "seed", "step"), [(600, 7, 3), (600, 7, 5), (600, 3, 10), (200, 2, 5), (60, 7, 5)])
+def test_rounding_that_lasts_is_no_change(hold, seed, step):
+    """Its error stays while OP rests and was counted as many: 6 to 32 events, where nothing had changed."""
+    rml = followed_tank(*at_rest(hold, seed, step))
+    assert not rml.events
+    assert rml._recursion.layout[ml.MISSING] == 0
+    assert rml.estimate.status in (Status.OK, Status.COLOURED)
+    assert holds(rml.estimate, errors=4.0)
+    again = lm.RecursiveML.from_bytes(rml.to_bytes())
+    assert again.estimate.parameters == rml.estimate.parameters
+    assert again._recursion.memory.parts["repeats"][ml.SHARE] == watch.ROUNDED
+
+
+@pytest.mark.statistics
+def test_a_change_is_seen_through_rounding():
+    rml = followed_tank(*at_rest(60, 1, 3, wider=0.5))
+    assert [event.name for event in rml.events] == ["right"]
+    assert 10_000 < rml.events[0].sample < 10_600
+    assert rml.estimate.parameters["right"] == pytest.approx(1.5, abs=0.01)
+
+
 # --- states of earlier formats
 
 

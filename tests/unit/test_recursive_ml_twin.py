@@ -8,6 +8,7 @@ from lostmotion.identify.recursive.ml_settings import Tuning
 from lostmotion.identify.recursive.remembered import Memory, Stretch
 from lostmotion.kernels.linear import is_stable
 from lostmotion.kernels.recursive_ml import advance, bounds, change, equations, information, run
+from lostmotion.kernels.recursive_ml import follow as following
 from lostmotion.kernels.recursive_ml import state as ml
 from tests.naive import recursive_ml as naive
 from tests.naive.linear import largest_root
@@ -199,6 +200,30 @@ def test_replay_is_what_has_been(p):
     close(again.r, memory.parts["ring_r"][slots], "R")
     close(again.snapshots[:-1], memory.parts["ring_filters"][slots], "filters")
     close(again.snapshots[-1], memory.parts["filters"], "filters at the end")
+
+
+@pytest.mark.parametrize("p", [0, 1, 3])
+def test_filters_follow_parameters_that_have_moved(p):
+    """Their X and v are then those of samples filtered with the new parameters; of a small move they stay."""
+    state, layout, _ = unmoved(p)
+    memory = Memory(state, layout)
+    state[ml.SQUARES] = 1e12 * VARIANCE
+    held, x_at = memory.parts["filters"].copy(), layout[ml.DELAY] + 1
+    memory.theta[:2] *= 1.0 + 1e-6
+    following.follow(state, layout)
+    np.testing.assert_array_equal(memory.parts["filters"], held)
+    memory.theta[:2] *= 1.2
+    following.follow(state, layout)
+    again = memory.replay(Stretch(16, memory.theta, onset=-1), memory.theta, 3.0 * VARIANCE**0.5).snapshots[-1]
+    moved = [
+        *range(x_at, x_at + 2),
+        *range(noise := advance.noise_at(2, 2, 2), noise + p),
+        *range(past := noise + p + 4, past + p),
+    ]
+    np.testing.assert_allclose(memory.parts["filters"][moved], again[moved], rtol=1e-4, atol=1e-4)
+    assert np.abs(held - again)[moved].max() > 0.01
+    memory.parts["filters"][moved] = held[moved]
+    np.testing.assert_array_equal(memory.parts["filters"], held)
 
 
 @pytest.mark.parametrize("blocks", [1, 4, 16])

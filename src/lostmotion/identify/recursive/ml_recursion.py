@@ -134,4 +134,5 @@ class Recursion:
         memory.parts["sum_h"][:], memory.parts["sum_g"][:] = 0.0, 0.0  # samples from before in the open block
         self.layout[ml.EXPLAIN_AT], self.layout[ml.REFIT_AT] = 0, ml.NEVER  # neither looks back beyond it
         self.layout[ml.SINCE] = self.layout[ml.COUNT]
+        self.layout[ml.FROM_BLOCK] = self.layout[ml.BLOCKS] + (self.layout[ml.FILLED] > 0)
         memory.solve()

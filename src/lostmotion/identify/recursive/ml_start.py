@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import LocalFit, refine
 from lostmotion.identify.recursive.ml_recursion import Recursion
 from lostmotion.identify.recursive.ml_settings import Settings
-from lostmotion.identify.recursive.ml_window import LARGEST_WINDOW, Window, fit_window, may_begin
+from lostmotion.identify.recursive.ml_window import LARGEST_WINDOW, Window, fit_window, is_coarse, may_begin
 from lostmotion.kernels.recursive_ml import advance, drift, information, watch
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.threads import one_thread
@@ -67,10 +67,17 @@ class FirstWindow:
         y = watch.without_stuck(np.array(self.y), repeats)
         window = Window(np.array(self.u), y).plausible
         found = fit_window(window, self.settings)
+        coarse = found is not None and is_coarse(found[0], window.y)
+        if coarse:  # what comes again is no stuck PV, and what stays of the rounding is no colour of the noise
+            window = Window(np.array(self.u), np.array(self.y)).plausible
+            found = fit_window(window, self._coarsely)
         self.integrating = found is not None and found[0].chosen.integrating
         if found is not None and may_begin(found[0], waited, window.places):
             self.u, self.y = [], []
             recursion = begin(*found, self.settings, self.seen - found[1].u.size)
+            if coarse:
+                repeats[ml.SHARE] = watch.ROUNDED
+                lighten(recursion, watch.mean_news(window.y, repeats))
             repeats[ml.LAST_Y] /= recursion.scales[1]
             recursion.memory.parts["repeats"][:] = repeats
             return recursion
@@ -81,6 +88,20 @@ class FirstWindow:
         else:
             self.next_try = 2 * self.seen
         return None
+
+    @property
+    def _coarsely(self) -> Settings:
+        """Settings with which a window of a coarsely rounded PV is fitted."""
+        return replace(self.settings, noise="white") if self.settings.noise == "auto" else self.settings
+
+
+def lighten(recursion: Recursion, share: float) -> None:
+    """Leave of what a window tells the share of its samples that tell something new."""
+    for name in ("ref_h", "ref_r"):
+        recursion.memory.parts[name][:] *= share
+    recursion.state[[ml.WEIGHT, ml.SQUARES]] *= share
+    drift.agree(recursion.state, recursion.layout)
+    information.newton_step(recursion.state, recursion.layout)
 
 
 def begin(fit: HammersteinFit, window: Window, settings: Settings, before: int) -> Recursion:

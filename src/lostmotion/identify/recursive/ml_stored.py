@@ -11,6 +11,7 @@ from lostmotion.files.schema import LARGEST, LARGEST_WHOLE, anything, checked, e
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.kernels.recursive_ml import drift
 from lostmotion.kernels.recursive_ml import state as ml
+from lostmotion.kernels.recursive_ml.watch import ROUNDED
 
 MOST_ORDER, MOST_START = 1000, 10_000_000  # orders and samples of a first window: more are no loop's
 LONGEST_SETTLING = 1_000_000_000
@@ -105,7 +106,7 @@ def _check_values(state: FloatArray, layout: IntArray) -> None:
     if not (_plain(head) and head[0] >= 0.0 and head[1] > 0.0 and head[2] <= head[3]):
         raise ValueError("state")
     again, share = parts["repeats"][[ml.REPEATED, ml.SHARE]]
-    if not (again >= 0.0 and 0.0 <= share <= 1.0):
+    if not (again >= 0.0 and (0.0 <= share <= 1.0 or share == ROUNDED)):
         raise ValueError("repeats")
     if not (np.isnan(state[ml.ZERO]) or state[ml.ZERO] in (0.0, 1.0)):
         raise ValueError("state")

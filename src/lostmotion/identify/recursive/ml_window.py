@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from lostmotion.identify.estimate import identify_alone
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.recursive.ml_settings import Settings
 from lostmotion.records import LoopRecord
+from lostmotion.records.quantum import quantum
 
 GROSS = 20.0  # times the range of 98 % of the samples: no signal of a plant, but a code for a failure
 OUTLIER = 6.0  # median deviations beyond which a residual of the first window is drawn in
@@ -21,6 +23,8 @@ GOOD = (Status.OK, Status.MISFIT, Status.COLOURED, Status.WIDE, Status.FEW_CROSS
 CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a first window may begin
 # the same of the static gain: a start with 0.28 (16.7 for 6.7) ended at the bound of the slope ratio and stayed there
 CLEAR_GAIN = 0.25
+COARSE = 1.5  # deviations of the errors, rounding among them: steps of 1.7 deviations of the noise
+SURE = 3.0  # standard errors of a break point by which OP stood inside
 # values of OP: through few of them another dead zone with other slopes, gain and offset goes as well, to the last digit
 FEWEST_PLACES = 10
 CLEAR_WINDOW = 2  # times the first window: from then on a dead zone that is known less well may begin
@@ -94,7 +98,8 @@ def may_begin(fit: HammersteinFit, waited: float, places: int) -> bool:
     clear = waited >= CLEAR_WINDOW or is_clear(fit)
     anchored = waited >= LARGEST_WINDOW or is_anchored(fit)
     seen = waited >= LARGEST_WINDOW or places >= FEWEST_PLACES
-    return fit.status in accepted and clear and anchored and seen and not fit.chosen.integrating
+    placed = waited >= LARGEST_WINDOW or is_placed(fit)
+    return fit.status in accepted and clear and anchored and placed and seen and not fit.chosen.integrating
 
 
 def is_clear(fit: HammersteinFit) -> bool:
@@ -102,6 +107,24 @@ def is_clear(fit: HammersteinFit) -> bool:
     errors, values = fit.standard_errors, fit.parameters
     wide = errors["width"] < CLEAR_WIDTH * values["width"]
     return bool(wide and errors["slope_ratio"] < CLEAR_RATIO * values["slope_ratio"])
+
+
+def is_placed(fit: HammersteinFit) -> bool:
+    """Whether OP stood inside the dead zone, where there clearly is one.
+
+    Where it never did, zone and offset slide along together, and the first OP inside is an error of many deviations,
+    which the noise model takes for its own.
+    """
+    errors, values = fit.standard_errors, fit.parameters
+    if errors["width"] >= CLEAR_WIDTH * values["width"]:
+        return True
+    low, high = values["left"] + SURE * errors["left"], values["right"] - SURE * errors["right"]
+    return bool(np.any((fit.data.u > low) & (fit.data.u < high)))
+
+
+def is_coarse(fit: HammersteinFit, y: FloatArray) -> bool:
+    """Whether PV is rounded to steps beyond its noise: where OP rests it repeats, and one rounding error stays."""
+    return quantum(y) > COARSE * math.sqrt(fit.noise.variance)
 
 
 def is_anchored(fit: HammersteinFit) -> bool:

@@ -164,9 +164,10 @@ def replay(
                     filters[noise_at(na, nb1, delay)] -= (1.0 - weight) * error
                 if onset <= at < onset + blind:
                     continue
+                told = state[layout[ml.USED] + k]
                 if at >= onset:
-                    gather(psi, error, weight, h[i], r[i])
-                cost += error * error if weight == 1.0 else limit * (2.0 * abs(error) - limit)
+                    gather(psi, error, told * weight, h[i], r[i])
+                cost += told * (error * error if weight == 1.0 else limit * (2.0 * abs(error) - limit))
         r[i] += np.dot(h[i], theta)
     snapshots[blocks] = filters
     return cost

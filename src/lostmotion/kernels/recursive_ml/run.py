@@ -12,8 +12,9 @@ from lostmotion.kernels.recursive_ml.advance import advance, noise_at, settling
 from lostmotion.kernels.recursive_ml.change import find_change
 from lostmotion.kernels.recursive_ml.drift import leave
 from lostmotion.kernels.recursive_ml.equations import gather, influence, informed_sides, merge
+from lostmotion.kernels.recursive_ml.follow import follow
 from lostmotion.kernels.recursive_ml.information import newton_step, total_information
-from lostmotion.kernels.recursive_ml.watch import believable, stuck, watch_command, watch_error
+from lostmotion.kernels.recursive_ml.watch import believable, news, stuck, watch_command, watch_error
 
 NOTHING, ALARMED, REFIT = range(3)  # why `run` came back
 UNKNOWN = -1  # in place of the samples to wait: the command is not known yet
@@ -36,6 +37,7 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
         total_information(state, layout)
         return ALARMED
     newton_step(state, layout)
+    follow(state, layout)
     if layout[ml.COUNT] - layout[ml.SINCE] >= layout[ml.TEST_AFTER] and find_change(state, layout):
         layout[ml.EXPLAIN_AT] = layout[ml.BLOCKS] + max(min(ENOUGH, ring) - layout[ml.WINDOW], 0)
         if layout[ml.EXPLAIN_AT] == layout[ml.BLOCKS]:
@@ -151,15 +153,16 @@ def take(
         layout[ml.WAIT] -= 1
         used = False
     used = used and layout[ml.SETTLE] == 0
+    told = news(state, layout[ml.REPEATS]) if used else 0.0
     if used:
         state[ml.LOW], state[ml.HIGH] = min(state[ml.LOW], u), max(state[ml.HIGH], u)
         deviation = np.sqrt(ml.variance(state))
         limit = state[ml.CLIP] * deviation
         weight = influence(error, limit)
         watch_error(error, deviation, True, state, layout)
-        gather(psi, error, weight, h, g)
-        state[ml.SQUARES] = state[ml.KEEP] * state[ml.SQUARES] + min(error * error, limit * limit)
-        state[ml.WEIGHT] = state[ml.KEEP] * state[ml.WEIGHT] + 1.0
+        gather(psi, error, told * weight, h, g)
+        state[ml.SQUARES] = state[ml.KEEP] * state[ml.SQUARES] + told * min(error * error, limit * limit)
+        state[ml.WEIGHT] = state[ml.KEEP] * state[ml.WEIGHT] + told
         if weight < 1.0:
             layout[ml.CLIPPED] += 1
             if p > 0:
@@ -169,7 +172,7 @@ def take(
     at = slot * layout[ml.BLOCK] + layout[ml.FILLED]
     state[layout[ml.U] + at] = u
     state[layout[ml.Y] + at] = y
-    state[layout[ml.USED] + at] = 1.0 if used else 0.0
+    state[layout[ml.USED] + at] = told
     layout[ml.FILLED] += 1
     layout[ml.COUNT] += 1
     return error

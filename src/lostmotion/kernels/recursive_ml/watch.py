@@ -17,6 +17,8 @@ WATCHED = 1.0 - 1.0 / 5000  # memory for the colour of the errors
 MOST_DEVIATIONS = 4.0  # an outlier counts as so many
 RARE = 0.1  # share of PV that come again by chance, up to which a stuck one can be told: steps of a third of the noise
 CHANCE = 1e-4  # that a PV comes again so often by chance
+ROUNDED = 2.0  # in place of the share: PV is rounded coarsely, and repeats where it rests, however rarely it does
+EQUAL = 8.0  # samples of a rounded PV in a row that count fully; all of them together count as twice as many at most
 SHARES = 1.0 / 1000  # of each new PV in the share of those that come again
 
 
@@ -53,17 +55,38 @@ def stuck(y: float, state: FloatArray, at: int) -> bool:
     row is as rare. A frozen transmitter or a historian that fills in repeats what is no measurement. The part
     `repeats` lies in `state` from `at` on.
     """
-    last, again = state[at + ml.LAST_Y], state[at + ml.REPEATED]
+    last, again, share = state[at + ml.LAST_Y], state[at + ml.REPEATED], state[at + ml.SHARE]
     if y != last:
-        if again == 0.0 and not np.isnan(y) and not np.isnan(last):
-            state[at + ml.SHARE] *= 1.0 - SHARES
+        if again == 0.0 and share <= 1.0 and not np.isnan(y) and not np.isnan(last):
+            state[at + ml.SHARE] = share * (1.0 - SHARES)
         state[at + ml.LAST_Y], state[at + ml.REPEATED] = y, 0.0
         return False
-    share = state[at + ml.SHARE]
-    if again == 0.0:
+    if again == 0.0 and share <= 1.0:
         state[at + ml.SHARE] += SHARES * (1.0 - share)
     state[at + ml.REPEATED] = again + 1.0
     return bool(share < RARE and share ** (again + 1.0) < CHANCE)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def news(state: FloatArray, at: int) -> float:
+    """Weight of a sample: 1, but where PV is rounded coarsely and comes again and again with one rounding error."""
+    equal = state[at + ml.REPEATED] + 1.0
+    if state[at + ml.SHARE] <= 1.0 or equal <= EQUAL:
+        return 1.0
+    return float((EQUAL / equal) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def mean_news(y: FloatArray, repeats: FloatArray) -> float:
+    """Mean weight of the samples of a rounded PV (n,); leaves `repeats` as after the last one."""
+    repeats[ml.LAST_Y], repeats[ml.REPEATED] = np.nan, 0.0
+    total, known = 0.0, 0
+    for value in y:
+        stuck(value, repeats, 0)
+        if not np.isnan(value):
+            total += news(repeats, 0)
+            known += 1
+    return total / max(known, 1)
 
 
 @njit(cache=True, nogil=True)
