@@ -212,8 +212,17 @@ class Recursion:
     def follow(self):
         """X and v of the newest samples by the theta of now, where predictions would be clearly wrong by those held."""
         a, b, offset, left, right, log_ratio, d = parts(self.theta, self.na, self.nb)
+        c = np.eye(self.theta.size)[self.na + self.nb + 3] - np.eye(self.theta.size)[self.na + self.nb + 2]
+        total = self.total()[0]
+        if self.offset == "zero":
+            total[self.na + self.nb + 1, self.na + self.nb + 1] *= 1e9
+        spread = self.squares / self.weight * (c @ np.linalg.solve(total, c))
+        if (right - left) ** 2 <= np.log(max(self.weight, 2.0)) * spread:
+            return
         reach = settling_time(a) + self.delay + self.nb + 1 + self.p
-        first = len(self.u) - self.block * min(-(-reach // self.block), len(self.blocks))
+        if reach > self.block * len(self.blocks):
+            return
+        first = len(self.u) - self.block * -(-reach // self.block)
         limit = self.clip * np.sqrt(self.squares / self.weight)
         x, v = self.x[:first], self.v[:first]
 

@@ -50,8 +50,20 @@ def felt(held: FloatArray, right: FloatArray, theta: FloatArray, na: int, nb1: i
 
 
 @njit(cache=True, nogil=True)
+def zone_is_clear(state: FloatArray, layout: IntArray) -> bool:
+    """Whether BIC prefers a dead zone: the place of one that is none wanders, and what is filtered with it too."""
+    left = ml.eta_at(layout)
+    theta, inverse = ml.vector(state, layout, ml.THETA), ml.matrix(state, layout, ml.INVERSE)
+    width = theta[left + 1] - theta[left]
+    spread = inverse[left, left] + inverse[left + 1, left + 1] - 2.0 * inverse[left, left + 1]
+    return bool(width * width > np.log(max(state[ml.WEIGHT], 2.0)) * ml.variance(state) * spread)
+
+
+@njit(cache=True, nogil=True)
 def follow(state: FloatArray, layout: IntArray) -> None:
     """Filter X and v of the newest samples again, with theta as it is now, as far back as they remember.
+
+    Where that is further than the samples are stored nothing is done: what they begin with would be of the old theta.
 
     Taken on as they are they would predict with the old theta for as long as the process remembers, and the equations
     of these samples, which are about the new one, would be wrong by the whole step. The gradients stay: their error is
@@ -60,9 +72,9 @@ def follow(state: FloatArray, layout: IntArray) -> None:
     na, nb1, delay, p = layout[ml.NA], layout[ml.NB1], layout[ml.DELAY], layout[ml.P]
     block, ring = layout[ml.BLOCK], layout[ml.RING]
     theta, filters = ml.vector(state, layout, ml.THETA), ml.filters_now(state, layout)
-    blocks = min((settling(theta, na, nb1, delay) + p + block - 1) // block, ring)
-    blocks = min(blocks, layout[ml.BLOCKS] - layout[ml.FROM_BLOCK])
-    if blocks < 1:
+    blocks = (settling(theta, na, nb1, delay) + p + block - 1) // block
+    known = min(ring, layout[ml.BLOCKS] - layout[ml.FROM_BLOCK])
+    if not 1 <= blocks <= known or not zone_is_clear(state, layout):
         return
     oldest = (layout[ml.BLOCKS] - blocks) % ring
     before = ml.filters_of(state, layout, oldest)
