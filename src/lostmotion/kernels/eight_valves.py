@@ -44,13 +44,15 @@ def _follow_all(
     """
     state, some = at_rest(bands, jumps, starts), np.empty(ROWS * EIGHT)
     values = address(some)
+    x0, x1, x2, x3 = address(x[0]), address(x[1]), address(x[2]), address(x[3])
+    x4, x5, x6, x7 = address(x[4]), address(x[5]), address(x[6]), address(x[7])
     for begin in range(0, u.size, ROWS):
         end = min(begin + ROWS, u.size)
         follow(model, u, begin, end, bands, jumps, state, some)
-        for lane in range(EIGHT):
-            row = x[lane]
-            for k in range(begin, end):
-                row[k] = values[(k - begin) * EIGHT + lane]
+        for k in range(begin, end):  # row by row: a compiler would gather what it finds valve by valve
+            at = (k - begin) * EIGHT
+            x0[k], x1[k], x2[k], x3[k] = values[at], values[at + 1], values[at + 2], values[at + 3]
+            x4[k], x5[k], x6[k], x7[k] = values[at + 4], values[at + 5], values[at + 6], values[at + 7]
     return state[TURNS:]
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store, widest
+from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store, widest
 
-TILE = 4 * WIDTH  # columns of a factor at a time
+TILE = 4 * WIDEST  # columns of a factor at a time
 DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
 
 
@@ -145,31 +145,31 @@ def _add_rows(
     """
     here, pairs = row * width, begin + (end - begin) // 2 * 2
     for at in range(column // TILE * TILE, width, TILE):
-        s0, s1 = load(floats, here + at), load(floats, here + at + WIDTH)
-        s2, s3 = load(floats, here + at + 2 * WIDTH), load(floats, here + at + 3 * WIDTH)
-        t0 = t1 = t2 = t3 = spread(0.0)  # of every other row: a sum waits for its last addition
+        s0, s1 = load_widest(floats, here + at), load_widest(floats, here + at + WIDEST)
+        s2, s3 = load_widest(floats, here + at + 2 * WIDEST), load_widest(floats, here + at + 3 * WIDEST)
+        t0 = t1 = t2 = t3 = spread_widest(0.0)  # of every other row: a sum waits for its last addition
         for k in range(begin, pairs, 2):
-            weight, other = spread(sign * weights[first + (k - begin) * step]), k * width + at
-            s0 = plus_product(s0, weight, load(floats, other))
-            s1 = plus_product(s1, weight, load(floats, other + WIDTH))
-            s2 = plus_product(s2, weight, load(floats, other + 2 * WIDTH))
-            s3 = plus_product(s3, weight, load(floats, other + 3 * WIDTH))
-            weight, other = spread(sign * weights[first + (k + 1 - begin) * step]), other + width
-            t0 = plus_product(t0, weight, load(floats, other))
-            t1 = plus_product(t1, weight, load(floats, other + WIDTH))
-            t2 = plus_product(t2, weight, load(floats, other + 2 * WIDTH))
-            t3 = plus_product(t3, weight, load(floats, other + 3 * WIDTH))
+            weight, other = spread_widest(sign * weights[first + (k - begin) * step]), k * width + at
+            s0 = plus_product(s0, weight, load_widest(floats, other))
+            s1 = plus_product(s1, weight, load_widest(floats, other + WIDEST))
+            s2 = plus_product(s2, weight, load_widest(floats, other + 2 * WIDEST))
+            s3 = plus_product(s3, weight, load_widest(floats, other + 3 * WIDEST))
+            weight, other = spread_widest(sign * weights[first + (k + 1 - begin) * step]), other + width
+            t0 = plus_product(t0, weight, load_widest(floats, other))
+            t1 = plus_product(t1, weight, load_widest(floats, other + WIDEST))
+            t2 = plus_product(t2, weight, load_widest(floats, other + 2 * WIDEST))
+            t3 = plus_product(t3, weight, load_widest(floats, other + 3 * WIDEST))
         if pairs < end:
-            weight, other = spread(sign * weights[first + (pairs - begin) * step]), pairs * width + at
-            s0 = plus_product(s0, weight, load(floats, other))
-            s1 = plus_product(s1, weight, load(floats, other + WIDTH))
-            s2 = plus_product(s2, weight, load(floats, other + 2 * WIDTH))
-            s3 = plus_product(s3, weight, load(floats, other + 3 * WIDTH))
-        one = spread(1.0)
+            weight, other = spread_widest(sign * weights[first + (pairs - begin) * step]), pairs * width + at
+            s0 = plus_product(s0, weight, load_widest(floats, other))
+            s1 = plus_product(s1, weight, load_widest(floats, other + WIDEST))
+            s2 = plus_product(s2, weight, load_widest(floats, other + 2 * WIDEST))
+            s3 = plus_product(s3, weight, load_widest(floats, other + 3 * WIDEST))
+        one = spread_widest(1.0)
         store(floats, here + at, plus_product(s0, one, t0))
-        store(floats, here + at + WIDTH, plus_product(s1, one, t1))
-        store(floats, here + at + 2 * WIDTH, plus_product(s2, one, t2))
-        store(floats, here + at + 3 * WIDTH, plus_product(s3, one, t3))
+        store(floats, here + at + WIDEST, plus_product(s1, one, t1))
+        store(floats, here + at + 2 * WIDEST, plus_product(s2, one, t2))
+        store(floats, here + at + 3 * WIDEST, plus_product(s3, one, t3))
 
 
 @njit(cache=True, nogil=True)

@@ -15,11 +15,11 @@ from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.eight_valves import EIGHT, follow_all
-from lostmotion.kernels.lanes import WIDTH, address, load, plus_product, spread, store
+from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store
 from lostmotion.kernels.products import complete, explained
 from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 
-LAGS = 4 * WIDTH  # of which sums are made at a time
+LAGS = 4 * WIDEST  # of which sums are made at a time
 
 
 @njit(cache=True, nogil=True)
@@ -58,18 +58,18 @@ def _add_shifted(
     weights, rows, values, sums = address(changes), address(slips), address(running), address(out)
     for i in range(0, out.size, LAGS):
         at = i + offset
-        s0, s1 = load(sums, i), load(sums, i + WIDTH)
-        s2, s3 = load(sums, i + 2 * WIDTH), load(sums, i + 3 * WIDTH)
+        s0, s1 = load_widest(sums, i), load_widest(sums, i + WIDEST)
+        s2, s3 = load_widest(sums, i + 2 * WIDEST), load_widest(sums, i + 3 * WIDEST)
         for m in range(low, high):
-            change, begin = spread(weights[m]), rows[m] + at
-            s0 = plus_product(s0, change, load(values, begin))
-            s1 = plus_product(s1, change, load(values, begin + WIDTH))
-            s2 = plus_product(s2, change, load(values, begin + 2 * WIDTH))
-            s3 = plus_product(s3, change, load(values, begin + 3 * WIDTH))
+            change, begin = spread_widest(weights[m]), rows[m] + at
+            s0 = plus_product(s0, change, load_widest(values, begin))
+            s1 = plus_product(s1, change, load_widest(values, begin + WIDEST))
+            s2 = plus_product(s2, change, load_widest(values, begin + 2 * WIDEST))
+            s3 = plus_product(s3, change, load_widest(values, begin + 3 * WIDEST))
         store(sums, i, s0)
-        store(sums, i + WIDTH, s1)
-        store(sums, i + 2 * WIDTH, s2)
-        store(sums, i + 3 * WIDTH, s3)
+        store(sums, i + WIDEST, s1)
+        store(sums, i + 2 * WIDEST, s2)
+        store(sums, i + 3 * WIDEST, s3)
 
 
 @njit(cache=True, nogil=True)
