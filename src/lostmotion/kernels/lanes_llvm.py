@@ -100,9 +100,11 @@ def _everywhere(builder: Any, values: Any, place: int) -> Any:
 
 @_compiler(types.void)
 def as_widest(builder: Any) -> Any:
-    """Marks of the function that is being compiled; what they say is LLVM's, not llvmlite's."""
-    for mark in ("prefer-vector-width", "min-legal-vector-width"):
-        set.add(builder.function.attributes, f'"{mark}"="512"')
+    """Marks of the function that is being compiled, of those that llvmlite does not know; none where it forbids them."""
+    marks = builder.function.attributes
+    if isinstance(marks, set):
+        for mark in ("prefer-vector-width", "min-legal-vector-width"):
+            set.add(marks, f'"{mark}"="512"')
     return ir.Constant(ir.IntType(8).as_pointer(), None)
 
 
