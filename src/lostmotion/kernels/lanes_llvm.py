@@ -100,7 +100,7 @@ def _everywhere(builder: Any, values: Any, place: int) -> Any:
 
 @_compiler(types.void)
 def as_widest(builder: Any) -> Any:
-    """Marks of the function that is being compiled, of those that llvmlite does not know; none where it forbids them."""
+    """Marks of the function that is being compiled that llvmlite does not know; none where it forbids them."""
     marks = builder.function.attributes
     if isinstance(marks, set):
         for mark in ("prefer-vector-width", "min-legal-vector-width"):
