@@ -223,6 +223,8 @@ class Recursion:
         if reach > self.block * len(self.blocks):
             return
         first = len(self.u) - self.block * -(-reach // self.block)
+        if np.count_nonzero(np.diff(self.u[first:])) + 1 > 0.1 * (len(self.u) - first):
+            return
         limit = self.clip * np.sqrt(self.squares / self.weight)
         x, v = self.x[:first], self.v[:first]
 

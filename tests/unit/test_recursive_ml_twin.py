@@ -27,10 +27,10 @@ def plant(na, nb, delay, p, seed):
     return np.array([*a, *b, offset, -rng.uniform(0.3, 1), rng.uniform(0.3, 1), rng.uniform(-0.5, 0.5), *NOISE[p]])
 
 
-def record(theta, na, nb, delay, n, seed):
+def record(theta, na, nb, delay, n, seed, hold=3):
     """Command and measurement of that plant."""
     rng = np.random.default_rng(seed)
-    u = np.repeat(rng.uniform(-3, 3, n), 3)[:n]
+    u = np.repeat(rng.uniform(-3, 3, n), hold)[:n]
     white = VARIANCE**0.5 * rng.normal(size=n)
     v = []  # D v = white
     for k in range(n):
@@ -50,7 +50,7 @@ def prepared(theta, information, na, nb, delay, tuning):
     return state, layout
 
 
-def pair(orders, p, forgetting, seed, clip=3.0, offset="auto", sure=0.05):
+def pair(orders, p, forgetting, seed, clip=3.0, offset="auto", sure=0.05, hold=3):
     """The kernel's state and its twin, both a little off the plant, with a record of the plant."""
     na, nb, delay = orders
     theta = plant(na, nb, delay, p, seed)
@@ -64,7 +64,7 @@ def pair(orders, p, forgetting, seed, clip=3.0, offset="auto", sure=0.05):
         near, information, na, nb, delay, block=block, ring=ring, tail=tail, keep=forgetting, clip=clip, offset=offset,
         variance=VARIANCE, weight=50.0,
     )  # fmt: skip
-    return state, layout, slow, record(theta, na, nb, delay, 1400 if forgetting == 1 else 700, seed)
+    return state, layout, slow, record(theta, na, nb, delay, 1400 if forgetting == 1 else 700, seed, hold)
 
 
 def close(value, expected, message):
@@ -174,9 +174,9 @@ def test_gradient_from_rest(orders, p):
     np.testing.assert_allclose(rows, expected, rtol=1e-8, atol=1e-10)
 
 
-def unmoved(p):
+def unmoved(p, hold=3):
     """State whose parameters and variance have not moved for 19 blocks, and the errors."""
-    state, layout, _, (u, y) = pair((2, 1, 2), p, 1.0, seed=2, sure=1e-9)
+    state, layout, _, (u, y) = pair((2, 1, 2), p, 1.0, seed=2, sure=1e-9, hold=hold)
     state[ml.SQUARES], state[ml.WEIGHT] = 1e12 * VARIANCE, 1e12
     y[::31] += 3.0
     y[5::57] = NAN
@@ -205,7 +205,7 @@ def test_replay_is_what_has_been(p):
 @pytest.mark.parametrize("p", [0, 1, 3])
 def test_filters_follow_parameters_that_have_moved(p):
     """Their X and v are then those of samples filtered with the new parameters; of a small move they stay."""
-    state, layout, _ = unmoved(p)
+    state, layout, _ = unmoved(p, hold=40)
     memory = Memory(state, layout)
     state[ml.SQUARES] = 1e12 * VARIANCE
     held, x_at = memory.parts["filters"].copy(), layout[ml.DELAY] + 1
@@ -223,6 +223,21 @@ def test_filters_follow_parameters_that_have_moved(p):
     np.testing.assert_allclose(memory.parts["filters"][moved], again[moved], rtol=1e-4, atol=1e-4)
     assert np.abs(held - again)[moved].max() > 0.01
     memory.parts["filters"][moved] = held[moved]
+    np.testing.assert_array_equal(memory.parts["filters"], held)
+
+
+@pytest.mark.parametrize("p", [0, 1])
+def test_same_as_the_twin_where_op_rests(p):
+    state, layout, slow, (u, y) = pair((2, 1, 2), p, 1.0, seed=3, sure=0.3, hold=40)
+    follow(state, layout, slow, u, y, np.ones(u.size, dtype=bool))
+
+
+def test_filters_stay_where_op_moves_all_the_time():
+    state, layout, _ = unmoved(1)
+    memory = Memory(state, layout)
+    held = memory.parts["filters"].copy()
+    memory.theta[:2] *= 1.2
+    following.follow(state, layout)
     np.testing.assert_array_equal(memory.parts["filters"], held)
 
 

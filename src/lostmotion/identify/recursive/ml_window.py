@@ -24,6 +24,7 @@ CLEAR_WIDTH, CLEAR_RATIO = 0.1, 0.3  # relative standard errors with which a fir
 # the same of the static gain: a start with 0.28 (16.7 for 6.7) ended at the bound of the slope ratio and stayed there
 CLEAR_GAIN = 0.25
 COARSE = 1.5  # deviations of the errors, rounding among them: steps of 1.7 deviations of the noise
+RESTING = 0.9  # share of rows in which OP stays as it was
 SURE = 3.0  # standard errors of a break point by which OP stood inside
 # values of OP: through few of them another dead zone with other slopes, gain and offset goes as well, to the last digit
 FEWEST_PLACES = 10
@@ -123,8 +124,12 @@ def is_placed(fit: HammersteinFit) -> bool:
 
 
 def is_coarse(fit: HammersteinFit, y: FloatArray) -> bool:
-    """Whether PV is rounded to steps beyond its noise: where OP rests it repeats, and one rounding error stays."""
-    return quantum(y) > COARSE * math.sqrt(fit.noise.variance)
+    """Whether PV is rounded to steps beyond its noise, and OP rests: PV repeats then, and one rounding error stays.
+
+    Where OP moves all the time a PV that repeats is stuck, and errors of rounding come and go like noise.
+    """
+    rests = np.mean(np.diff(fit.data.u) == 0.0) > RESTING
+    return bool(rests and quantum(y) > COARSE * math.sqrt(fit.noise.variance))
 
 
 def is_anchored(fit: HammersteinFit) -> bool:

@@ -11,6 +11,7 @@ from lostmotion.kernels.recursive_ml.advance import noise_at, settling
 from lostmotion.kernels.recursive_ml.equations import influence
 
 FELT = 0.5  # deviations of the noise by which predictions would be wrong: what is less stays as it is
+RESTS = 0.9  # share of samples in which OP stays: a few moves then tell all, and the parameters go in leaps
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -60,10 +61,24 @@ def zone_is_clear(state: FloatArray, layout: IntArray) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def rests(state: FloatArray, layout: IntArray, oldest: int, blocks: int) -> bool:
+    """Whether OP stays as it is in most samples of so many blocks from the `oldest` on."""
+    block, ring = layout[ml.BLOCK], layout[ml.RING]
+    before, moves = np.nan, 0
+    for i in range(blocks):
+        first = layout[ml.U] + ((oldest + i) % ring) * block
+        for k in range(first, first + block):
+            moves += state[k] != before
+            before = state[k]
+    return bool(moves <= (1.0 - RESTS) * blocks * block)
+
+
+@njit(cache=True, nogil=True)
 def follow(state: FloatArray, layout: IntArray) -> None:
     """Filter X and v of the newest samples again, with theta as it is now, as far back as they remember.
 
     Where that is further than the samples are stored nothing is done: what they begin with would be of the old theta.
+    Nor is it where OP moves all the time: the parameters then go in small steps, and the filters keep up.
 
     Taken on as they are they would predict with the old theta for as long as the process remembers, and the equations
     of these samples, which are about the new one, would be wrong by the whole step. The gradients stay: their error is
@@ -77,6 +92,8 @@ def follow(state: FloatArray, layout: IntArray) -> None:
     if not 1 <= blocks <= known or not zone_is_clear(state, layout):
         return
     oldest = (layout[ml.BLOCKS] - blocks) % ring
+    if not rests(state, layout, oldest, blocks):
+        return
     before = ml.filters_of(state, layout, oldest)
     nx, eta = max(na, nb1), na + nb1 + 1
     at_x, at_v = delay + 1, noise_at(na, nb1, delay)
