@@ -53,13 +53,13 @@ class RecursiveML:
     Notes
     -----
     Missing samples are NaN; they, masked samples (``use=False``) and the time that the process needs to forget an
-    unknown command after them add no information. A PV that is to the last bit the one before, more often in a row
-    than chance allows (share of PV that come again, to the power of the times, below 1e-4), is taken for missing;
-    where more than one in ten comes again, since it is rounded, no repeat tells anything. Where it is rounded to more
-    than 1.5 deviations of the errors of a first window in which OP rests, the ninth and further equal samples in a row count little,
-    being one error of rounding, and noise="auto" is white. The state does not grow; results do not depend on how the
-    stream is cut. Method: Ljung and Soderstrom, *Theory and Practice of Recursive Identification* (1983), sections 3.7
-    and 5; test: Basseville and Nikiforov, *Detection of Abrupt Changes* (1993), chapter 8.
+    unknown command after them add no information. A PV that is to the last bit the one before, more often in a row than
+    chance allows (share of PV that come again, to the power of the times, below 1e-4), is taken for missing; where more
+    than one in ten comes again, since it is rounded, no repeat tells anything. Where it is rounded to more than 1.5
+    deviations of the errors of a first window in which OP rests, the ninth and further equal samples in a row count
+    little, being one error of rounding, and noise="auto" is white. The state does not grow; results do not depend on
+    how the stream is cut. Method: Ljung and Soderstrom, *Theory and Practice of Recursive Identification* (1983),
+    sections 3.7 and 5; test: Basseville and Nikiforov, *Detection of Abrupt Changes* (1993), chapter 8.
 
     Integrating processes are not followed: a window whose batch fit is integrating does not start the recursion, and
     the status says so (INTEGRATING). The differences of PV, with `na` one less, are followed.
