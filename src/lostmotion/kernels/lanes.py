@@ -1,8 +1,9 @@
 """Four or eight floats at once: what loops are made of that a compiler would not vectorise, or not as wide as it could.
 
-A compiler does not vectorise loops over a dozen floats whose number and overlap it cannot know. These functions say
-it outright: a quad, or an octet, is a vector register (or two of half the width). Their Python bodies are their meaning and run
-with the JIT off; there a quad is an array (4,), an octet one of (8,). Indices are not checked, and only whole quads are moved.
+A compiler does not vectorise loops over a dozen floats whose number and overlap it cannot know. These functions say it
+outright: a quad, or an octet, is a vector register (or two of half the width). Their Python bodies are their meaning
+and run with the JIT off; there a quad is an array (4,), an octet one of (8,). Indices are not checked, and only whole
+quads are moved.
 """
 
 from __future__ import annotations
