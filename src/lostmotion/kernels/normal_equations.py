@@ -162,23 +162,10 @@ def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, valu
 
 @njit(cache=True, nogil=True)
 def normal_equations(
-    theta: FloatArray,
-    na: int,
-    nb: int,
-    ne: int,
-    p: int,
-    delay: int,
-    first: int,
-    segments: IntArray,
-    x: FloatArray,
-    dx: FloatArray,
-    shapes: FloatArray,
-    y: FloatArray,
-    hessian: FloatArray,
-    gradient: FloatArray,
-    zero: float = 0.0,
-    early: float = 0.0,
-) -> float:
+    theta: FloatArray, na: int, nb: int, ne: int, p: int, delay: int, first: int, segments: IntArray,
+    x: FloatArray, dx: FloatArray, shapes: FloatArray, y: FloatArray, hessian: FloatArray, gradient: FloatArray,
+    zero: float = 0.0, early: float = 0.0,
+) -> float:  # fmt: skip
     """Add J'J and J'e of all segments to `hessian` (n, n) and `gradient` (n,); return the sum of e squared.
 
     `segments` (s, 2) holds start and stop rows; `first` counts from the start of each. Derivatives of x
