@@ -20,7 +20,7 @@ NOISE = 0.03**0.5
 Array = np.ndarray
 
 
-@njit(cache=True)
+@njit
 def serve(
     a: Array, b: Array, delay: int, slope: float, kp: float, ki_dt: float, limit: float, pole: float,
     reference: Array, mode: Array, hand: Array, left: Array, right: Array, shocks: Array, noise: Array,

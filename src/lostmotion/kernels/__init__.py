@@ -2,3 +2,9 @@
 
 Each has a slow, obvious twin in ``tests/naive``; ``NUMBA_DISABLE_JIT=1`` runs them as plain Python.
 """
+
+from pathlib import Path as _Path
+
+from lostmotion.kernels.compiled_before import forget_stale as _forget_stale
+
+_forget_stale(_Path(__file__).parent)

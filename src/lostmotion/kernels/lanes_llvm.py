@@ -163,7 +163,7 @@ def as_product(builder: Any, one: Any, other: Any) -> Any:
     return builder.fmul(one, other)
 
 
-@_compiler(_QUAD, _QUAD, _QUAD)
+@_compiler(_LANES, _LANES, _LANES)
 def as_quotient(builder: Any, one: Any, other: Any) -> Any:
     """Place by place."""
     return builder.fdiv(one, other)
@@ -188,12 +188,14 @@ def as_whole(builder: Any, values: Any) -> Any:
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.floor.v{WIDTH}f64"), [values])
 
 
-@_compiler(_QUAD, _QUAD, _QUAD)
+@_compiler(_LANES, _LANES, _LANES)
 def as_root_above(builder: Any, left: Any, floor: Any) -> Any:
     """Place by place, without branches."""
-    infinite = ir.Constant(_VECTOR, [float("inf")] * WIDTH)
+    vector = left.type
+    infinite = ir.Constant(vector, [float("inf")] * vector.count)
     chosen = builder.select(builder.fcmp_ordered(">", left, floor), left, infinite)
-    root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{WIDTH}f64")
+    kind = ir.FunctionType(vector, [vector])
+    root = cgutils.get_or_insert_function(builder.module, kind, f"llvm.sqrt.v{vector.count}f64")
     return builder.call(root, [chosen])
 
 

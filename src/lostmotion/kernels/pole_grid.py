@@ -15,19 +15,9 @@ import numpy.typing as npt
 from numba import config, njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import (
-    WIDTH,
-    Quad,
-    address,
-    less,
-    load,
-    over,
-    plus_product,
-    root_above,
-    spread,
-    store,
-    times,
-)
+from lostmotion.kernels.lanes import WIDEST, Quad, address, less, over, plus_product, root_above, store, times
+from lostmotion.kernels.lanes import load_widest as load
+from lostmotion.kernels.lanes import spread_widest as spread
 from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.pole_sums import GONE, derive_lags, respond, sum_lags, sum_modes
@@ -54,29 +44,29 @@ def _add_segment(
 ) -> None:
     """Add the Gram matrices of [X(k-low) .. X(k-low-lags+1), level, y] over rows k >= first, without a decaying mode.
 
-    For four A: `a` (na, 4), `decays` (4,); `grams` is (lags + 2, lags + 2, 4), lower halves, of products of lags
+    For WIDEST A: `a` (na, w), `decays` (w,); `grams` is (lags + 2, lags + 2, w), lower halves, of products of lags
     only those less than `orders` apart. `known` as in ``derive_lags``; empty: every lag is summed up. `square` is the
     sum of y squared.
     """
     n = target.size
-    x, level = np.empty(WIDTH * n), np.empty(WIDTH * n)
-    sums, modes = np.empty((lags, 3, WIDTH)), np.empty((6, WIDTH))
+    x, level = np.empty(WIDEST * n), np.empty(WIDEST * n)
+    sums, modes = np.empty((lags, 3, WIDEST)), np.empty((6, WIDEST))
     respond(a, drive, ones, x, level)
     if known.size > 0:
         derive_lags(a, x, level, target, decays, ones[-1], known, first, low, lags, sums, modes)
     else:
         sum_lags(x, level, target, first, low, lags, sums)
         sum_modes(x, level, target, decays, first, low, modes)
-    with_mode, whole = np.empty((lags + 2, WIDTH)), np.empty(WIDTH)
+    with_mode, whole = np.empty((lags + 2, WIDEST)), np.empty(WIDEST)
     with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0], modes[1], modes[2]
-    for lane in range(WIDTH):
+    for lane in range(WIDEST):
         decay, rows = decays[lane], n - first
         whole[lane] = rows if decay == 1.0 else (1.0 - decay ** (2 * rows)) / (1.0 - decay * decay)
         last = decay ** (rows - 1)
         for lag in range(1, lags):  # one lag more: a value in front, a power of the decay, one value less at the end
-            before, after = x[(first - low - lag) * WIDTH + lane], x[(n - low - lag) * WIDTH + lane]
+            before, after = x[(first - low - lag) * WIDEST + lane], x[(n - low - lag) * WIDEST + lane]
             with_mode[lag, lane] = before + decay * (with_mode[lag - 1, lane] - last * after)
-    part = np.zeros((lags + 2, lags + 2, WIDTH))
+    part = np.zeros((lags + 2, lags + 2, WIDEST))
     part[:orders, 0] = sums[:orders, 0]
     part[lags + 1, :lags], part[lags, :lags] = sums[:, 1], sums[:, 2]
     part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3], modes[4], square
@@ -92,18 +82,18 @@ def _add_part(
     to_x, table, out = address(x), address(part.reshape(-1)), address(grams.reshape(-1))
     mode, size, one = address(with_mode.reshape(-1)), lags + 2, spread(1.0)
     for column in range(1, lags):
-        head, tail = load(to_x, (first - column) * WIDTH), load(to_x, (last - column) * WIDTH)
+        head, tail = load(to_x, (first - column) * WIDEST), load(to_x, (last - column) * WIDEST)
         for row in range(column, min(column + orders, lags)):
-            let_in = times(load(to_x, (first - row) * WIDTH), head)
-            let_out = times(load(to_x, (last - row) * WIDTH), tail)
-            value = plus_product(let_in, one, load(table, ((row - 1) * size + column - 1) * WIDTH))
-            store(table, (row * size + column) * WIDTH, less(value, let_out))
+            let_in = times(load(to_x, (first - row) * WIDEST), head)
+            let_out = times(load(to_x, (last - row) * WIDEST), tail)
+            value = plus_product(let_in, one, load(table, ((row - 1) * size + column - 1) * WIDEST))
+            store(table, (row * size + column) * WIDEST, less(value, let_out))
     energy = load(address(whole), 0)
     for i in range(size):
-        share = over(load(mode, i * WIDTH), energy)
+        share = over(load(mode, i * WIDEST), energy)
         for j in range(max(i - orders + 1, 0) if i < lags else 0, i + 1):
-            at = (i * size + j) * WIDTH
-            value = less(load(table, at), times(share, load(mode, j * WIDTH)))
+            at = (i * size + j) * WIDEST
+            value = less(load(table, at), times(share, load(mode, j * WIDEST)))
             store(out, at, plus_product(value, one, load(out, at)))
 
 
@@ -115,33 +105,33 @@ def _pivot(left: Quad, whole: Quad) -> Quad:
 
 @njit(cache=True, nogil=True)
 def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray, work: FloatArray) -> None:
-    """Residual sums of squares of y on X at lags at .. at + i and the level, for every i, of four grids at once.
+    """Residual sums of squares of y on X at lags at .. at + i and the level, for every i, of WIDEST grids at once.
 
-    Fills rss (m, 4), not cut off at zero, and b (m, m, 4); `work` (m + 2, m, 4) is overwritten. The level comes last in
+    Fills rss (m, w), not cut off at zero, and b (m, m, w); `work` (m + 2, m, w) is overwritten. The level comes last in
     every factorisation, so that each order is the one before it with a column more.
     """
     orders, size = rss.shape[0], lags + 2
     table, squares, gains = address(gram.reshape(-1)), address(rss.reshape(-1)), address(b.reshape(-1))
-    root, line = address(work.reshape(-1)), orders * WIDTH
+    root, line = address(work.reshape(-1)), orders * WIDEST
     to_steps, to_right = orders * line, (orders + 1) * line
-    with_y, with_level = (lags + 1) * size * WIDTH, lags * size * WIDTH
-    left, level = load(table, with_y + (lags + 1) * WIDTH), load(table, with_level + lags * WIDTH)
-    wanted, whole_level = load(table, with_y + lags * WIDTH), load(table, with_level + lags * WIDTH)
+    with_y, with_level = (lags + 1) * size * WIDEST, lags * size * WIDEST
+    left, level = load(table, with_y + (lags + 1) * WIDEST), load(table, with_level + lags * WIDEST)
+    wanted, whole_level = load(table, with_y + lags * WIDEST), load(table, with_level + lags * WIDEST)
     for i in range(orders):
-        row, here = ((at + i) * size + at) * WIDTH, i * WIDTH
+        row, here = ((at + i) * size + at) * WIDEST, i * WIDEST
         for j in range(i):
-            value = load(table, row + j * WIDTH)
+            value = load(table, row + j * WIDEST)
             for k in range(j):
-                value = less(value, times(load(root, i * line + k * WIDTH), load(root, j * line + k * WIDTH)))
-            store(root, i * line + j * WIDTH, over(value, load(root, j * line + j * WIDTH)))
+                value = less(value, times(load(root, i * line + k * WIDEST), load(root, j * line + k * WIDEST)))
+            store(root, i * line + j * WIDEST, over(value, load(root, j * line + j * WIDEST)))
         whole = load(table, row + here)
-        value, right = whole, load(table, with_y + (at + i) * WIDTH)
-        steps = load(table, with_level + (at + i) * WIDTH)
+        value, right = whole, load(table, with_y + (at + i) * WIDEST)
+        steps = load(table, with_level + (at + i) * WIDEST)
         for k in range(i):
-            factor = load(root, i * line + k * WIDTH)
+            factor = load(root, i * line + k * WIDEST)
             value = less(value, times(factor, factor))
-            right = less(right, times(factor, load(root, to_right + k * WIDTH)))
-            steps = less(steps, times(factor, load(root, to_steps + k * WIDTH)))
+            right = less(right, times(factor, load(root, to_right + k * WIDEST)))
+            steps = less(steps, times(factor, load(root, to_steps + k * WIDEST)))
         pivot = _pivot(value, whole)
         right, steps = over(right, pivot), over(steps, pivot)
         store(root, i * line + here, pivot)
@@ -154,10 +144,10 @@ def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: Flo
         store(squares, here, less(left, times(share, share)))
         offset = over(share, pivot)
         for j in range(i, -1, -1):
-            value = less(load(root, to_right + j * WIDTH), times(load(root, to_steps + j * WIDTH), offset))
+            value = less(load(root, to_right + j * WIDEST), times(load(root, to_steps + j * WIDEST), offset))
             for k in range(j + 1, i + 1):
-                value = less(value, times(load(root, k * line + j * WIDTH), load(gains, i * line + k * WIDTH)))
-            store(gains, i * line + j * WIDTH, over(value, load(root, j * line + j * WIDTH)))
+                value = less(value, times(load(root, k * line + j * WIDEST), load(gains, i * line + k * WIDEST)))
+            store(gains, i * line + j * WIDEST, over(value, load(root, j * line + j * WIDEST)))
 
 
 @njit(cache=True, nogil=True)
@@ -214,13 +204,13 @@ def _scan(
             if few:
                 add_lags(wanted, wanted, drive, start + first - low, lags, cross)
                 known[s] = cross[0]
-    a, modes = np.empty((na, WIDTH)), np.empty(WIDTH)
-    squares, gains = np.empty((orders, WIDTH)), np.empty((orders, orders, WIDTH))
-    work = np.empty((orders + 2, orders, WIDTH))
-    for begin in range(0, m, WIDTH):
-        for lane in range(WIDTH):
+    a, modes = np.empty((na, WIDEST)), np.empty(WIDEST)
+    squares, gains = np.empty((orders, WIDEST)), np.empty((orders, orders, WIDEST))
+    work = np.empty((orders + 2, orders, WIDEST))
+    for begin in range(0, m, WIDEST):
+        for lane in range(WIDEST):
             a[:, lane], modes[lane] = polynomials[min(begin + lane, m - 1)], decays[min(begin + lane, m - 1)]
-        grams = np.zeros((lags + 2, lags + 2, WIDTH))
+        grams = np.zeros((lags + 2, lags + 2, WIDEST))
         for s in range(segments.shape[0]):
             start, stop = segments[s]
             if stop - start > first:
@@ -228,7 +218,7 @@ def _scan(
                 _add_segment(a, modes, *drives, first, low, lags, orders, known[s], squares_of_y[s], grams)
         for at in range(0, high - low + 1, every):
             _least_squares(grams, at, lags, squares, gains, work)
-            for lane in range(min(WIDTH, m - begin)):
+            for lane in range(min(WIDEST, m - begin)):
                 for order in range(orders):
                     rss[begin + lane, order, at] = max(squares[order, lane], 0.0)
                     for i in range(order + 1):
@@ -270,10 +260,10 @@ def _scan_plain(
             lagged = [response[first - low - lag : stop - start - low - lag] for lag in range(lags)]
             mode = decay ** np.arange(stop - start - first)
             gram += _gram_plain([*lagged, level[first:], white[start + first : stop]], mode)
-        grams = np.repeat(gram[:, :, None], WIDTH, axis=2)
-        squares, gains = np.empty((orders, WIDTH)), np.zeros((orders, orders, WIDTH))
+        grams = np.repeat(gram[:, :, None], WIDEST, axis=2)
+        squares, gains = np.empty((orders, WIDEST)), np.zeros((orders, orders, WIDEST))
         for at in range(0, high - low + 1, every):
-            _least_squares(grams, at, lags, squares, gains, np.empty((orders + 2, orders, WIDTH)))
+            _least_squares(grams, at, lags, squares, gains, np.empty((orders + 2, orders, WIDEST)))
             rss[m, :, at], b[m, :, at] = np.maximum(squares[:, 0], 0.0), gains[:, :, 0]
     return sum(stop - start - first for start, stop in long)
 

@@ -289,25 +289,27 @@ def sensitivities_on_ramp(
 
     `by_size` is the derivative of `start` with respect to either; a valve that slips by J never forgets it.
     """
-    state = init(start)
-    reach, long = 0.5 * (band + jump), max(jump, SHORTEST_SLIP * 0.5 * (band + jump))
+    reach = 0.5 * (band + jump)
+    position, last, long = start, start, max(jump, SHORTEST_SLIP * reach)
     by_jump = by_size  # of the position where it rests
     for k in range(u.size):
-        before, last = state[X], state[LAST]
-        if np.isnan(before):
-            before = last = u[k]
-        x[k] = step(HE_RAMP, u[k], band, jump, state)
+        v = u[k]
+        if np.isnan(position) or reach <= 0.0:  # it begins, or follows
+            position = last = v
+        x[k] = v if np.isnan(v) else position
         dx[0, k], dx[1, k] = by_size, by_jump
-        if state[MOVING] != 1.0:
-            continue
-        count, direction, at = slips_on_ramp(last, u[k], before, reach, long)
-        rise, inside = u[k] - last, 0.0 < at < 1.0
-        later = 0.5 * count * (count - 1) / abs(rise) if rise != 0.0 else 0.0
-        dx[1, k] += direction * (count * (1.0 - at) - 2.0 * later * long)
-        if inside:
-            dx[0, k] -= direction * long * count * (by_size + 0.5 * direction) / rise
-            dx[1, k] -= direction * long * count * (by_jump + 0.5 * direction) / rise
-        by_jump += direction * count
+        if abs(v - position) > reach:
+            count, direction, at = slips_on_ramp(last, v, position, reach, long)
+            rise, inside = v - last, 0.0 < at < 1.0
+            x[k] = mean_on_ramp(position, direction, count, at, long, rise)
+            later = 0.5 * count * (count - 1) / abs(rise) if rise != 0.0 else 0.0
+            dx[1, k] += direction * (count * (1.0 - at) - 2.0 * later * long)
+            if inside:
+                dx[0, k] -= direction * long * count * (by_size + 0.5 * direction) / rise
+                dx[1, k] -= direction * long * count * (by_jump + 0.5 * direction) / rise
+            position += direction * count * long
+            by_jump += direction * count
+        last = last if np.isnan(v) else v
 
 
 @njit(cache=True)
