@@ -1,6 +1,7 @@
 """Numba functions on arrays and scalars only: pure, without objects or I/O.
 
-Each has a slow, obvious twin in ``tests/naive``; ``NUMBA_DISABLE_JIT=1`` runs them as plain Python.
+Each has a slow, obvious twin in ``tests/naive``; ``NUMBA_DISABLE_JIT=1`` runs them as plain Python. What was compiled
+from older sources is forgotten first (``compiled_before``, the only one that looks at files).
 """
 
 from pathlib import Path as _Path
