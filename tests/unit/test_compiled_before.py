@@ -53,7 +53,6 @@ def test_a_folder_that_cannot_be_written_is_left(tmp_path):
     assert not forget_stale(tmp_path)
 
 
-@pytest.mark.processes
 def test_a_caller_follows_its_callee_in_another_file(tmp_path):
     """The case itself: without it the second run still says 1."""
     package = tmp_path / "kernel_pair"
