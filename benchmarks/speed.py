@@ -237,6 +237,8 @@ differed by a third:
 In the runs of this page in its first week the plain fit took 77 to 261 ms: seconds hang on the hour of the machine,
 ratios hang on it less.
 
+<!-- words by hand -->
+
 Memory beyond the data at 200,000 samples, largest:
 
 | what | doubles per sample |
