@@ -10,14 +10,23 @@ The main job in one line: record -> identify -> compensate -> simulate -> export
 What the package offers stands in ``__init__.pyi``; each name is loaded when it is first used.
 """
 
+from typing import Any
+
 import lazy_loader
+
+from lostmotion.extras import any_extra as _any_extra
 
 __version__ = "0.1.0"
 
 _ROOMS = ("compensate", "evaluate", "export", "files", "models", "online", "plot", "records", "report", "simulate")
 
-__getattr__, _, _names = lazy_loader.attach_stub(__name__, __file__)
+_attribute, _, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = [name for name in _names if name not in _ROOMS]
+
+
+def __getattr__(name: str) -> Any:
+    with _any_extra():  # `audit` needs packages of an extra
+        return _attribute(name)
 
 
 def __dir__() -> list[str]:

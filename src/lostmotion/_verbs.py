@@ -1,96 +1,152 @@
 """Verbs that results offer and that higher layers carry out: plot, compensator, block, indices, summary.
 
-A result lives low in the import order; what draws it or turns it into a block lives above. The higher layer registers
-its functions here when it is imported, and a verb imports its layer when it is first used: nothing below imports
-anything above, and nothing is loaded before it is wanted.
+A result lives low in the import order; what draws it or turns it into a block lives above. Each verb has a table of
+names, from the class of a result to its function, and imports that function alone when it is called: nothing below
+imports anything above, and a figure of a fit needs no package that only audits need.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import singledispatch, update_wrapper
+from collections.abc import Callable, Mapping
+from functools import update_wrapper
 from importlib import import_module
+from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 from lostmotion.errors import ParameterError
+from lostmotion.extras import any_extra
 
 Answer = TypeVar("Answer")
 
 
 class Verb(Generic[Answer]):
-    """Function of a result, chosen by the type of the result.
+    """Function of a result, chosen by its class or the nearest base of it.
 
     Parameters
     ----------
-    room : str
-        Package that registers the functions; imported by name when the verb is used.
     fallback : callable
-        What happens for a type that nobody registered.
+        What happens for a class that is not in the table.
+    room : str
+        Package below ``lostmotion`` that all functions lie in.
+    functions : mapping
+        Class ("module:name" below ``lostmotion``) -> function ("module:name" below the room).
     """
 
-    def __init__(self, room: str, fallback: Callable[..., Answer]) -> None:
-        self._room = room
-        self._chosen = singledispatch(fallback)
+    def __init__(self, fallback: Callable[..., Answer], room: str, functions: Mapping[str, str]) -> None:
+        self._fallback = fallback
+        self.functions = {f"lostmotion.{kind}": f"lostmotion.{room}.{name}" for kind, name in functions.items()}
         update_wrapper(self, fallback)
-
-    def register(self, kind: type, function: Callable[..., Answer]) -> None:
-        """Let `function` carry out the verb for results of type `kind`."""
-        self._chosen.register(kind, function)
 
     def __call__(self, result: Any, **options: Any) -> Answer:
         """Carry it out."""
-        import_module(self._room)
-        return self._chosen(result, **options)
+        bases = (f"{base.__module__}:{base.__qualname__}" for base in type(result).__mro__)
+        name = next((self.functions[base] for base in bases if base in self.functions), None)
+        return (self._fallback if name is None else named(name))(result, **options)
 
 
-def _carried_out_by(room: str) -> Callable[[Callable[..., Answer]], Verb[Answer]]:
-    return lambda fallback: Verb(room, fallback)
+def named(path: str) -> Callable[..., Any]:
+    """Function of a path "module:name"; where it needs a package of an extra that is missing, the error names it."""
+    module, _, name = path.partition(":")
+    with any_extra():
+        function: Callable[..., Any] = attrgetter(name)(import_module(module))
+    return function
 
 
-@_carried_out_by("lostmotion.plot")
+def _carried_out_in(room: str, functions: Mapping[str, str]) -> Callable[[Callable[..., Answer]], Verb[Answer]]:
+    return lambda fallback: Verb(fallback, room, functions)
+
+
+@_carried_out_in(
+    "plot",
+    {
+        "audit.plant_view:PlantView": "audit_figure:audit_figure",
+        "design.designed:TestDesign": "design_figure:design_figure",
+        "diagnose.diagnosis:Diagnosis": "diagnosis_figure:diagnosis_figure",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "pooled_figure:pooled_figure",
+        "evaluate.study.study_result:CompensationStudy": "study_figure:study_figure",
+        "identify.fit:HammersteinFit": "fit_figure:fit_figure",
+        "records.record:LoopRecord": "record_figure:record_figure",
+        "simulate.response:LoopResponse": "loop_figure:loop_figure",
+    },
+)
 def plot(result: Any, **options: Any) -> Any:
-    """Figure of a result (registered by ``lostmotion.plot``)."""
+    """Figure of a result."""
     raise NotImplementedError(f"no figure for {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.compensate")
-def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones take options
-    """Ideal inverse of an actuator fault (registered by ``lostmotion.compensate``)."""
-    remedy = "for stiction fit.block() knocks or makes two moves; for other faults mend the actuator"
+@_carried_out_in(
+    "compensate",
+    {
+        "models.dead_zone:DeadZone": "dead_zone_inverse:DeadZoneCompensator.from_dead_zone",
+        "models.backlash:Backlash": "backlash_inverse:BacklashCompensator",
+        "identify.rated_estimate:RatedEstimate": "derive:compensator_from_fit",
+    },
+)
+def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  those of the table take options
+    """Ideal inverse of an actuator fault."""
+    remedy = "for stiction fit.block() knocks or makes two moves; for other faults repair the actuator"
     raise ParameterError.expected("a dead zone or a backlash, which have an inverse", type(model).__name__, remedy)
 
 
-@_carried_out_by("lostmotion.compensate")
-def block(fit: Any, **options: Any) -> Any:  # noqa: ARG001  the registered ones take options
-    """Compensating block with safeguards, as it runs in a PLC (registered by ``lostmotion.compensate``)."""
+@_carried_out_in("compensate", {"identify.rated_estimate:RatedEstimate": "derive:block_from_fit"})
+def block(fit: Any, **options: Any) -> Any:  # noqa: ARG001  those of the table take options
+    """Compensating block with safeguards, as it runs in a PLC."""
     raise ParameterError.expected("a fit to make a block from", type(fit).__name__, "use block_from_model()")
 
 
-@_carried_out_by("lostmotion.evaluate.indices")
+@_carried_out_in("evaluate", {"simulate.response:LoopResponse": "indices:loop_indices"})
 def indices(result: Any, **options: Any) -> Any:
-    """Indices of a response (registered by ``lostmotion.evaluate.indices``)."""
+    """Indices of a response."""
     raise NotImplementedError(f"no indices for {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report.verbs")
+@_carried_out_in(
+    "report",
+    {
+        "audit.plant_view:PlantView": "audit_text:audit_summary",
+        "design.achieve:Achievable": "design_text:achievable_summary",
+        "design.designed:TestDesign": "design_text:design_summary",
+        "diagnose.diagnosis:Diagnosis": "diagnosis_text:diagnosis_summary",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "pooled_text:pooled_summary",
+        "evaluate.monte_carlo:MonteCarloResult": "monte_carlo_text:monte_carlo_summary",
+        "evaluate.solution:Solution": "solution_text:solution_summary",
+        "evaluate.study.study_result:CompensationStudy": "study_text:study_summary",
+        "identify.facts:FitFacts": "facts_text:facts_summary",
+        "identify.fit:HammersteinFit": "fit_text:fit_summary",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "recursive_text:recursive_summary",
+    },
+)
 def summary(result: Any, **options: Any) -> str:
-    """Text of a result (registered by ``lostmotion.report.verbs``)."""
+    """Text of a result."""
     raise NotImplementedError(f"no summary for {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report.verbs")
+@_carried_out_in("report", {"audit.plant_view:PlantView": "audit_notebook:audit_frame"})
 def frame(result: Any, **options: Any) -> Any:
-    """A result as a data frame (registered by ``lostmotion.report.verbs``)."""
+    """A result as a data frame."""
     raise NotImplementedError(f"no table of {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report.verbs")
+@_carried_out_in(
+    "report",
+    {
+        "audit.plant_view:PlantView": "audit_notebook:audit_html",
+        "compensate.block:CompensatorBlock": "notebook:block_html",
+        "diagnose.diagnosis:Diagnosis": "notebook:diagnosis_html",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "notebook:pooled_html",
+        "evaluate.solution:Solution": "notebook:solution_html",
+        "evaluate.study.study_result:CompensationStudy": "notebook:study_html",
+        "identify.facts:FitFacts": "notebook:facts_html",
+        "identify.fit:HammersteinFit": "notebook:fit_html",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "notebook:recursive_html",
+    },
+)
 def html(result: Any, **options: Any) -> str:
-    """A result as HTML for notebooks (registered by ``lostmotion.report.verbs``)."""
+    """A result as HTML for notebooks."""
     raise NotImplementedError(f"no HTML of {type(result).__name__}")
 
 
-@_carried_out_by("lostmotion.report.verbs")
+@_carried_out_in("report", {"identify.fit:HammersteinFit": "remarks_on_fit:fit_remarks"})
 def remarks(result: Any, **options: Any) -> tuple[str, ...]:
-    """Sentences about the data of a result (registered by ``lostmotion.report.verbs``)."""
+    """Sentences about the data of a result."""
     raise NotImplementedError(f"no remarks on {type(result).__name__}")

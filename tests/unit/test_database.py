@@ -107,9 +107,9 @@ def test_no_message_shows_the_password(capsys, monkeypatch, address, installed):
     for words in ((address,), (address, "--query", "SELECT 1"), (address, address), (address, "--json")):
         code, text, error = run(capsys, "check", *words)
         assert code == 1
-        assert "***" in text + error
+        assert not installed or "***" in text + error
         assert not any(part in text + error for part in (SECRET, "s3cret", "w@rd"))
     with pytest.raises(InputError) as caught:
         lm.read_loop(address, query="SELECT 1")
     assert SECRET not in str(caught.value)
-    assert installed or "install lostmotion[sql]" in str(caught.value)
+    assert installed or 'pip install "lostmotion[sql]"' in str(caught.value)

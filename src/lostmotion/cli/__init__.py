@@ -16,6 +16,7 @@ from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.pairs import apart
 from lostmotion.errors import LostMotionError
+from lostmotion.extras import any_extra
 
 app = typer.Typer(
     name="lostmotion",
@@ -53,7 +54,8 @@ def main(arguments: list[str] | None = None) -> Any:
 
 def _told(words: list[str]) -> Any:
     try:
-        return app(words, prog_name="lostmotion")
+        with any_extra():
+            return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
         say_error(error, "--json" in words, words)
         sys.exit(1)

@@ -11,7 +11,8 @@ import typer
 
 from lostmotion.addresses import is_url
 from lostmotion.cli.options import number
-from lostmotion.errors import DataError, FileAccessError, LostMotionError, ParameterError
+from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
+from lostmotion.extras import need_extra
 
 if TYPE_CHECKING:
     from lostmotion.web.server.serve import Door
@@ -128,7 +129,7 @@ def _check(store: str) -> None:
 
 
 def _door(bind: str, port: int, token_file: Path | None, public_url: str | None) -> Door:
-    _need_packages()
+    need_extra("web")
     from lostmotion.web.server.serve import Door, is_local, public_origin
 
     public = None if public_url is None else public_origin(public_url)
@@ -163,11 +164,3 @@ def _token(path: Path) -> str:
             'make one: python -c "import secrets; print(secrets.token_urlsafe())"',
         )
     return token
-
-
-def _need_packages() -> None:
-    from importlib.util import find_spec
-
-    missing = [name for name in ("starlette", "uvicorn", "python_multipart", "sqlalchemy") if find_spec(name) is None]
-    if missing:
-        raise DataError.expected("the packages of the page", f"no {missing[0]}", "pip install 'lostmotion[web]'")

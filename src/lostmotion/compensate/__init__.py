@@ -1,6 +1,5 @@
 """Inverses of actuator faults, as blocks that run sample by sample."""
 
-from lostmotion import _verbs
 from lostmotion.compensate.adaptive import AdaptiveCompensator, Supervisor
 from lostmotion.compensate.backlash_inverse import BacklashCompensator
 from lostmotion.compensate.block import BlockResponse, CompensatorBlock
@@ -9,13 +8,6 @@ from lostmotion.compensate.derive import block_from_fit, block_from_model, compe
 from lostmotion.compensate.saved_block import read_block, read_fit_or_block
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.variables import Variable
-from lostmotion.identify import RatedEstimate
-from lostmotion.models import Backlash, DeadZone
-
-_verbs.compensator.register(DeadZone, DeadZoneCompensator.from_dead_zone)
-_verbs.compensator.register(Backlash, BacklashCompensator)
-_verbs.compensator.register(RatedEstimate, compensator_from_fit)
-_verbs.block.register(RatedEstimate, block_from_fit)
 
 __all__ = [
     "SPECIFICATIONS",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from lostmotion import _verbs
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
@@ -33,9 +32,6 @@ def loop_indices(response: LoopResponse, start: float = 0.0, stop: float | None 
         "travel": travel(command),
         "reversals": float(reversals(command)),
     }
-
-
-_verbs.indices.register(LoopResponse, loop_indices)
 
 
 def control_variance(u: npt.ArrayLike) -> float:

@@ -15,6 +15,7 @@ import polars as pl
 
 from lostmotion.addresses import is_url, password_of, without_password
 from lostmotion.errors import DataError, FileAccessError
+from lostmotion.extras import extra
 from lostmotion.files.paths import is_file
 from lostmotion.files.table import Table
 
@@ -78,14 +79,8 @@ def _connected(source: str) -> Iterator[Any]:
         with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as connection:
             yield connection
         return
-    try:
+    with extra("sql"):
         import sqlalchemy  # noqa: PLC0415  only databases other than SQLite need it
-    except ImportError as error:
-        raise DataError.expected(
-            f"the reader of databases for {without_password(source)!r}",
-            "none",
-            "install lostmotion[sql] and the driver of the database, or export a CSV file",
-        ) from error
     try:
         engine = sqlalchemy.create_engine(source)
     except ImportError as error:

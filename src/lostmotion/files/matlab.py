@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
-from lostmotion.errors import DataError
+from lostmotion.extras import need_extra
 from lostmotion.files.apart import leaves_apart
 from lostmotion.files.child import HDF5
 from lostmotion.files.matlab_v5 import leaves_of_version_5
@@ -36,12 +34,8 @@ def load_mat(raw: bytes, source: str) -> dict[str, Table]:
     The reader of version 7.3 is written in C, and changed bytes could crash it: it runs in a process of its own.
     """
     hdf5 = raw.startswith(MAT_HDF5)
-    if hdf5 and find_spec("h5py") is None:
-        raise DataError.expected(
-            f"the reader of MAT files of version 7.3 for {source!r}",
-            "none",
-            "install lostmotion[matlab], or save it with save(.., '-v7')",
-        )
+    if hdf5:
+        need_extra("matlab", "save it with save(.., '-v7')")
     with undamaged("a whole MAT file", source, "save it again"):
         leaves = leaves_apart(HDF5, raw) if hdf5 else leaves_of_version_5(raw)
     return tables_of_structs(leaves, source)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 from lostmotion.errors import DataError
+from lostmotion.extras import need_extra
 from lostmotion.files.apart import leaves_apart
 from lostmotion.files.child import SHEETS
 from lostmotion.files.table import Table
@@ -24,10 +23,7 @@ def load_workbook(raw: bytes, source: str) -> Table:
     -----
     Its reader runs in a process of its own: an .xls whose sectors lead in a circle takes all memory there is.
     """
-    if find_spec("fastexcel") is None:
-        raise DataError.expected(
-            f"the reader of spreadsheets for {source!r}", "none", "install lostmotion[excel], or save the sheet as CSV"
-        )
+    need_extra("excel", "save the sheet as CSV")
     with undamaged("a whole workbook", source, "save it again"):
         sheets = leaves_apart(SHEETS, raw)
     if len(sheets) != 1:

@@ -13,6 +13,7 @@ from lostmotion.arguments import coefficients, positive, whole
 from lostmotion.arguments import signal as as_signal
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import InputError, ParameterError
+from lostmotion.extras import extra
 from lostmotion.kernels import linear as kernel
 
 AT_ONE = 1e-6  # distance of a pole from 1: roots of A are true to 1e-8 only where two of them meet
@@ -182,11 +183,8 @@ class LinearModel:
 
     def to_control(self) -> Any:
         """As a python-control ``TransferFunction`` (needs the extra ``lostmotion[control]``)."""
-        try:
+        with extra("control"):
             import control  # noqa: PLC0415  optional extra
-        except ImportError as error:
-            message = "expected python-control, got none; install lostmotion[control]"
-            raise ImportError(message) from error
         lag = self.delay + len(self.b) - 1
         order = max(lag, len(self.a))
         num = np.pad(self.b, (0, order - lag))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from lostmotion.extras import extra
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -17,11 +19,8 @@ MOST_POINTS = 4000
 
 def new_figure(width: float = 12.0, height: float = 8.0) -> Figure:
     """Figure that belongs to no window, so that it can be made anywhere."""
-    try:
+    with extra("plot"):
         from matplotlib.figure import Figure  # noqa: PLC0415  optional extra
-    except ImportError as error:
-        message = "expected matplotlib, got none; install lostmotion[plot]"
-        raise ImportError(message) from error
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from lostmotion.audit.health import health_of
-from lostmotion.audit.plant_view import PlantView
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
 from lostmotion.diagnose.diagnosis import Item
@@ -21,8 +17,6 @@ from lostmotion.report.digits import bracketed, digits, plain, signed, span
 from lostmotion.report.facts_text import found_in
 
 PARAMETERS = ("", "estimate", "std. error", "95 % interval", "")
-RANKING = ("", "verdict", "priority", "because")
-MOST_LOOPS = 20  # of a ranking that are shown
 MOST_SHARES = 20  # records of a pooled diagnosis that are shown
 STEP = ("step", "gate", "found")
 
@@ -34,21 +28,6 @@ def fit_html(fit: HammersteinFit) -> str:
     said = (fit_text.sentence(fit), fit_text.dynamics(fit))
     table = html_table(fit_text.parameter_rows(fit), PARAMETERS, named=True)
     return html_panel(f"{name}: {fit.status.name}. {fit_text.finding(fit)}", table, said=said)
-
-
-def audit_frame(view: PlantView) -> Any:
-    """Table of an audit as a Polars frame."""
-    from lostmotion.report.plant.table import table  # noqa: PLC0415  Polars is heavy, and other reports need none
-
-    return table(view.rows, view.by_tag)
-
-
-def audit_html(view: PlantView) -> str:
-    """What could be judged, and the first of the ranking."""
-    first = [row for row in view.leading if row.priority][:MOST_LOOPS]
-    rows = [(row.tag, row.said, f"{row.priority or 0.0:.0f}", row.priority_reason) for row in first]
-    headline = f"Audit of {view.run.plant or 'a plant'}, run {view.run.number}"
-    return html_panel(headline, html_table(rows, RANKING, named=True), said=(health_of(view).sentence(),))
 
 
 def facts_html(facts: FitFacts) -> str:

@@ -13,7 +13,8 @@ from sqlalchemy.engine import URL, Connection, Engine, make_url
 from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 
 from lostmotion.addresses import is_url
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import ParameterError
+from lostmotion.extras import extra
 from lostmotion.files.paths import is_file, is_folder
 from lostmotion.store.said import damaged, explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
@@ -107,11 +108,8 @@ def _engine(url: URL, name: str, *, write: bool, patience: float) -> Engine:
         url = url if write or "uri" in url.query else _reading(url)
     else:
         settings = {"pool_pre_ping": True, "connect_args": {"connect_timeout": 10}}
-    try:
+    with extra("postgres"):
         engine = sa.create_engine(url, **settings)
-    except ImportError:
-        extra = "install lostmotion[postgres]"
-        raise DataError.expected("the driver of PostgreSQL (psycopg)", "none", extra) from None
     if engine.dialect.name == "sqlite":
         sa.event.listen(engine, "connect", _pragmas if write else _reading_pragmas)
         sa.event.listen(engine, "begin", _begin)

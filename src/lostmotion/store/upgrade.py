@@ -8,7 +8,7 @@ from pathlib import Path
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
-from lostmotion.errors import DataError
+from lostmotion.extras import extra
 from lostmotion.store.connect import connected_as_it_is, lock, shown, store_url
 from lostmotion.store.said import store_error, told
 from lostmotion.store.schema import VERSION, schema_version
@@ -54,11 +54,9 @@ def migrate(connection: Connection, version: str = VERSION) -> None:
     DataError
         Alembic is not installed.
     """
-    try:
+    with extra("audit"):
         from alembic import command  # noqa: PLC0415  only an upgrade needs it
         from alembic.config import Config  # noqa: PLC0415
-    except ImportError:
-        raise DataError.expected("alembic", "none", "install lostmotion[audit]") from None
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).with_name("migrations")).replace("%", "%%"))
     config.set_main_option("path_separator", "os")

@@ -9,7 +9,8 @@ from urllib.parse import urlsplit
 
 from lostmotion.audit.runner.engine.inline import Inline
 from lostmotion.audit.runner.engine.protocol import Engine
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import ParameterError
+from lostmotion.extras import extra
 
 NAMES = "processes, inline, dask, tcp://HOST:PORT or tls://HOST:PORT"
 
@@ -49,10 +50,8 @@ def open_engine(
         return Processes(workers or usable_processors())
     if name != "dask":
         _allowed(name, insecure=insecure)
-    try:
+    with extra("cluster"):
         from lostmotion.audit.runner.engine.dask_engine import cluster_at, local_cluster  # noqa: PLC0415
-    except ImportError:
-        raise DataError.expected("Dask (distributed)", "none", "install lostmotion[cluster]") from None
     return local_cluster(workers or usable_processors()) if name == "dask" else cluster_at(name, security)
 
 
