@@ -38,7 +38,7 @@ imports: $(STAMP)
 
 # The kernels, compiled once and cached before workers start.
 $(COMPILED): $(STAMP) $(shell find src/lostmotion/kernels -name '*.py')
-	$(BIN)/python -m lostmotion.cli.warm_up
+	$(BIN)/lostmotion warm-up
 	touch $@
 
 # Three workers for two cores: a sixth of the time is waiting for plants, servers and clocks.
@@ -63,16 +63,12 @@ plc: .venv-plc/.installed
 # What the page draws with and is checked by, from npm: uPlot into the package (git-ignored), axe-core for the tests.
 # Without them trends are drawn as SVG, and the check of accessibility is skipped, saying so.
 VENDOR := src/lostmotion/web/static/vendor
-UPLOT_SHA512 := 2883159c6ebccefbb95d751b0b82d010f9e1c0ec41b8bc96d401eda66e882935c89a46cb824332fa369b8cb8122cc6ac36e186cd09bf7a9ded3a4c93c6989023
 AXE_SHA512 := 1477dafa598d8d065f273d6af302aa203c02e83131707b7fa648cd41bd3d6b734f8c22a0dab86ee6a6f64b8afbe804b214d36db85a2826965edfb3a0b9d546b5
 
 web: $(VENDOR)/uPlot.iife.min.js .cache/web/axe.min.js
 
 $(VENDOR)/uPlot.iife.min.js:
-	mkdir -p .cache/web $(VENDOR)
-	cd .cache/web && npm pack --silent uplot@1.6.32 && echo "$(UPLOT_SHA512)  uplot-1.6.32.tgz" | sha512sum --check --quiet
-	tar -xzf .cache/web/uplot-1.6.32.tgz -C $(VENDOR) --strip-components 1 package/LICENSE
-	tar -xzmf .cache/web/uplot-1.6.32.tgz -C $(VENDOR) --strip-components 2 package/dist/uPlot.min.css package/dist/uPlot.iife.min.js
+	$(PYTHON) fetch_uplot.py
 
 .cache/web/axe.min.js:
 	mkdir -p .cache/web

@@ -30,7 +30,7 @@ PROCESSES = {
     "write_command write_faults writer",
     "opcua": "asyncua_security node_block node_opcua node_restart",
     "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list outside_text",
-    "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts compiled_before "
+    "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts numba_cache "
     "database dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
     "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "
     "plant_sources read_loop run_many store store_bad_input store_watches supervised_export times units "

@@ -33,8 +33,8 @@ NOT_FILES = {  # what has such a name and writes no file, or goes through the wr
     "web/desk/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
     "live/demo_files.py": {"mkdir"},  # the folder that --files names, and the door in it
     "live/supervision/handed_over.py": {"rename", "unlink"},  # a request is taken once, or taken back
-    # what Numba keeps beside the kernels, and a stamp there; below all that could write for it
-    "kernels/compiled_before.py": {"mkdir", "replace", "unlink", "write_text"},
+    # what Numba keeps for the kernels, and folders of older sources there; below all that could write for it
+    "kernels/numba_cache.py": {"mkdir", "rmtree"},
 }  # fmt: skip
 NOT_FILES_BUT_OPENED = {  # the null device, a pipe, folders for their locks, the worker's own output
     "cli/closed_output.py", "files/alone.py", "files/child.py", "files/undamaged.py", "web/worker/work.py",

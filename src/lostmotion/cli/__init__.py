@@ -15,8 +15,10 @@ from lostmotion.cli.closed_output import SHOWN, full_output
 from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.pairs import apart
+from lostmotion.cli.progress import compiling
 from lostmotion.errors import LostMotionError
 from lostmotion.extras import any_extra
+from lostmotion.kernels.compile_progress import compile_reports
 
 app = typer.Typer(
     name="lostmotion",
@@ -54,7 +56,7 @@ def main(arguments: list[str] | None = None) -> Any:
 
 def _told(words: list[str]) -> Any:
     try:
-        with any_extra():
+        with any_extra(), compile_reports(compiling):
             return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
         say_error(error, "--json" in words, words)

@@ -34,6 +34,7 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "demo-live": "Run a plant to try the live link on: "
     "level, flow and temperature with worn valves, over OPC UA on this machine.",
     "serve": "Show a plant, its loops and dropped records as a page in the browser, on this machine only.",
+    "warm-up": "Compile everything for this processor now, once, so that no later command waits for it.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }
 PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}

@@ -17,6 +17,14 @@ if TYPE_CHECKING:
 WHERE: ContextVar[str] = ContextVar("where", default="")  # which of several files this is
 
 
+COMPILED = 150  # kernels that a first diagnosis compiles, nearly; an identification compiles a few less
+
+
+def compiling(done: int) -> None:
+    """Say how far compiling is, which the first command after an installation waits for."""
+    progress(f"compiling for this processor, once: {done} of about {max(COMPILED, done)}")
+
+
 def progress(text: str) -> None:
     """Replace the last line of a terminal by `text`; an empty text takes it away."""
     if sys.stderr.isatty():

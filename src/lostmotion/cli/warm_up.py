@@ -1,12 +1,34 @@
-"""``python -m lostmotion.cli.warm_up``: compile and cache every kernel once, before parallel workers do."""
+"""``lostmotion warm-up``."""
+
+from __future__ import annotations
 
 import numpy as np
+import typer
 
 import lostmotion as lm
-from lostmotion.kernels.stamps import count_samples
-from lostmotion.kernels.stiction import sensitivities_on_ramp
+from lostmotion.cli.progress import progress
 
-if __name__ == "__main__":
+
+def warm_up() -> None:
+    """Compile everything for this processor now, once, so that no later command waits for it.
+
+    Example: lostmotion warm-up
+
+    What is compiled is kept in the cache folder of the user (NUMBA_CACHE_DIR, where that is set). Without this command
+    the first identify and the first diagnose compile what they need.
+    """
+    from lostmotion.kernels.numba_cache import FOLDER
+
+    _run_everything()
+    progress("")
+    typer.echo(f"Compiled, in {FOLDER}")
+
+
+def _run_everything() -> None:
+    """Small examples of all that needs kernels."""
+    from lostmotion.kernels.stamps import count_samples
+    from lostmotion.kernels.stiction import sensitivities_on_ramp
+
     loop = lm.routine_operation(600, seed=0)
     lm.identify(loop.command, loop.measured, 0.1, nonlinearity="dead zone")
     for kind in ("backlash", "stiction", "saturation", "auto"):

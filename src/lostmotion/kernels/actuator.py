@@ -6,21 +6,20 @@ high. `state` is that of the stiction kernels; NaN in it stands for rest at the 
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import backlash, dead_zone, saturation, stiction
+from lostmotion.kernels.numba_cache import njit
 
 NONE, DEAD_ZONE, BACKLASH, SATURATION, STICTION = 0, 1, 2, 3, 4  # stiction: plus the number of its model
 
 
-@njit(cache=True)
+@njit()
 def init(start: float) -> FloatArray:
     """State of an actuator that rests at `start`; NaN: at the first command."""
     return stiction.init(start)
 
 
-@njit(cache=True)
+@njit()
 def step(kind: int, parameters: FloatArray, state: FloatArray, u: float) -> float:
     """Internal variable after the command u; `state` is updated."""
     if kind == DEAD_ZONE:

@@ -7,12 +7,12 @@ u - w/2 <= x <= u + w/2 always. It is written as a clamp of the old position: no
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True)
+@njit()
 def step(u: float, width: float, x: float) -> float:
     """Position after the command u from position x; NaN in u leaves it, NaN in x stands for rest at u."""
     if np.isnan(u):
@@ -26,7 +26,7 @@ def step(u: float, width: float, x: float) -> float:
     return x
 
 
-@njit(cache=True)
+@njit()
 def run(u: FloatArray, width: float, start: float) -> FloatArray:
     """Position over an array.
 
@@ -41,7 +41,7 @@ def run(u: FloatArray, width: float, start: float) -> FloatArray:
     return x
 
 
-@njit(cache=True)
+@njit()
 def sensitivities(u: FloatArray, width: float, start: float, x: FloatArray, dx: FloatArray) -> None:
     """Position and its derivatives with respect to width and start; `x` (n,) and `dx` (2, n) are filled.
 
@@ -66,7 +66,7 @@ def sensitivities(u: FloatArray, width: float, start: float, x: FloatArray, dx: 
         dx[1, k] = by_start
 
 
-@njit(cache=True)
+@njit()
 def inverse_step(v: float, width: float, last: float, side: float) -> tuple[float, float, float]:
     """Command u for the wanted position v, then the new `last` and `side`.
 
@@ -82,7 +82,7 @@ def inverse_step(v: float, width: float, last: float, side: float) -> tuple[floa
     return v + 0.5 * side * width, v, side
 
 
-@njit(cache=True)
+@njit()
 def inverse_run(v: FloatArray, width: float, side: float) -> FloatArray:
     """Command over an array of wanted positions; `side` is the sign of the last move before it, 0 for rest."""
     u = np.empty(v.size)

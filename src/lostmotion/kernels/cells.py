@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 Cells = npt.NDArray[np.uint8]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_pairs(u: FloatArray, cell: Cells, origin: FloatArray, start: int, stop: int, table: FloatArray) -> None:
     """Add (1, s)(k) (1, s)(k - lag), s = u - origin, over k in [start, stop) to `table` (lags, cells, cells, 4)."""
     for k in range(start, stop):
@@ -32,7 +33,7 @@ def _add_pairs(u: FloatArray, cell: Cells, origin: FloatArray, start: int, stop:
             sums[3] += first * second
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_twice(values: FloatArray, weight: float, sums: FloatArray) -> None:
     """Add the first of the values, and `weight` times these, to the rows of `sums` (2, m)."""
     plain, weighted = sums[0], sums[1]
@@ -41,7 +42,15 @@ def _add_twice(values: FloatArray, weight: float, sums: FloatArray) -> None:
         weighted[i] += weight * values[i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
+def _add_lag(sums: FloatArray, lag: int, table: FloatArray) -> None:
+    """Add the sums (cells, 2, lags) of one lag to `table` (cells, 2)."""
+    for i in range(table.shape[0]):
+        table[i, 0] += sums[i, 0, lag]
+        table[i, 1] += sums[i, 1, lag]
+
+
+@njit(nogil=True)
 def _add_behind(
     y: FloatArray,
     ahead: int,
@@ -66,10 +75,10 @@ def _add_behind(
             sums[now, 0, lag] += ends[lag]
             sums[now, 1, lag] += ends[lag] * value
     for lag in range(lags):
-        table[lag] += sums[:, :, lag]
+        _add_lag(sums, lag, table[lag])
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_ahead(
     y: FloatArray,
     ahead: int,
@@ -88,10 +97,10 @@ def _add_ahead(
         now = cell[k - behind]
         _add_twice(y[k - ahead - lags + 1 :], u[k - behind] - origin[now], sums[now])
     for lag in range(lags):
-        table[lag] += sums[:, :, lags - 1 - lag]
+        _add_lag(sums, lags - 1 - lag, table[lag])
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_lower(cell: Cells, start: int, stop: int, table: FloatArray) -> None:
     """Count the lower of the cells of k and k - lag over k in [start, stop) in `table` (lags, cells)."""
     for k in range(start, stop):

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import dead_zone
 from lostmotion.kernels.normal_equations import normal_equations
+from lostmotion.kernels.numba_cache import njit
 
 RIDGE = 1e-12  # relative; keeps the solution finite where a direction has no information at all
 
 
-@njit(cache=True)
+@njit()
 def variances(
     theta: FloatArray,
     na: int,
@@ -53,7 +53,7 @@ def variances(
     return _contrast_variances(information, directions)
 
 
-@njit(cache=True)
+@njit()
 def _contrast_variances(information: FloatArray, contrasts: FloatArray) -> FloatArray:
     """Variance of each contrast by Cholesky of the scaled information; infinite where it has no root."""
     size = information.shape[0]

@@ -20,11 +20,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import actuator
 from lostmotion.kernels.loop import pi_step
+from lostmotion.kernels.numba_cache import njit
 
 KIND, FIRST, STROKE, CURVE, GAIN, LAG1, LAG2, RATE, DELAY = 0, 1, 5, 6, 7, 8, 9, 10, 11
 SENSOR, FILTER, KP, KI = 12, 13, 14, 15
@@ -36,7 +36,7 @@ MANUAL, AUTO, CASCADE = 0, 1, 2
 LEAST, MOST = -1.25, 103.125  # % of span: 3.8 and 20.5 mA
 
 
-@njit(cache=True)
+@njit()
 def measure(loop: FloatArray, state: FloatArray, noise: float) -> None:
     """What the sensor says; a frozen one (NaN) says what it said."""
     state[SENSED] += loop[SENSOR] * (loop[PV_REST] + state[Z2] - state[SENSED])
@@ -45,7 +45,7 @@ def measure(loop: FloatArray, state: FloatArray, noise: float) -> None:
     state[FILTERED] += loop[FILTER] * (state[PV_SEEN] - state[FILTERED])
 
 
-@njit(cache=True)
+@njit()
 def control(loop: FloatArray, state: FloatArray, every: FloatArray, loops: FloatArray, row: int) -> None:
     """Output of the controller. In manual it stands, and the integral follows, so that the way back has no bump."""
     if state[MODE] == MANUAL and loop[TRACKS] == 1.0:
@@ -61,7 +61,7 @@ def control(loop: FloatArray, state: FloatArray, every: FloatArray, loops: Float
         state[OP], state[INTEGRAL] = pi_step(error, state[INTEGRAL], loop[KP], loop[KI], loop[LOW], loop[HIGH])
 
 
-@njit(cache=True)
+@njit()
 def follow(loops: FloatArray, state: FloatArray) -> None:
     """A master whose slave does not listen: its output is what the slave is at, as if it had asked for it."""
     for i in range(loops.shape[0]):
@@ -74,7 +74,7 @@ def follow(loops: FloatArray, state: FloatArray) -> None:
             state[master, INTEGRAL] = state[master, OP] - loops[master, KP] * error
 
 
-@njit(cache=True)
+@njit()
 def valve(loop: FloatArray, state: FloatArray, memory: FloatArray) -> float:
     """Position of the actuator; `state` gets that of the stem, which follows it."""
     moved = loop[OP_REST] + actuator.step(
@@ -85,7 +85,7 @@ def valve(loop: FloatArray, state: FloatArray, memory: FloatArray) -> float:
     return float(position)
 
 
-@njit(cache=True)
+@njit()
 def process(loop: FloatArray, state: FloatArray, flow: float, load: float) -> None:
     """Two lags, or a lag and a tank that is neither emptier than empty nor fuller than full."""
     state[Z1] += loop[LAG1] * (loop[GAIN] * (flow + load) - state[Z1])
@@ -96,7 +96,7 @@ def process(loop: FloatArray, state: FloatArray, flow: float, load: float) -> No
         state[Z2] += loop[LAG2] * (state[Z1] - state[Z2])
 
 
-@njit(cache=True)
+@njit()
 def act(events: FloatArray, at: int, row: int, state: FloatArray) -> int:
     """What the operators do in this row; place of the first event of a later one."""
     while at < events.shape[0] and events[at, 0] <= row:
@@ -111,7 +111,7 @@ def act(events: FloatArray, at: int, row: int, state: FloatArray) -> int:
     return at
 
 
-@njit(cache=True)
+@njit()
 def start(loops: FloatArray, state: FloatArray, actuators: FloatArray) -> None:
     """Every loop at rest in automatic, slaves in cascade."""
     for i in range(loops.shape[0]):
@@ -122,7 +122,7 @@ def start(loops: FloatArray, state: FloatArray, actuators: FloatArray) -> None:
         actuators[i, :] = actuator.init(0.0)
 
 
-@njit(cache=True)
+@njit()
 def run(
     begin: int,
     loops: FloatArray,

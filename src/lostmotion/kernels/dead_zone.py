@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True)
+@njit()
 def forward(u: float, left: float, right: float, left_slope: float, right_slope: float) -> float:
     """Internal variable x of one input u (paper, eq 4)."""
     if u > right:
@@ -18,7 +18,7 @@ def forward(u: float, left: float, right: float, left_slope: float, right_slope:
     return 0.0 * u  # keeps NaN
 
 
-@njit(cache=True)
+@njit()
 def inverse(v: float, left: float, right: float, left_slope: float, right_slope: float, at_zero: float) -> float:
     """Input u that makes the dead zone give v (paper, eqs 8-11); `at_zero` is the answer to v = 0."""
     if v > 0.0:
@@ -28,7 +28,7 @@ def inverse(v: float, left: float, right: float, left_slope: float, right_slope:
     return at_zero + v  # keeps NaN
 
 
-@njit(cache=True)
+@njit()
 def forward_run(u: FloatArray, left: float, right: float, left_slope: float, right_slope: float) -> FloatArray:
     """Internal variable over an array."""
     x = np.empty(u.size)
@@ -37,7 +37,7 @@ def forward_run(u: FloatArray, left: float, right: float, left_slope: float, rig
     return x
 
 
-@njit(cache=True)
+@njit()
 def inverse_run(
     v: FloatArray, left: float, right: float, left_slope: float, right_slope: float, at_zero: float
 ) -> FloatArray:
@@ -48,7 +48,7 @@ def inverse_run(
     return u
 
 
-@njit(cache=True)
+@njit()
 def sensitivities(u: FloatArray, left: float, right: float, log_ratio: float, x: FloatArray, dx: FloatArray) -> None:
     """Internal variable with right slope 1, and its derivatives.
 

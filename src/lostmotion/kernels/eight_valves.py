@@ -8,7 +8,7 @@ same arithmetic, so that a valve slips in the same rows.
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import (
@@ -24,6 +24,7 @@ from lostmotion.kernels.lanes import (
     where_above,
     whole,
 )
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.stiction import DIRECTION as WAY
 from lostmotion.kernels.stiction import HE_RAMP, KANO, LAST, SHORTEST_SLIP, init, step
 from lostmotion.kernels.stiction import MOVING as HAS_MOVED
@@ -34,7 +35,7 @@ STATE_SIZE = 6 * EIGHT
 ROWS = 256  # that are followed before their positions are sorted by valve: they stay near the processor
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _follow_all(
     model: int, u: FloatArray, bands: FloatArray, jumps: FloatArray, starts: FloatArray, x: FloatArray
 ) -> FloatArray:
@@ -74,7 +75,7 @@ def _follow_all_plain(
 follow_all = _follow_all_plain if config.DISABLE_JIT else _follow_all  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def at_rest(bands: FloatArray, jumps: FloatArray, starts: FloatArray) -> FloatArray:
     """State of valves at rest at `starts` (8,), in the middle of their bands."""
     state = np.zeros(STATE_SIZE)
@@ -84,7 +85,7 @@ def at_rest(bands: FloatArray, jumps: FloatArray, starts: FloatArray) -> FloatAr
     return state
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def follow(
     model: int,
     u: FloatArray,
@@ -107,25 +108,25 @@ def follow(
         _follow_he(u, begin, end, bands, jumps, state, x)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _both(floats: FloatArray, at: int) -> tuple[Quad, Quad]:
     """Both quads of eight floats."""
     return load(floats, at), load(floats, at + WIDTH)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _keep(floats: FloatArray, at: int, first: Quad, second: Quad) -> None:
     """Write both."""
     store(floats, at, first)
     store(floats, at + WIDTH, second)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _turned(turns: Quad, direction: Quad, way: Quad) -> Quad:
     return less(turns, where_above(spread(0.0), times(direction, way), spread(-1.0), spread(0.0)))
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _he(
     v: Quad, band: Quad, jump: Quad, behind: Quad, x: Quad, above: Quad, below: Quad, direction: Quad, turns: Quad
 ) -> tuple[Quad, Quad, Quad, Quad, Quad]:
@@ -138,7 +139,7 @@ def _he(
     return x, high, low, way, turns
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _follow_he(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:
@@ -163,7 +164,7 @@ def _follow_he(
     _keep(now, TURNS, t0, t1)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _kano(
     v: Quad,
     stop: Quad,
@@ -191,7 +192,7 @@ def _kano(
     return x, above, below, direction, moving, turns
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _follow_kano(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:
@@ -219,7 +220,7 @@ def _follow_kano(
     _keep(now, TURNS, t0, t1)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _on_ramp(
     v: Quad, last: Quad, steep: Quad, reach: Quad, length: Quad, x: Quad, direction: Quad, turns: Quad
 ) -> tuple[Quad, Quad, Quad, Quad]:
@@ -239,7 +240,7 @@ def _on_ramp(
     return mean, where_above(size, reach, less(x, times(slips, count)), x), now, _turned(turns, direction, now)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _follow_on_ramp(
     u: FloatArray, begin: int, end: int, bands: FloatArray, jumps: FloatArray, state: FloatArray, x: FloatArray
 ) -> None:

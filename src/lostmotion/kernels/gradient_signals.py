@@ -7,8 +7,6 @@ is the prediction error. The columns before a block hold its past.
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import (
     WIDEST,
@@ -21,6 +19,7 @@ from lostmotion.kernels.lanes import (
     times,
     widest,
 )
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import GONE, pole_filter
 
 BLOCK = 512  # samples: a dozen signals of this length stay in the fastest memory
@@ -29,13 +28,21 @@ DEAD = 1e-30  # an initial state that has decayed to this share tells nothing mo
 Z, X, H, ETA = 0, 1, 2, 3  # rows; v comes after the last eta
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def block_at(k0: int, n: int, p: int) -> int:
     """How many of n samples are in the block that begins with k0; the first is shorter, that p of it may be skipped."""
     return min(BLOCK if k0 > 0 else BLOCK - WIDEST + p % WIDEST, n - k0)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
+def keep_past(rows: FloatArray, m: int, history: int) -> None:
+    """Move what is behind a block of m samples in front of it."""
+    for row in range(rows.shape[0]):
+        for k in range(history):
+            rows[row, k] = rows[row, m + k]
+
+
+@njit(nogil=True)
 def is_quiet(values: FloatArray) -> bool:
     """Whether what has decayed tells nothing more."""
     loudest = 0.0
@@ -44,7 +51,7 @@ def is_quiet(values: FloatArray) -> bool:
     return loudest < DEAD
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def _add_taps(taps: FloatArray, row: FloatArray, at: int, out: FloatArray) -> None:
     """Add sum_i taps_i row[at + k - i] to `out`."""
     widest()
@@ -61,7 +68,7 @@ def _add_taps(taps: FloatArray, row: FloatArray, at: int, out: FloatArray) -> No
             out[k] += tap * lagged[k]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def fill_errors(
     a: FloatArray,
     answers: FloatArray,
@@ -105,7 +112,7 @@ def fill_errors(
         v[k] = y[k] - offset - z[k]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _with_four(total: Quad, t0: Quad, t1: Quad, t2: Quad, t3: Quad, values: FloatArray, at: int) -> Quad:
     """`total` and the four taps of as many samples as a register holds, added in the order of ``_add_taps``."""
     early = plus_product(times(t1, load_widest(values, at - 1)), t0, load_widest(values, at))
@@ -113,7 +120,7 @@ def _with_four(total: Quad, t0: Quad, t1: Quad, t2: Quad, t3: Quad, values: Floa
     return plus_product(total, spread_widest(1.0), late)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def whiten(d: FloatArray, row: FloatArray, at: int, m: int, out: FloatArray, to: int) -> None:
     """Fill `out` from `to` on with D row[at ..], for m samples; up to TILE - 1 more are read and overwritten.
 
@@ -148,7 +155,7 @@ def whiten(d: FloatArray, row: FloatArray, at: int, m: int, out: FloatArray, to:
         store(there, begin + 3 * WIDEST, s3)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _moved(b: FloatArray, dx: FloatArray, shapes: FloatArray, e: int, begin: int, k0: int, out: FloatArray) -> None:
     """Fill `out` with B dx/deta for samples k0 .. of a segment whose first input is at `begin`."""
     widest()
@@ -161,7 +168,7 @@ def _moved(b: FloatArray, dx: FloatArray, shapes: FloatArray, e: int, begin: int
             later[k] += weight * source[k]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def fill_block(
     a: FloatArray,
     answers: FloatArray,

@@ -7,25 +7,27 @@ filter pass and its products with these.
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import widest
 from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import all_pole
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def respond(a: FloatArray, d: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Fill `out` (n,) with (D/A) x, from rest."""
     raw = np.empty(x.size)
     all_pole(a, x, raw)
-    out[:] = raw
+    for k in range(x.size):
+        out[k] = raw[k]
     if d.size > 0 and x.size > 1:
         add_lagged(d, raw[:-1], out[1:])
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def _sum_of_products(one: FloatArray, other: FloatArray) -> float:
     widest()
     total = 0.0
@@ -37,7 +39,7 @@ def _sum_of_products(one: FloatArray, other: FloatArray) -> float:
 _dot = np.dot if config.DISABLE_JIT else _sum_of_products  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_early(
     b: FloatArray, p: int, early: float, s: int, head: int, padded: FloatArray, without: FloatArray,
     shared: FloatArray, initial: FloatArray, gram: FloatArray, cross: FloatArray, target: FloatArray,
@@ -66,7 +68,7 @@ def _add_early(
     return squares
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def input_products(
     a: FloatArray,
     b: FloatArray,

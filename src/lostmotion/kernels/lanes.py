@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import TypeAlias, TypeVar
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels import lanes_llvm as machine
+from lostmotion.kernels.numba_cache import njit
 
 Quad: TypeAlias = FloatArray
 Octet: TypeAlias = FloatArray
@@ -132,7 +132,7 @@ def total(values: Quad) -> float:
     return float((values[0] + values[2]) + (values[1] + values[3]))
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def dot(floats: FloatArray, one: int, other: int, size: int) -> float:
     """Inner product of two padded rows that begin at `one` and `other`."""
     values = spread(0.0)

@@ -16,13 +16,13 @@ Order of the parameters: a (na), b (nb+1), offset (1), eta (ne), d (p), then c o
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import all_pole
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Add sum c_i x(k-i), with zeros before the first sample, to `out`."""
     n = out.size
@@ -43,7 +43,7 @@ def add_lagged(coefficients: FloatArray, x: FloatArray, out: FloatArray) -> None
             later[k] += weight * x[k]
 
 
-@njit(cache=True)
+@njit()
 def prediction_errors(
     a: FloatArray,
     b: FloatArray,
@@ -60,13 +60,17 @@ def prediction_errors(
     n = y.size - first
     begin = first - delay
     drive = np.zeros(n)
-    drive[: c.size] = c[:n]
+    for i in range(min(c.size, n)):
+        drive[i] = c[i]
     if zero > 0.0:
         all_pole(np.array([-zero]), drive.copy(), drive)
     add_lagged(b, x[begin : begin + n], drive)
     z = np.empty(n)
     all_pole(a, drive, z)
-    v = y[first:] - offset - z
+    v = np.empty(n)
+    for k in range(n):
+        v[k] = y[first + k] - offset - z[k]
+        z[k] += offset
     errors = v.copy()
     add_lagged(d, v[:-1], errors[1:])
-    return z + offset, errors[d.size :]
+    return z, errors[d.size :]

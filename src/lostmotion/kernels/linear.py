@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import ComplexArray, FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 
 FEW = 3  # poles that are found without an eigenvalue problem
 MOST_HALVES = 200  # of an interval: a bound that Newton steps do not come near
@@ -13,7 +13,7 @@ GONE = 1e-12  # a pole of this size is none
 REAL = 1e-9  # radians: nearer to the real axis a pole is real
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def inside_circle(poly: FloatArray, first: int, n: int) -> bool:
     """Whether all roots of z^n + poly[first] z^(n-1) + .. lie inside the unit circle (step-down, in place)."""
     last = first + n - 1
@@ -34,13 +34,13 @@ def inside_circle(poly: FloatArray, first: int, n: int) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def three_inside_circle(a1: float, a2: float, a3: float) -> bool:
     """Whether all roots of z^3 + a1 z^2 + a2 z + a3 lie inside the unit circle (Jury's criterion)."""
     return abs(a3) < 1.0 and abs(a1 + a3) < 1.0 + a2 and abs(a2 - a1 * a3) < 1.0 - a3 * a3
 
 
-@njit(cache=True)
+@njit()
 def is_stable(a: FloatArray, radius: float) -> bool:
     """Whether all roots of z^n + a[0] z^(n-1) + .. + a[n-1] lie inside `radius`."""
     poly = a.copy()
@@ -51,7 +51,7 @@ def is_stable(a: FloatArray, radius: float) -> bool:
     return inside_circle(poly, 0, poly.size)
 
 
-@njit(cache=True)
+@njit()
 def few_poles(a: FloatArray) -> ComplexArray:
     """Roots of z^n + a[0] z^(n-1) + .. + a[n-1] for n up to FEW."""
     poles = np.zeros(a.size, np.complex128)
@@ -75,7 +75,7 @@ def few_poles(a: FloatArray) -> ComplexArray:
     return poles
 
 
-@njit(cache=True)
+@njit()
 def _real_root(a1: float, a2: float, a3: float) -> float:
     """One of z^3 + a1 z^2 + a2 z + a3: steps of Newton, halves of the interval where they leave it."""
     high = 1.0 + max(abs(a1), abs(a2), abs(a3))
@@ -94,7 +94,7 @@ def _real_root(a1: float, a2: float, a3: float) -> float:
     return z
 
 
-@njit(cache=True)
+@njit()
 def pole_rings(pole: complex, least_damping: float, slowest: float) -> bool:
     """Whether a pole is one of a pair with less damping than this, or negative and slower than `slowest`."""
     size, angle = abs(pole), abs(np.arctan2(pole.imag, pole.real))
@@ -106,7 +106,7 @@ def pole_rings(pole: complex, least_damping: float, slowest: float) -> bool:
     return bool(angle >= REAL and decay < least_damping * np.hypot(decay, angle))
 
 
-@njit(cache=True)
+@njit()
 def rings(a: FloatArray, least_damping: float, slowest: float) -> bool:
     """Whether any of up to FEW poles does."""
     found = False
@@ -115,7 +115,7 @@ def rings(a: FloatArray, least_damping: float, slowest: float) -> bool:
     return found
 
 
-@njit(cache=True)
+@njit()
 def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatArray:
     """Output of q^-delay B/A from rest, for inputs x (n,)."""
     y = np.empty(x.size)
@@ -133,7 +133,7 @@ def simulate(a: FloatArray, b: FloatArray, delay: int, x: FloatArray) -> FloatAr
     return y
 
 
-@njit(cache=True)
+@njit()
 def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_back: float, direction: int) -> bool:
     """Whether the response of B/A to a step is there to stay, at every number of samples in `late` (ascending).
 
@@ -171,7 +171,7 @@ def step_lasts(a: FloatArray, b: FloatArray, late: IntArray, least: float, most_
     return True
 
 
-@njit(cache=True)
+@njit()
 def is_allowed(
     a: FloatArray,
     b: FloatArray,
@@ -184,11 +184,16 @@ def is_allowed(
     direction: int,
 ) -> bool:
     """Whether A, without its integrator where it has one, is stable, and the step lasts where the process is held."""
-    rest = 1.0 + np.cumsum(a)[:-1] if integrating else a  # A / (1 - q^-1)
+    rest, total = a, 0.0
+    if integrating:  # A / (1 - q^-1)
+        rest = np.empty(max(a.size - 1, 0))
+        for i in range(rest.size):
+            total += a[i]
+            rest[i] = 1.0 + total
     return is_stable(rest, radius) and (not held or step_lasts(a, b, late, least, most_back, direction))
 
 
-@njit(cache=True)
+@njit()
 def best_lasting(
     rss: FloatArray,
     chosen: IntArray,

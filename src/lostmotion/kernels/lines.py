@@ -27,9 +27,9 @@ def knots(values: FloatArray, tolerance: float) -> IntArray:
 
 @cache
 def _compiled() -> Callable[[FloatArray, float], IntArray]:
-    from numba import njit  # noqa: PLC0415  a check of one record must not wait for it
+    from lostmotion.kernels.numba_cache import njit  # noqa: PLC0415  a check of one record must not wait for Numba
 
-    run: Callable[[FloatArray, float], IntArray] = njit(cache=True)(_knots)
+    run: Callable[[FloatArray, float], IntArray] = njit()(_knots)
     return run
 
 

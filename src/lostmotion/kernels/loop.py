@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import actuator, dead_zone
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True)
+@njit()
 def pi_step(error: float, integral: float, kp: float, ki_dt: float, low: float, high: float) -> tuple[float, float]:
     """Output of a parallel PI and its new integral; the integral stops where it would wind up."""
     advanced = integral + ki_dt * error
@@ -21,7 +21,7 @@ def pi_step(error: float, integral: float, kp: float, ki_dt: float, low: float, 
     return output, advanced
 
 
-@njit(cache=True)
+@njit()
 def closed_loop(
     a: FloatArray,
     b: FloatArray,

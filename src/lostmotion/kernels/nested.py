@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _nested(gram: FloatArray, right: FloatArray, gains: FloatArray, explained: FloatArray) -> bool:
     """Fill coefficients (n, n), row i those of i + 1 columns, and what they explain (n,).
 

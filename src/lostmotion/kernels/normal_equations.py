@@ -8,16 +8,16 @@ block of the signals ever exists, whatever the length of the record.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.gradient_signals import BLOCK, ETA, TILE, H, X, Z, block_at, fill_block, is_quiet
+from lostmotion.kernels.gradient_signals import BLOCK, ETA, TILE, H, X, Z, block_at, fill_block, is_quiet, keep_past
 from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import answers_of
 from lostmotion.kernels.row_products import add_row_products, added_up, room
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _layout(
     na: int, nb1: int, ne: int, p: int, nc: int, width: int
 ) -> tuple[IntArray, IntArray, IntArray, IntArray, IntArray]:
@@ -37,12 +37,13 @@ def _layout(
         row[2 + e], place[2 + e] = behind + ETA + e, na + nb1 + 1 + e
     row[2 + ne], lag[2 + ne], count[2 + ne], place[2 + ne] = ETA + ne, 1, p, na + nb1 + 1 + ne  # v, before D
     row[3 + ne], count[3 + ne] = behind + H, nc
-    begins = row * width + history - lag
-    single = np.empty(groups + 1, np.int64)
-    single[: groups - 1], single[groups] = begins[:-1], begins[-1]
+    begins, single, many = np.empty(groups, np.int64), np.empty(groups + 1, np.int64), 0
+    for g in range(groups):
+        begins[g] = row[g] * width + history - lag[g]
+        single[g if g < groups - 1 else groups] = begins[g]
+        many += count[g]
     single[groups - 1] = (behind + ETA + ne) * width + history
-    lagged = np.empty(count.sum(), np.int64)
-    at = 0
+    lagged, at = np.empty(many, np.int64), 0
     for g in range(groups):
         for i in range(count[g]):
             lagged[at] = begins[g] - i
@@ -50,7 +51,7 @@ def _layout(
     return begins, count, lagged, place, single
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _assemble(
     cross: FloatArray,
     count: IntArray,
@@ -67,7 +68,8 @@ def _assemble(
     """
     groups = count.size
     at = np.zeros(groups + 1, np.int64)
-    at[1:] = np.cumsum(count)
+    for g in range(groups):
+        at[g + 1] = at[g] + count[g]
     for g in range(groups):
         for h in range(g + 1):
             table = np.zeros((count[g], count[h]))
@@ -89,7 +91,7 @@ def _assemble(
                             hessian[place[h] + j, place[g] + i] += sign[g] * sign[h] * value
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def _sum(values: FloatArray, m: int) -> float:
     widest()
     total = 0.0
@@ -98,7 +100,7 @@ def _sum(values: FloatArray, m: int) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_block(
     flat: FloatArray, begins: IntArray, single: IntArray, lagged: IntArray, gone: int, skipped: int, rows: int,
     parts: FloatArray, sums: FloatArray,
@@ -110,7 +112,7 @@ def _add_block(
         sums[g] += _sum(flat[begins[g] + skipped :], rows)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_level(
     cross: FloatArray, sums: FloatArray, whole: float, level: int, count: IntArray, heads: FloatArray,
     tails: FloatArray, place: IntArray, sign: FloatArray, hessian: FloatArray, gradient: FloatArray,
@@ -127,13 +129,15 @@ def _add_level(
             at += 1
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_early(
     flat: FloatArray, begins: IntArray, count: IntArray, errors_at: int, place: IntArray, sign: FloatArray,
     d: FloatArray, level: int, early: float, hessian: FloatArray, gradient: FloatArray,
 ) -> float:  # fmt: skip
     """Add the weighted products of the first rows of a segment, one for each coefficient of D; their squared errors."""
-    groups, many, cost, whole = count.size, count.sum() + 1, 0.0, -1.0
+    groups, many, cost, whole = count.size, 1, 0.0, -1.0
+    for g in range(groups):
+        many += count[g]
     row, at = np.empty(many), np.empty(many, np.int64)
     for k in range(d.size):
         n = 0
@@ -152,7 +156,7 @@ def _add_early(
     return cost
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, values: FloatArray) -> None:
     """Fill `values` (groups, lags) with what is at a column, each group at its lags."""
     for g in range(count.size):
@@ -160,7 +164,7 @@ def _ends(flat: FloatArray, begins: IntArray, count: IntArray, column: int, valu
             values[g, i] = flat[begins[g] + column - i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def normal_equations(
     theta: FloatArray, na: int, nb: int, ne: int, p: int, delay: int, first: int, segments: IntArray,
     x: FloatArray, dx: FloatArray, shapes: FloatArray, y: FloatArray, hessian: FloatArray, gradient: FloatArray,
@@ -181,12 +185,15 @@ def normal_equations(
     groups, many = count.size, lagged.size
     buffer = np.empty((2 * signals if p > 0 else signals, history + BLOCK + TILE))
     raw, white, flat = buffer[:signals], buffer[-signals:], buffer.reshape(-1)
-    answers, sign = answers_of(a), -np.ones(groups)
-    sign[0] = sign[2 + ne] = 1.0
+    answers, sign = answers_of(a), np.empty(groups)
+    for g in range(groups):
+        sign[g] = 1.0 if g in (0, 2 + ne) else -1.0
     heads, tails = np.zeros((groups, history)), np.zeros((groups, history))
     parts, work = np.empty(room(groups + 1, many)), np.empty((2, BLOCK))
-    whole = -(1.0 + d.sum())  # gradient of the offset
-    cost = 0.0
+    whole, cost = 0.0, 0.0
+    for value in d:
+        whole += value
+    whole = -(1.0 + whole)  # gradient of the offset
     for s in range(segments.shape[0]):
         head, n, place[-1] = segments[s, 0] + first, segments[s, 1] - segments[s, 0] - first, shared + p + s * nc
         if n <= p:
@@ -194,7 +201,7 @@ def normal_equations(
         c, sums, total = theta[place[-1] : place[-1] + nc], np.zeros(groups), 0.0
         parts[:] = 0.0
         buffer[:, :history] = 0.0
-        k0 = 0
+        k0 = np.int64(0)  # of one type from the start: a literal 0 would compile all that it is handed to twice
         while k0 < n:
             m, skipped = block_at(k0, n, p), max(p - k0, 0)
             gone = nc if k0 > 0 and is_quiet(white[H, :history]) else 0
@@ -212,7 +219,7 @@ def normal_equations(
                 errors = white[ETA + ne, history + skipped : history + m]
                 total, cost = total + _sum(errors, m - skipped), cost + np.dot(errors, errors)
             if k0 + m < n:
-                buffer[:, :history] = buffer[:, m : m + history]
+                keep_past(buffer, m, history)
             else:
                 _ends(flat, begins, count, m - 1, tails)
             k0 += m

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 FLOOR = 1e-9  # of the largest variance: nothing counts as told better than this
 RANK = 1e-12  # relative size of a direction that is none
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _spread(a: FloatArray, b: FloatArray, shift: int, covariance: FloatArray, outputs: int, rows: int) -> FloatArray:
     """Covariance (rows, rows) of A B_n - B A_n; see ``weighted``."""
     size = covariance.shape[0]
@@ -53,13 +54,21 @@ def _spread_plain(
 spread = _spread_plain if config.DISABLE_JIT else _spread  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
+def _energy(values: FloatArray) -> float:
+    total = 0.0
+    for value in values:
+        total += value * value
+    return total
+
+
+@njit(nogil=True)
 def _solved(table: FloatArray) -> tuple[FloatArray, float]:
     """Least squares of the last row (m,) of `table` (p + 1, m) by those before it, and what is left; orthogonalised."""
     p, m = table.shape[0] - 1, table.shape[1]
     upper, found, left = np.zeros((p + 1, p + 1)), np.zeros(p), 0.0
     for row in range(p + 1):
-        before = np.sum(table[row] ** 2)
+        before = _energy(table[row])
         for other in range(row):
             if upper[other, other] > 0.0:
                 share = 0.0
@@ -68,10 +77,11 @@ def _solved(table: FloatArray) -> tuple[FloatArray, float]:
                 for i in range(m):
                     table[row, i] -= share * table[other, i]
                 upper[other, row] = share
-        left = np.sum(table[row] ** 2)
+        left = _energy(table[row])
         if left > RANK * RANK * before:  # else it depends on the others
             upper[row, row] = np.sqrt(left)
-            table[row] /= upper[row, row]
+            for i in range(m):
+                table[row, i] /= upper[row, row]
     for row in range(p - 1, -1, -1):
         if upper[row, row] > 0.0:
             value = upper[row, p]
@@ -81,7 +91,7 @@ def _solved(table: FloatArray) -> tuple[FloatArray, float]:
     return found, left
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def weighted(
     a: FloatArray,
     b: FloatArray,
@@ -97,8 +107,14 @@ def weighted(
     `outputs`, then of B_n; B is `shift` rows later than B_n.
     """
     (m, p), root = regressors.shape, spread(a, b, shift, covariance, outputs, regressors.shape[0])
-    floor, white = max(FLOOR * np.abs(root).max(), 1e-300), np.empty((p + 1, m))
-    white[:p], white[p] = regressors.T, target
+    largest, white = 0.0, np.empty((p + 1, m))
+    for row in range(m):
+        for column in range(m):
+            largest = max(largest, abs(root[row, column]))
+        for column in range(p):
+            white[column, row] = regressors[row, column]
+        white[p, row] = target[row]
+    floor = max(FLOOR * largest, 1e-300)
     least_root = np.sqrt(floor)
     for row in range(m):
         here = root[row]

@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.products import factorise, solve_behind
 
 SMALLEST = np.finfo(np.float64).tiny
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def shifted(row: FloatArray, column: FloatArray, first: FloatArray, second: FloatArray, table: FloatArray) -> None:
     """Fill `table` (n, m) with products of lags, from those with a lag of 0 (`row` (m,), `column` (n,)).
 
     `first` (ends, n) and `second` (ends, m) hold the values that one lag more of both lets in, with the sign of their
     product in `first`: plus in front of the rows, minus at their end.
     """
-    table[0], table[1:, 0] = row, column[1:]
+    for j in range(row.size):
+        table[0, j] = row[j]
+    for i in range(1, column.size):
+        table[i, 0] = column[i]
     for i in range(1, table.shape[0]):
         before, now = table[i - 1], table[i]
-        now[1:] = before[: now.size - 1]
+        for j in range(1, now.size):
+            now[j] = before[j - 1]
         for end in range(first.shape[0]):
             weight, values = first[end, i], second[end]
             for j in range(1, now.size):
                 now[j] += weight * values[j]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def _without(table: FloatArray, first: FloatArray, second: FloatArray) -> None:
     """Take the products of `first` (k, n) and `second` (k, m) from `table` (n, m)."""
     for i in range(table.shape[0]):
@@ -46,7 +51,7 @@ def _without_plain(table: FloatArray, first: FloatArray, second: FloatArray) -> 
 without = _without_plain if config.DISABLE_JIT else _without  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def regressions(
     own: FloatArray,
     mixed: FloatArray,
@@ -81,33 +86,35 @@ def regressions(
     gains : ndarray, shape (p, 2, n)
         Filled, of both signals.
     """
-    n = own.shape[1]
+    n, ends = own.shape[1], signs.size
     table, both, whole = np.empty((n, n)), np.empty((n, n)), np.empty((2 * n, 2 * n))
-    target, total = np.empty(n), np.empty(2 * n)
+    target, total, signed = np.empty(n), np.empty(2 * n), np.empty((ends, n))
     for p in range(pairs.shape[0]):
         s, t = pairs[p]
         first, second = own[s], own[t]
+        for end in range(ends):
+            for i in range(n):
+                signed[end, i] = drive[t, end, i] * signs[end]
         # transposed: rows of the second
-        shifted(mixed[1, p], mixed[0, p], drive[t] * signs.reshape(-1, 1), drive[s], table)
+        shifted(mixed[1, p], mixed[0, p], signed, drive[s], table)
         without(table, past[t], past[s])
         for i in range(n):
             for j in range(i + 1):
                 both[i, j] = first[i, j] + second[i, j] + table[i, j] + table[j, i]
-            whole[i, : i + 1], whole[n + i, :n], whole[n + i, n : n + i + 1] = (
-                first[i, : i + 1],
-                table[i],
-                second[i, : i + 1],
-            )
-        target[:], total[:n], total[n:] = cross[s] + cross[t], cross[s], cross[t]
+                whole[i, j], whole[n + i, n + j] = first[i, j], second[i, j]
+            for j in range(n):
+                whole[n + i, j] = table[i, j]
+            target[i], total[i], total[n + i] = cross[s, i] + cross[t, i], cross[s, i], cross[t, i]
         _add_ridge(both, ridge, uniform)
         _add_ridge(whole, ridge, uniform)
         squares[1, p] = factorise(both, target)
         squares[0, p] = factorise(whole, total)
         solve_behind(whole, total)
-        gains[p, 0], gains[p, 1] = total[:n], total[n:]
+        for i in range(n):
+            gains[p, 0, i], gains[p, 1, i] = total[i], total[n + i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_ridge(gram: FloatArray, ridge: float, uniform: bool) -> None:
     largest = 0.0
     for i in range(gram.shape[0]):

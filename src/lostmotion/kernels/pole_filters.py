@@ -7,7 +7,7 @@ whose answers are known beforehand, and to what was there before them.
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import (
@@ -23,6 +23,7 @@ from lostmotion.kernels.lanes import (
     third_newest,
     times,
 )
+from lostmotion.kernels.numba_cache import njit
 
 GONE = 1e-100  # what has decayed to this is zero: below 1e-308 a product of two numbers takes a hundred times as long
 REST = 256  # samples after which it is looked at
@@ -30,7 +31,7 @@ POLES = 3  # that answer to eight samples at a time
 AHEAD = EIGHT * EIGHT  # floats of the answers to samples; behind them those to the past
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def answers_of(a: FloatArray) -> FloatArray:
     """What eight samples behind 1/A answer to each of themselves, and to each of POLES samples before them."""
     found = np.zeros(AHEAD + POLES * EIGHT)
@@ -53,7 +54,7 @@ def answers_of(a: FloatArray) -> FloatArray:
     return found
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def _row_by_row(a: FloatArray, x: FloatArray, row: FloatArray, at: int) -> None:
     """The same one after the other; four poles run in registers."""
     if a.size != POLES + 1:
@@ -72,14 +73,14 @@ def _row_by_row(a: FloatArray, x: FloatArray, row: FloatArray, at: int) -> None:
         row[at + k] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _forget(row: FloatArray, at: int) -> None:
     """Make a past that has decayed zero."""
     if abs(row[at - 1]) < GONE and abs(row[at - 2]) < GONE and abs(row[at - 3]) < GONE:
         row[at - 3 : at] = 0.0
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _with_past(
     value: Octet, poles: int, g1: Octet, g2: Octet, g3: Octet, one: Octet, two: Octet, three: Octet
 ) -> Octet:
@@ -90,7 +91,7 @@ def _with_past(
     return plus_product(value, g1, one)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _pole_filter(a: FloatArray, answers: FloatArray, x: FloatArray, row: FloatArray, at: int) -> None:
     """Continue row[at..] = (1/A) x; `answers` of ``answers_of``."""
     done, poles = 0, a.size
@@ -124,12 +125,13 @@ def _pole_filter_plain(a: FloatArray, _answers: FloatArray, x: FloatArray, row: 
 pole_filter = _pole_filter_plain if config.DISABLE_JIT else _pole_filter  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def all_pole(a: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Write (1/A) x into `out` (n,), from rest."""
     past, first, answers = max(a.size, POLES), min(REST, x.size), answers_of(a)
     head = np.zeros(past + first)
     pole_filter(a, answers, x[:first], head, past)
-    out[:first] = head[past:]
+    for k in range(first):
+        out[k] = head[past + k]
     for begin in range(REST, x.size, REST):
         pole_filter(a, answers, x[begin : min(begin + REST, x.size)], out, begin)

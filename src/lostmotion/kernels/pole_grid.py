@@ -12,13 +12,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDEST, Quad, address, less, over, plus_product, root_above, store, times
 from lostmotion.kernels.lanes import load_widest as load
 from lostmotion.kernels.lanes import spread_widest as spread
 from lostmotion.kernels.likelihood import add_lagged
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.pole_sums import GONE, derive_lags, respond, sum_lags, sum_modes
 from lostmotion.kernels.products import add_lags
@@ -27,7 +28,7 @@ RIDGE = 1e-12
 MOST_POLES = 3  # of which the sums at a few lags give the rest
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_segment(
     a: FloatArray,
     decays: FloatArray,
@@ -58,8 +59,12 @@ def _add_segment(
         sum_lags(x, level, target, first, low, lags, sums)
         sum_modes(x, level, target, decays, first, low, modes)
     with_mode, whole = np.empty((lags + 2, WIDEST)), np.empty(WIDEST)
-    with_mode[0], with_mode[lags + 1], with_mode[lags] = modes[0], modes[1], modes[2]
     for lane in range(WIDEST):
+        with_mode[0, lane], with_mode[lags + 1, lane], with_mode[lags, lane] = (
+            modes[0, lane],
+            modes[1, lane],
+            modes[2, lane],
+        )
         decay, rows = decays[lane], n - first
         whole[lane] = rows if decay == 1.0 else (1.0 - decay ** (2 * rows)) / (1.0 - decay * decay)
         last = decay ** (rows - 1)
@@ -67,13 +72,17 @@ def _add_segment(
             before, after = x[(first - low - lag) * WIDEST + lane], x[(n - low - lag) * WIDEST + lane]
             with_mode[lag, lane] = before + decay * (with_mode[lag - 1, lane] - last * after)
     part = np.zeros((lags + 2, lags + 2, WIDEST))
-    part[:orders, 0] = sums[:orders, 0]
-    part[lags + 1, :lags], part[lags, :lags] = sums[:, 1], sums[:, 2]
-    part[lags, lags], part[lags + 1, lags], part[lags + 1, lags + 1] = modes[3], modes[4], square
+    for lane in range(WIDEST):
+        for lag in range(lags):
+            if lag < orders:
+                part[lag, 0, lane] = sums[lag, 0, lane]
+            part[lags + 1, lag, lane], part[lags, lag, lane] = sums[lag, 1, lane], sums[lag, 2, lane]
+        part[lags, lags, lane], part[lags + 1, lags, lane] = modes[3, lane], modes[4, lane]
+        part[lags + 1, lags + 1, lane] = square
     _add_part(x, first - low, n - low, lags, orders, part, with_mode, whole, grams)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_part(
     x: FloatArray, first: int, last: int, lags: int, orders: int, part: FloatArray, with_mode: FloatArray,
     whole: FloatArray, grams: FloatArray,
@@ -97,13 +106,13 @@ def _add_part(
             store(out, at, plus_product(value, one, load(out, at)))
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _pivot(left: Quad, whole: Quad) -> Quad:
     """Of columns of which others leave `left`; infinite where one is one of them, or nothing."""
     return root_above(left, plus_product(spread(GONE), spread(RIDGE), whole))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray, work: FloatArray) -> None:
     """Residual sums of squares of y on X at lags at .. at + i and the level, for every i, of WIDEST grids at once.
 
@@ -150,14 +159,15 @@ def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: Flo
             store(gains, i * line + j * WIDEST, over(value, load(root, j * line + j * WIDEST)))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _whitened(
     d: FloatArray, segments: IntArray, x: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """D of y, x and a constant, from rest in every segment: D before 1/A is D behind it."""
     white, drive, ones = np.zeros(y.size), np.zeros(y.size), np.zeros(y.size)
     for start, stop in segments:
-        white[start:stop], drive[start:stop], ones[start:stop] = y[start:stop], x[start:stop], 1.0
+        for k in range(start, stop):
+            white[k], drive[k], ones[k] = y[k], x[k], 1.0
         add_lagged(d, y[start : stop - 1], white[start + 1 : stop])
         add_lagged(d, x[start : stop - 1], drive[start + 1 : stop])
         whole = ones[start:stop].copy()
@@ -165,7 +175,7 @@ def _whitened(
     return white, drive, ones
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _scan(
     x: FloatArray,
     y: FloatArray,
@@ -203,19 +213,26 @@ def _scan(
             squares_of_y[s] = np.dot(wanted, wanted)
             if few:
                 add_lags(wanted, wanted, drive, start + first - low, lags, cross)
-                known[s] = cross[0]
+                for lag in range(lags):
+                    known[s, lag] = cross[0, lag]
     a, modes = np.empty((na, WIDEST)), np.empty(WIDEST)
     squares, gains = np.empty((orders, WIDEST)), np.empty((orders, orders, WIDEST))
     work = np.empty((orders + 2, orders, WIDEST))
     for begin in range(0, m, WIDEST):
         for lane in range(WIDEST):
-            a[:, lane], modes[lane] = polynomials[min(begin + lane, m - 1)], decays[min(begin + lane, m - 1)]
+            which = min(begin + lane, m - 1)
+            modes[lane] = decays[which]
+            for i in range(na):
+                a[i, lane] = polynomials[which, i]
         grams = np.zeros((lags + 2, lags + 2, WIDEST))
         for s in range(segments.shape[0]):
             start, stop = segments[s]
             if stop - start > first:
-                drives = drive[start:stop], ones[start:stop], white[start:stop]
-                _add_segment(a, modes, *drives, first, low, lags, orders, known[s], squares_of_y[s], grams)
+                wanted, square = white[start:stop], squares_of_y[s]
+                _add_segment(
+                    a, modes, drive[start:stop], ones[start:stop], wanted, first, low, lags, orders, known[s], square,
+                    grams,
+                )  # fmt: skip
         for at in range(0, high - low + 1, every):
             _least_squares(grams, at, lags, squares, gains, work)
             for lane in range(min(WIDEST, m - begin)):

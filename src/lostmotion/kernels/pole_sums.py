@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import WIDEST, Quad, address, plus_product, store, times
 from lostmotion.kernels.lanes import load_widest as load
 from lostmotion.kernels.lanes import spread_widest as spread
+from lostmotion.kernels.numba_cache import njit
 
 GONE = 1e-100  # a mode that has decayed to this is zero: numbers below 1e-308 take a hundred times as long
 REST = 64  # rows after which it is looked at; the fastest mode of a grid decays by 1e-40 meanwhile
 NUDGE = 1e-140  # keeps responses away from such numbers while a command rests at zero; its square is still above them
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, level: FloatArray) -> None:
     """Fill `x` and `level` (w n,), sample by sample, with 1/A of `drive` and `ones` (n,) for w processes, from rest.
 
@@ -43,7 +43,7 @@ def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, l
         store(to_level, k * WIDEST, second)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _put(out: FloatArray, at: int, one: Quad, two: Quad, three: Quad) -> None:
     """Write three registers, one after the other."""
     store(out, at, one)
@@ -51,7 +51,7 @@ def _put(out: FloatArray, at: int, one: Quad, two: Quad, three: Quad) -> None:
     store(out, at + 2 * WIDEST, three)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def sum_lags(
     x: FloatArray, level: FloatArray, target: FloatArray, first: int, low: int, lags: int, sums: FloatArray
 ) -> None:
@@ -82,7 +82,7 @@ def sum_lags(
         _put(out, i3 * triple, p3, t3, l3)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def sum_modes(
     x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, sums: FloatArray
 ) -> None:
@@ -113,7 +113,7 @@ def sum_modes(
     store(out, 4 * WIDEST, both)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _sum_few(
     x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, lags: int,
     kept: int, sums: FloatArray, last: FloatArray, modes: FloatArray,
@@ -161,7 +161,7 @@ def _sum_few(
     store(address(modes.reshape(-1)), 5 * WIDEST, whole)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def derive_lags(
     a: FloatArray, x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, constant: float,
     known: FloatArray, first: int, low: int, lags: int, sums: FloatArray, modes: FloatArray,

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store, widest
+from lostmotion.kernels.numba_cache import njit
 
 TILE = 4 * WIDEST  # columns of a factor at a time
 DEPENDENT = 1e-15  # share of a sum of squares that others leave: rounding
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def _add_lags(first: FloatArray, second: FloatArray, other: FloatArray, begin: int, lags: int, out: FloatArray) -> None:
     """Add to `out` (2, lags) the sums of first(k) other(begin + k - lag), and of second(k) with the same.
 
@@ -59,7 +60,7 @@ def _add_lags_plain(
 add_lags = _add_lags_plain if config.DISABLE_JIT else _add_lags  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def add_products(
     first: FloatArray,
     ahead: int,
@@ -81,15 +82,19 @@ def add_products(
     add_lags(head, head, second, start - behind, columns, across)
     head = second[start - behind : stop - behind]
     add_lags(head, head, first, start - ahead, rows, along)
-    gram[0], gram[1:, 0] = across[0], along[0, 1:]
+    for j in range(columns):
+        gram[0, j] = across[0, j]
     for i in range(1, rows):
+        gram[i, 0] = along[0, i]
         before, after = first[start - ahead - i], first[stop - ahead - i]
         for j in range(1, columns):
             gram[i, j] = gram[i - 1, j - 1] + before * second[start - behind - j] - after * second[stop - behind - j]
-    out += gram
+    for i in range(rows):
+        for j in range(columns):
+            out[i, j] += gram[i, j]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def complete(table: FloatArray, outer: FloatArray, inner: FloatArray) -> None:
     """Fill sums of products of lags (n, m) from the first row and column: a lag more of both drops and adds a product.
 
@@ -101,7 +106,7 @@ def complete(table: FloatArray, outer: FloatArray, inner: FloatArray) -> None:
             now[j] = before[j - 1] + come * inner[0, j] - gone * inner[1, j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def add_lagged_table(
     y: FloatArray, outputs: int, x: FloatArray, delay: int, inputs: int, start: int, stop: int, table: FloatArray
 ) -> None:
@@ -116,7 +121,10 @@ def add_lagged_table(
     for value in head:
         sums += value
     past, gram = np.empty((outputs + 1, inputs)), np.empty((inputs, inputs))
-    past[0], past[1:, 0], gram[0], gram[:, 0] = across[0], along[0, 1:], across[1], across[1]
+    for j in range(inputs):
+        past[0, j], gram[0, j], gram[j, 0] = across[0, j], across[1, j], across[1, j]
+    for i in range(1, outputs + 1):
+        past[i, 0] = along[0, i]
     outer, ends = np.zeros((2, outputs + 1)), np.zeros((2, inputs))  # at lag 0 nothing is let in or out
     for i in range(1, outputs + 1):
         outer[0, i], outer[1, i] = y[start - i], y[stop - i]
@@ -128,12 +136,15 @@ def add_lagged_table(
     for j in range(1, inputs):
         sums += x[start - delay - j] - x[stop - delay - j]
         table[0, j] += sums
-    table[1 : outputs + 1] += past[1:]
-    table[outputs + 1 : outputs + 1 + inputs] += gram
-    table[-1] += past[0]
+    for j in range(inputs):
+        for i in range(outputs):
+            table[i + 1, j] += past[i + 1, j]
+        for i in range(inputs):
+            table[outputs + 1 + i, j] += gram[i, j]
+        table[outputs + inputs + 1, j] += past[0, j]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _add_rows(
     floats: FloatArray, width: int, row: int, column: int, weights: FloatArray, first: int, step: int, begin: int,
     end: int, sign: float,
@@ -172,13 +183,13 @@ def _add_rows(
         store(floats, here + at + 3 * WIDEST, plus_product(s3, one, t3))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _less_rows(floats: FloatArray, width: int, row: int, column: int, begin: int, end: int) -> None:
     """Take from a row, from a column on, others times what they have in that column."""
     _add_rows(floats, width, row, column, floats, begin * width + column, width, begin, end, -1.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _factorise(gram: FloatArray, target: FloatArray) -> float:
     """Put the Cholesky factor L of `gram` (n, n) in its lower half, its diagonal inverted; make `target` L^-1 `target`.
 
@@ -187,12 +198,12 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
     n, total = target.size, 0.0
     width = (n // TILE + 1) * TILE
     upper = np.zeros((n, width))  # L', and the target behind it
-    floats = address(upper.reshape(-1))
+    floats, zero = address(upper.reshape(-1)), np.int64(0)  # a literal 0 would compile what it is handed to once more
     for i in range(n):
         for j in range(i, n):
             upper[i, j] = gram[j, i]
         upper[i, n], least = target[i], DEPENDENT * gram[i, i]
-        _less_rows(floats, width, i, i, 0, i)
+        _less_rows(floats, width, i, i, zero, i)
         inverse = 1.0 / np.sqrt(upper[i, i]) if upper[i, i] > least else 0.0
         for j in range(i + 1, n):
             upper[i, j] *= inverse
@@ -215,7 +226,7 @@ def _factorise_plain(gram: FloatArray, target: FloatArray) -> float:
 factorise = _factorise_plain if config.DISABLE_JIT else _factorise  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def solve_ahead(root: FloatArray, table: FloatArray) -> None:
     """Make `table` (n, m) L^-1 `table`, L from ``factorise``."""
     for i in range(table.shape[0]):
@@ -228,7 +239,7 @@ def solve_ahead(root: FloatArray, table: FloatArray) -> None:
             row[j] *= root[i, i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def solve_behind(root: FloatArray, values: FloatArray) -> None:
     """Make `values` (n,) L'^-1 `values`, L from ``factorise``."""
     for i in range(values.size - 1, -1, -1):
@@ -238,7 +249,7 @@ def solve_behind(root: FloatArray, values: FloatArray) -> None:
             values[k] -= last * row[k]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: float, ridge: float) -> float:
     """Sum of squares that m columns explain beyond k columns that are always there.
 
@@ -248,19 +259,19 @@ def _explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: f
     (k, r), m, total = basis.shape, table.shape[1], 0.0
     width = (m // TILE + 1) * TILE
     rows = np.zeros((r + m + k, width))  # of the k made orthonormal, of the m, and the k as they are; the target behind
-    floats, shares = address(rows.reshape(-1)), address(basis.reshape(-1))
+    floats, shares, zero = address(rows.reshape(-1)), address(basis.reshape(-1)), np.int64(0)
     for i in range(k):
         for j in range(m):
             rows[r + m + i, j] = table[i, j]
     for p in range(r):
-        _add_rows(floats, width, p, 0, shares, p, r, r + m, r + m + k, 1.0)
+        _add_rows(floats, width, p, zero, shares, p, r, r + m, r + m + k, 1.0)
         rows[p, m] = known[p]
     for i in range(m):
         row = rows[r + i]
         for j in range(i, m):
             row[j] = table[k + i, j]
         row[m] = table[k + m, i]
-        _less_rows(floats, width, r + i, i, 0, r)
+        _less_rows(floats, width, r + i, i, zero, r)
         row[i] += ridge * row[i] + floor
         least = DEPENDENT * row[i]
         _less_rows(floats, width, r + i, i, r, r + i)
@@ -281,7 +292,7 @@ def _explained_plain(table: FloatArray, basis: FloatArray, known: FloatArray, fl
 explained = _explained_plain if config.DISABLE_JIT else _explained  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def explained_by_lags(
     y: FloatArray,
     outputs: int,
@@ -304,7 +315,7 @@ def explained_by_lags(
     return explained(table, basis, known, floor, ridge)
 
 
-@njit(cache=True)
+@njit()
 def damped_step(hessian: FloatArray, gradient: FloatArray, damping: float) -> tuple[FloatArray, float]:
     """Marquardt step with columns scaled by their norm, and the decrease of the sum of squares that it promises."""
     n = gradient.size
@@ -317,8 +328,14 @@ def damped_step(hessian: FloatArray, gradient: FloatArray, damping: float) -> tu
         for j in range(n):
             scaled[i, j] = hessian[i, j] / (scale[i] * scale[j])
         scaled[i, i] += damping
-    slope = gradient / scale
-    move = -np.linalg.solve(scaled, slope)
+    slope = np.empty(n)
+    for i in range(n):
+        slope[i] = gradient[i] / scale[i]
+    move = np.linalg.solve(scaled, slope)
+    for i in range(n):
+        move[i] = -move[i]
     # with (H + damping) move = -slope: move' H move = -slope' move - damping move' move
     promised = -np.dot(slope, move) + damping * np.dot(move, move)
-    return move / scale, promised
+    for i in range(n):
+        move[i] /= scale[i]
+    return move, promised

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def sensitivities(u: FloatArray, up: float, down: float, x: FloatArray, dx: FloatArray) -> None:
     """Fill the position `x` (n,) for the command u (n,), from rest at its first value, and its derivatives.
 

@@ -7,11 +7,11 @@ variable. Normal equations of n parameters are a table (n + 1, n): J'J, and J'e 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.products import damped_step
 from lostmotion.kernels.squared_errors import squared_errors
 
@@ -28,7 +28,7 @@ COST, DAMPING, PROMISED, ERRORS, FLOOR, BOUND, TARGET, TOLERANCE = range(8)  # f
 STEPS, MOST, UPHILL, CONVERGED, TRYING, STILL = 0, 1, 2, 3, 4, 5  # integers of one
 
 
-@njit(cache=True)
+@njit()
 def projected(normal: FloatArray, basis: FloatArray) -> FloatArray:
     """Normal equations of the directions `basis` (n, free), most of whose elements are 0; all where it is (n, 0)."""
     size, free = basis.shape
@@ -51,7 +51,7 @@ def projected(normal: FloatArray, basis: FloatArray) -> FloatArray:
     return model
 
 
-@njit(cache=True)
+@njit()
 def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Fill the trial with a damped step from the best point, or say that there is none worth trying."""
     free, cost = model.shape[1], numbers[COST]
@@ -70,17 +70,19 @@ def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: 
     if far and gap > HOPELESS * damped_step(model[:free], model[free], UNDAMPED)[1]:
         counts[TRYING] = 0
         return
-    points[1] = points[0]
+    for row in range(points.shape[1]):
+        points[1, row] = points[0, row]
     for row in range(basis.shape[0] if basis.shape[1] > 0 else 0):
         moved = 0.0
         for column in range(free):
             moved += basis[row, column] * step[column]
         points[1, row] += moved
     if basis.shape[1] == 0:
-        points[1] += step
+        for row in range(free):
+            points[1, row] += step[row]
 
 
-@njit(cache=True)
+@njit()
 def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Damping, and whether to go on, after a trial that was `better` with its cost, or was not."""
     variance = numbers[COST] / numbers[ERRORS]
@@ -101,7 +103,13 @@ def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray,
     counts[TRYING] = not counts[CONVERGED] and not slow and steps < counts[MOST]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
+def _keep(values: FloatArray, out: FloatArray) -> None:
+    for k in range(values.size):
+        out[k] = values[k]
+
+
+@njit(nogil=True)
 def advance(
     points: FloatArray, normal: FloatArray, model: FloatArray, basis: FloatArray, history: FloatArray,
     numbers: FloatArray, counts: IntArray, integrating: bool, radius: float, held: bool, late: IntArray, least: float,
@@ -131,8 +139,11 @@ def advance(
                 )  # fmt: skip
                 better = cost < numbers[COST]
             if better:
-                best[:], normal[:] = trial, scale * found
-                model[:] = projected(normal, basis)
+                _keep(trial, best)
+                for row in range(size + 1):
+                    for column in range(size):
+                        normal[row, column] = scale * found[row, column]
+                _keep(projected(normal, basis).reshape(-1), model.reshape(-1))
             _settle(cost, better, history, numbers, counts)
         if counts[TRYING]:
             _propose(points, model, basis, numbers, counts)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDEST, WIDTH, Quad, address, load_widest, plus_product, spread_widest, store
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def _add_four(sums: FloatArray, at: int, s0: Quad, s1: Quad, s2: Quad, s3: Quad) -> None:
     one = spread_widest(1.0)
     store(sums, at, plus_product(load_widest(sums, at), one, s0))
@@ -18,7 +19,7 @@ def _add_four(sums: FloatArray, at: int, s0: Quad, s1: Quad, s2: Quad, s3: Quad)
     store(sums, at + 3 * WIDEST, plus_product(load_widest(sums, at + 3 * WIDEST), one, s3))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _four_by_four(
     ahead: FloatArray, single: IntArray, i: int, final: int, r0: int, r1: int, r2: int, r3: int, m: int,
     rows: FloatArray, sums: FloatArray, at: int, width: int,
@@ -51,7 +52,7 @@ def _four_by_four(
     _add_four(sums, at + 3 * width, d0, d1, d2, d3)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _two_by_four(
     ahead: FloatArray, single: IntArray, i: int, final: int, r0: int, r1: int, r2: int, r3: int, m: int,
     rows: FloatArray, sums: FloatArray, at: int, width: int,
@@ -77,13 +78,13 @@ TOGETHER = 4 if WIDEST > WIDTH else 2
 _tile = _four_by_four if WIDEST > WIDTH else _two_by_four
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def room(singles: int, lags: int) -> tuple[int, int, int]:
     """Shape of the sums of so many products."""
     return (singles + TOGETHER - 1) // TOGETHER * TOGETHER, (lags + 3) // 4 * 4, WIDEST
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_tiles(
     ahead: FloatArray, single: IntArray, singles: int, last: int, lagged: IntArray, lags: int, begin: int, m: int,
     rows: FloatArray, parts: FloatArray,
@@ -98,7 +99,7 @@ def _add_tiles(
             _tile(ahead, single, i, last, r0, r1, r2, r3, m, rows, sums, i * width + j * WIDEST, width)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_row_products(
     flat: FloatArray, single: IntArray, singles: int, lagged: IntArray, lags: int, m: int, parts: FloatArray
 ) -> None:
@@ -108,13 +109,14 @@ def _add_row_products(
     sample. Behind m samples as many are read, and must be finite.
     """
     rows, one, whole = address(flat), address(single), m // WIDEST * WIDEST
-    _add_tiles(rows, one, singles, single.size - 1, lagged, lags, 0, whole, rows, parts)
+    _add_tiles(rows, one, singles, single.size - 1, lagged, lags, np.int64(0), whole, rows, parts)
     if whole < m:
         last, places = np.zeros(single.size * WIDEST), np.arange(0, single.size * WIDEST, WIDEST)
         for i in range(single.size):
             for k in range(m - whole):
                 last[i * WIDEST + k] = flat[single[i] + whole + k]
-        _add_tiles(address(last), address(places), singles, single.size - 1, lagged, lags, whole, WIDEST, rows, parts)
+        few = np.int64(WIDEST)
+        _add_tiles(address(last), address(places), singles, single.size - 1, lagged, lags, whole, few, rows, parts)
 
 
 def _add_row_products_plain(
@@ -127,7 +129,7 @@ def _add_row_products_plain(
 add_row_products = _add_row_products_plain if config.DISABLE_JIT else _add_row_products  # type: ignore[attr-defined]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def added_up(parts: FloatArray, singles: int, lags: int) -> FloatArray:
     """The sums of each product, added up, (singles, lags)."""
     found = np.empty((singles, lags))

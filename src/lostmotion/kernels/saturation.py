@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True)
+@njit()
 def forward(u: float, low: float, high: float) -> float:
     """Internal variable x of one input u: u inside the limits, the limit outside; NaN stays NaN."""
     if u < low:
@@ -18,7 +18,7 @@ def forward(u: float, low: float, high: float) -> float:
     return u
 
 
-@njit(cache=True)
+@njit()
 def run(u: FloatArray, low: float, high: float) -> FloatArray:
     """Internal variable over an array."""
     x = np.empty(u.size)
@@ -27,7 +27,7 @@ def run(u: FloatArray, low: float, high: float) -> FloatArray:
     return x
 
 
-@njit(cache=True)
+@njit()
 def sensitivities(u: FloatArray, low: float, high: float, x: FloatArray, dx: FloatArray) -> None:
     """Internal variable and its derivatives with respect to low and high; `x` (n,) and `dx` (2, n) are filled."""
     for k in range(u.size):

@@ -11,18 +11,18 @@ so it does where the command comes in a ramp (all of :mod:`lostmotion.kernels.st
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.eight_valves import EIGHT, follow_all
 from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.products import complete, explained
 from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 
 LAGS = 4 * WIDEST  # of which sums are made at a time
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def find_slips(x: FloatArray, sums: FloatArray, slips: IntArray, changes: FloatArray) -> int:
     """Put the running sum of a position `x` (n,) from 0 on into `sums` (n + 1 or more); the number of its changes.
 
@@ -41,7 +41,7 @@ def find_slips(x: FloatArray, sums: FloatArray, slips: IntArray, changes: FloatA
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_shifted(
     changes: FloatArray,
     slips: IntArray,
@@ -72,7 +72,7 @@ def _add_shifted(
         store(sums, i + 3 * WIDEST, s3)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def add_slip_table(
     x: FloatArray,
     sums: FloatArray,
@@ -136,7 +136,7 @@ def add_slip_table(
             table[outputs + 1 + i, j] += gram[i, j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def explained_by_slips(
     models: IntArray,
     etas: FloatArray,
@@ -181,7 +181,9 @@ def explained_by_slips(
                     v = eight[min(lane, eight.size - 1)]
                     rest = rests[v, index] if index < rests.shape[1] else 0.0
                     starts[lane] = part[0] + 0.5 * rest * (bands[lane] + jumps[lane])
-                turned += follow_all(model, part, bands, jumps, starts, x)
+                more = follow_all(model, part, bands, jumps, starts, x)
+                for lane in range(EIGHT):
+                    turned[lane] += more[lane]
                 for lane in range(eight.size):
                     count = find_slips(x[lane, : part.size], sums, slips, changes)
                     add_slip_table(

@@ -7,17 +7,17 @@ from v + d J, and back from v - d S, as in :mod:`lostmotion.kernels.slip_table`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.kernels.stiction import KANO
 
 TINY = 1e-300  # keeps divisions finite
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def pattern(
     model: int,
     u: FloatArray,
@@ -89,9 +89,9 @@ def pattern(
     return count, first, start, turns
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
-    """From where a valve can slip for the first time at one row or another, in all ways that `u` (n,) allows, in order.
+    """From where a valve can slip for the first time at one row or another, in all ways that `u` (n,) allows.
 
     It slips first where u is higher, or lower, than ever before, as long as u has stayed within S + J.
     """
@@ -111,10 +111,10 @@ def first_positions(u: FloatArray, band: float, jump: float) -> FloatArray:
             lowest = v
         if highest - lowest > 2.0 * reach:
             break
-    return np.sort(found[:count])
+    return found[:count]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _through_numerator(slips: IntArray, values: FloatArray, begin: int, steps: FloatArray, drive: FloatArray) -> None:
     """Write B x into `drive` (n,) from the row `begin` on; x has the `values` (m,) from the `slips` (m,) on.
 
@@ -140,7 +140,7 @@ def _through_numerator(slips: IntArray, values: FloatArray, begin: int, steps: F
         drive[k] += settled
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def through_process(
     slips: IntArray, levels: FloatArray, sides: FloatArray, begin: int, steps: FloatArray, a: FloatArray,
     of_levels: FloatArray, of_sides: FloatArray, drive: FloatArray,
@@ -157,7 +157,7 @@ def through_process(
     all_pole(a, for_sides, of_sides)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatArray, sums: FloatArray) -> None:
     """Add to `sums` (r,) what `answers` (n, r), of a step of one at each row from `begin` on, make of all changes."""
     before = 0.0
@@ -172,7 +172,7 @@ def add_answers(slips: IntArray, values: FloatArray, begin: int, answers: FloatA
             before = values[m]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def _add_products(
     without: FloatArray,
     by_level: FloatArray,
@@ -195,7 +195,7 @@ def _add_products(
     sums[2] += other
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def weigh_patterns(
     model: int,
     u: FloatArray,
@@ -235,7 +235,7 @@ def weigh_patterns(
         band, jump = etas[v]
         reach = 0.5 * (band + jump)
         turns[v] = done = answered = 0
-        sums[v] = 0.0
+        sums[v, 0] = sums[v, 1] = sums[v, 2] = 0.0
         for index in range(len(segments)):
             start, stop = segments[index]
             first = u[start] + begun[v, index, 0] * reach

@@ -6,12 +6,11 @@ segment begins as if its first value had always been there.
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def smooth(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> None:
     """Fill `out` (n,) on the segments; it may be `x` itself."""
     share = 1.0 - zero
@@ -22,7 +21,7 @@ def smooth(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> N
             out[k] = value
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def smooth_rows(x: FloatArray, zero: float, segments: IntArray, out: FloatArray) -> None:
     """The same for every row of `x` (m, n): four at a time, as none waits for another."""
     share, whole = 1.0 - zero, x.shape[0] - x.shape[0] % 4
@@ -49,7 +48,7 @@ def smooth_rows(x: FloatArray, zero: float, segments: IntArray, out: FloatArray)
         smooth(x[-1], zero, segments, out[-1])
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def roughen(x: FloatArray, zero: float) -> FloatArray:
     """The signal of one stretch before F; the first value, behind which lies what was before, is that of the next."""
     found = x.copy()

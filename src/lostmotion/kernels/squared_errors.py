@@ -6,14 +6,14 @@ A step that goes uphill needs no more. The errors come from the same functions, 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.gradient_signals import BLOCK, TILE, block_at, fill_errors, whiten
+from lostmotion.kernels.gradient_signals import BLOCK, TILE, block_at, fill_errors, keep_past, whiten
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import answers_of
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def squared_errors(
     theta: FloatArray,
     na: int,
@@ -41,7 +41,7 @@ def squared_errors(
             continue
         c = theta[at : at + nc]
         raw[:, :history] = 0.0
-        k0 = 0
+        k0 = np.int64(0)
         while k0 < n:
             m, skipped = block_at(k0, n, p), max(p - k0, 0)
             part = y[head + k0 : head + k0 + m]
@@ -49,12 +49,12 @@ def squared_errors(
                 a, answers, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work, zero
             )
             if m > skipped or (early > 0.0 and k0 == 0):
-                whiten(d, raw[2], history, m, white, 0)
+                whiten(d, raw[2], history, m, white, np.int64(0))
                 if k0 == 0:
                     cost += early * np.dot(white[:skipped], white[:skipped])
                 errors = white[skipped:m]
                 cost += np.dot(errors, errors)
             if k0 + m < n:
-                raw[:, :history] = raw[:, m : m + history]
+                keep_past(raw, m, history)
             k0 += m
     return cost

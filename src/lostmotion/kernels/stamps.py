@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 
 LEAK = 0.9  # share of the phase error that the next row inherits: jitter averages out, a wrong dt does not pile up
 BACK = 7200.0  # s: further back is a new recording; less is a repeated stretch, such as the change to winter time
@@ -14,7 +14,7 @@ RESTART = -1  # count of the first row of a new recording
 LAST, PHASE, BASE, PASSED_OVER = 0, 1, 2, 3  # places in `state`
 
 
-@njit(cache=True)
+@njit()
 def count_samples(stamps: FloatArray, dt: float, wrap: float, state: FloatArray, times: FloatArray) -> IntArray:
     """Count the samples that end with each row: 1, more after a gap, 0 for a repeated one, RESTART.
 

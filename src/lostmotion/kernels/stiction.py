@@ -40,9 +40,9 @@ Limits of travel are not part of the operators here: put a saturation behind.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 CHOUDHURY, KANO, HE, HE_RAMP = 0, 1, 2, 3
 SHORTEST_SLIP = 1e-9  # of fs: without a jump the valve slips ever so often
@@ -53,7 +53,7 @@ X, LAST, STOP, DIRECTION, MOVING, SAME = range(6)
 STATE_SIZE = 6
 
 
-@njit(cache=True)
+@njit()
 def init(start: float) -> FloatArray:
     """State of a valve at rest at `start`, in the middle of its band; NaN: at the first finite command."""
     state = np.zeros(STATE_SIZE)
@@ -62,7 +62,7 @@ def init(start: float) -> FloatArray:
     return state
 
 
-@njit(cache=True)
+@njit()
 def step_choudhury(u: float, band: float, jump: float, state: FloatArray) -> None:
     """Move `state` on by the finite command u (Choudhury 2005)."""
     slope = np.sign(u - state[LAST])
@@ -86,7 +86,7 @@ def step_choudhury(u: float, band: float, jump: float, state: FloatArray) -> Non
     state[LAST] = u
 
 
-@njit(cache=True)
+@njit()
 def step_kano(u: float, band: float, jump: float, state: FloatArray) -> None:
     """Move `state` on by the finite command u (Kano 2004)."""
     if state[DIRECTION] == 0.0:  # either direction gives the same two thresholds, (S + J) / 2 off
@@ -109,7 +109,7 @@ def step_kano(u: float, band: float, jump: float, state: FloatArray) -> None:
     state[LAST] = u
 
 
-@njit(cache=True)
+@njit()
 def step_he(u: float, band: float, jump: float, state: FloatArray) -> None:
     """Move `state` on by the finite command u (He 2007)."""
     force = u - state[X]
@@ -121,7 +121,7 @@ def step_he(u: float, band: float, jump: float, state: FloatArray) -> None:
     state[LAST] = u
 
 
-@njit(cache=True)
+@njit()
 def slips_on_ramp(last: float, u: float, x: float, reach: float, jump: float) -> tuple[int, float, float]:
     """How often a valve slips while the command goes from `last` to u, which way (-1, 1), and when first (0 to 1)."""
     force = u - x
@@ -133,14 +133,14 @@ def slips_on_ramp(last: float, u: float, x: float, reach: float, jump: float) ->
     return count, direction, min(max(at, 0.0), 1.0)
 
 
-@njit(cache=True)
+@njit()
 def mean_on_ramp(x: float, direction: float, count: int, at: float, jump: float, rise: float) -> float:
     """Mean position of a sample of `count` slips from x on, the first `at`, while the command goes by `rise`."""
     later = 0.5 * count * (count - 1) * jump / abs(rise) if count > 1 and rise != 0.0 else 0.0
     return x + direction * jump * (count * (1.0 - at) - later)
 
 
-@njit(cache=True)
+@njit()
 def step_he_ramp(u: float, band: float, jump: float, state: FloatArray) -> float:
     """Move `state` on by the finite command u, to which it goes in a straight line; the mean position on the way.
 
@@ -161,7 +161,7 @@ def step_he_ramp(u: float, band: float, jump: float, state: FloatArray) -> float
     return float(mean_on_ramp(before, direction, count, at, jump, u - last))
 
 
-@njit(cache=True)
+@njit()
 def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> float:
     """Position after the command u; NaN in u leaves the state and gives NaN."""
     if np.isnan(u):
@@ -180,7 +180,7 @@ def step(model: int, u: float, band: float, jump: float, state: FloatArray) -> f
     return float(state[X])
 
 
-@njit(cache=True)
+@njit()
 def _follow_kano(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
     """``step_kano`` over an array, its state in registers; `ways` is the direction where the valve moves, else 0."""
     direction, behind = 1.0, 0.5 * (band - jump)
@@ -205,7 +205,7 @@ def _follow_kano(u: FloatArray, band: float, jump: float, start: float, x: Float
         x[k], last = position, v
 
 
-@njit(cache=True)
+@njit()
 def _follow_he(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
     """The same of ``step_he``."""
     position, reach, behind = start, 0.5 * (band + jump), 0.5 * (band - jump)
@@ -219,7 +219,7 @@ def _follow_he(u: FloatArray, band: float, jump: float, start: float, x: FloatAr
         x[k] = v if np.isnan(v) else position
 
 
-@njit(cache=True)
+@njit()
 def _follow_on_ramp(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
     """The same of ``step_he_ramp``, of a valve that does not follow at once."""
     position, last, reach = start, start, 0.5 * (band + jump)
@@ -236,7 +236,7 @@ def _follow_on_ramp(u: FloatArray, band: float, jump: float, start: float, x: Fl
         last = last if np.isnan(v) else v
 
 
-@njit(cache=True)
+@njit()
 def _follow(model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, ways: FloatArray) -> None:
     """Fill `x` (n,) with the position and `ways` (n,) with the direction where the valve moves, else 0."""
     if model == KANO:
@@ -252,7 +252,7 @@ def _follow(model: int, u: FloatArray, band: float, jump: float, start: float, x
             ways[k] = state[DIRECTION] if state[MOVING] == 1.0 else 0.0
 
 
-@njit(cache=True)
+@njit()
 def run(model: int, u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
     """Position over an array, from rest at `start` (NaN: at the first finite u)."""
     x = np.empty(u.size)
@@ -260,7 +260,7 @@ def run(model: int, u: FloatArray, band: float, jump: float, start: float) -> Fl
     return x
 
 
-@njit(cache=True)
+@njit()
 def sensitivities(
     model: int, u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray
 ) -> None:
@@ -281,7 +281,7 @@ def sensitivities(
         dx[0, k], dx[1, k] = by_band, -by_band
 
 
-@njit(cache=True)
+@njit()
 def sensitivities_on_ramp(
     u: FloatArray, band: float, jump: float, start: float, by_size: float, x: FloatArray, dx: FloatArray
 ) -> None:
@@ -312,25 +312,25 @@ def sensitivities_on_ramp(
         last = last if np.isnan(v) else v
 
 
-@njit(cache=True)
+@njit()
 def run_choudhury(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
     """:func:`run` of Choudhury's model."""
     return run(CHOUDHURY, u, band, jump, start)
 
 
-@njit(cache=True)
+@njit()
 def run_kano(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
     """:func:`run` of Kano's model."""
     return run(KANO, u, band, jump, start)
 
 
-@njit(cache=True)
+@njit()
 def run_he(u: FloatArray, band: float, jump: float, start: float) -> FloatArray:
     """:func:`run` of He's model."""
     return run(HE, u, band, jump, start)
 
 
-@njit(cache=True)
+@njit()
 def sensitivities_choudhury(
     u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray
 ) -> None:
@@ -338,13 +338,13 @@ def sensitivities_choudhury(
     sensitivities(CHOUDHURY, u, band, jump, start, x, dx)
 
 
-@njit(cache=True)
+@njit()
 def sensitivities_kano(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray) -> None:
     """:func:`sensitivities` of Kano's model."""
     sensitivities(KANO, u, band, jump, start, x, dx)
 
 
-@njit(cache=True)
+@njit()
 def sensitivities_he(u: FloatArray, band: float, jump: float, start: float, x: FloatArray, dx: FloatArray) -> None:
     """:func:`sensitivities` of He's model."""
     sensitivities(HE, u, band, jump, start, x, dx)

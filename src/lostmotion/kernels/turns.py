@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def turns(values: FloatArray, band: float) -> tuple[int, float]:
     """How often a signal turned round by at least `band` and more than nothing, and the sum of its moves.
 

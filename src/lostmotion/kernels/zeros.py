@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import config, njit
+from numba import config
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.lanes import WIDTH, address, less, load, over, plus_product, spread, store, times
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.smoothed import smooth
 
 AT_ONCE = 7  # lags whose sums stay in registers
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _see_through(v: FloatArray, zeros: FloatArray, seen: FloatArray) -> None:
     """Fill `seen` (4 n,), sample by sample, with v / (1 - c q^-1) as if the first value had always been there."""
     share, out = less(spread(1.0), load(address(zeros), 0)), address(seen)
@@ -22,7 +23,7 @@ def _see_through(v: FloatArray, zeros: FloatArray, seen: FloatArray) -> None:
         store(out, k * WIDTH, over(value, share))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_lags(seen: FloatArray, first: int, n: int, lags: int, out: FloatArray) -> None:
     """Fill `out` (lags, 4) with the sums over rows k in [first, n) of seen(k) seen(k - lag)."""
     of, sums, none, last = address(seen), address(out.reshape(-1)), spread(0.0), lags - 1
@@ -54,7 +55,7 @@ def _add_lags(seen: FloatArray, first: int, n: int, lags: int, out: FloatArray) 
         store(sums, lag * WIDTH, s0)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _shift(seen: FloatArray, n: int, table: FloatArray) -> None:
     """Complete the upper half of `table` (lags, lags, 4) from its first row.
 
@@ -69,7 +70,7 @@ def _shift(seen: FloatArray, n: int, table: FloatArray) -> None:
             store(out, (i * lags + j) * WIDTH, less(value, times(after, load(of, (n - j) * WIDTH))))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_products_behind(v: FloatArray, zeros: FloatArray, grams: FloatArray) -> None:
     """Add the products of the lags 0, 1, .. of v seen through four `zeros` to `grams` (lags, lags, 4).
 

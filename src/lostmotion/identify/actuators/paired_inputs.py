@@ -167,12 +167,23 @@ def regress_on_pairs(inputs: InputSignals, signals: Signals, lags: Lags, uniform
     past = _Past.of(tables, ends, sums, drive)
     own = np.empty((len(drive), lags.inputs, lags.inputs))
     for table, row, ahead, values in zip(own, sums.own, past.products, drive, strict=True):
+        row = np.ascontiguousarray(row)  # noqa: PLW2901  of one layout: another is compiled anew
         kernel.shifted(row, row, values * ends.signs[:, None], values, table)
         kernel.without(table, ahead, ahead)
     pairs = len(inputs.pairs)
     squares, gains = np.empty((2, pairs)), np.empty((pairs, 2, lags.inputs))
     kernel.regressions(
-        own, sums.mixed, drive, ends.signs, past.products, past.cross, inputs.pairs, RIDGE, uniform, squares, gains
+        own,
+        np.ascontiguousarray(sums.mixed),
+        drive,
+        ends.signs,
+        past.products,
+        past.cross,
+        inputs.pairs,
+        RIDGE,
+        uniform,
+        squares,
+        gains,
     )
     rss = np.maximum(past.total - squares, 0.0)
     return PairedRegressions(rss[0], rss[1], gains.sum(axis=2), tables.samples)
@@ -238,7 +249,7 @@ def _past_inputs(ends: _Ends, sums: Sums, drive: FloatArray) -> tuple[FloatArray
     products = np.empty((len(drive), ends.y.shape[1], drive.shape[2]))
     signed = ends.y * ends.signs[:, None]
     for table, row, column, values in zip(products, sums.ahead, sums.behind, drive, strict=True):
-        kernel.shifted(row, column, signed, values, table)
+        kernel.shifted(np.ascontiguousarray(row), np.ascontiguousarray(column), signed, values, table)
     with_output = products[:, 0].copy()
     level = (drive * ends.signs[:, None]).sum(axis=1)
     level[:, 0] = sums.level

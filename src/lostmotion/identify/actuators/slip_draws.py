@@ -24,7 +24,7 @@ def even_draws(number: int) -> FloatArray:
 def spaced_rests(u: FloatArray, band: float, jump: float, most: int) -> list[float]:
     """First positions from which one segment goes on in different ways, evenly chosen, in shares of (S + J) / 2."""
     reach = 0.5 * (band + jump)
-    found = (first_positions(u, band, jump) - u[0]) / max(reach, TINY)
+    found = (np.sort(first_positions(u, band, jump)) - u[0]) / max(reach, TINY)
     found = found[np.abs(found) <= 1.0]
     if not found.size:
         return []

@@ -56,7 +56,7 @@ class Held:
         if not self.closed:
             return np.asarray(chosen[np.argmin(rss[chosen], axis=0)])
         best = np.empty(rss.shape[1], np.int64)
-        kernel.best_lasting(rss.copy(), chosen, polynomials, b, *self.rules, TRIES, best)
+        kernel.best_lasting(rss.copy(), chosen, polynomials, np.ascontiguousarray(b), *self.rules, TRIES, best)
         return best
 
 

@@ -154,7 +154,7 @@ def grid_starts(
             polynomials, decays = polynomials[near], decays[near]
         shape = (len(polynomials), orders, high - low + 1)
         rss, b = np.empty(shape), np.empty((*shape, orders))  # of each order as many of B as it has
-        n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None)
+        n = _SCAN(x, data.y, rows, d, polynomials, decays, low, high, orders, rss, b, only is None, 1)
         if n <= 0:
             continue
         kept: list[GridStart] = []
@@ -217,5 +217,5 @@ def exact_start(
     orders = max((nb for na, nb in ladder if na == start.na), default=start.nb) + 1
     rss, b = np.empty((1, orders, high - low + 1)), np.zeros((1, orders, high - low + 1, orders))
     a, decay = start.a[None], np.array([start.decay])
-    n = _SCAN(x, data.y, excerpt(data, MOST_ROWS), d, a, decay, low, high, orders, rss, b)
+    n = _SCAN(x, data.y, excerpt(data, MOST_ROWS), d, a, decay, low, high, orders, rss, b, False, 1)
     return start._replace(b=b[0, start.nb, start.delay - low, : start.nb + 1]) if n > 0 else start

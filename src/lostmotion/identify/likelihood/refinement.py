@@ -113,7 +113,7 @@ def is_hopeless(problem: Problem, theta: FloatArray, basis: FloatArray | None, b
     cost, gradient, hessian = problem.evaluate(theta)
     normal, basis = stacked(hessian, gradient), problem.basis if basis is None else basis
     model = kernel.projected(normal, np.empty((theta.size, 0)) if basis is None else np.ascontiguousarray(basis))
-    linear = kernel.projected(normal, linear_columns(problem, basis)[1])
+    linear = kernel.projected(normal, np.ascontiguousarray(linear_columns(problem, basis)[1]))
     known = damped_step(linear[:-1], linear[-1], LINEAR_DAMPING)[1]
     promised = damped_step(model[:-1], model[-1], kernel.UNDAMPED)[1] - known
     return bool(cost - known - bound > PLAINLY * promised > 0.0)
@@ -146,5 +146,5 @@ def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int
 
 def linear_step(hessian: FloatArray, gradient: FloatArray, columns: FloatArray) -> FloatArray:
     """To the least sum of squares along these directions, from the normal equations."""
-    model = kernel.projected(stacked(hessian, gradient), columns)
+    model = kernel.projected(stacked(hessian, gradient), np.ascontiguousarray(columns))
     return np.asarray(columns @ damped_step(model[:-1], model[-1], LINEAR_DAMPING)[0])

@@ -7,8 +7,6 @@ PULSE adds a knock in the new direction for PULSE_SCANS scans after each turn (0
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import (
     ACTIVE,
@@ -33,13 +31,14 @@ from lostmotion.kernels.blocks.core import (
     return_path,
     take,
 )
+from lostmotion.kernels.numba_cache import njit
 
 LEAD_UP, LEAD_DOWN, PULSE, PULSE_SCANS = range(PARAMETERS, PARAMETERS + 4)
 USED_UP, USED_DOWN, USED_PULSE, USED_PULSE_SCANS, PUSHED, LEFT_SCANS, LEAD = range(STATES, STATES + 7)
 SIZE = STATES + 7
 
 
-@njit(cache=True)
+@njit()
 def check_backlash(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT 3 where a lead or the pulse is negative or not finite."""
     s[TOTAL] = abs(p[LEAD_UP]) + abs(p[LEAD_DOWN]) + abs(p[PULSE]) + abs(p[PULSE_SCANS])
@@ -50,7 +49,7 @@ def check_backlash(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 
-@njit(cache=True)
+@njit()
 def take_backlash(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take the settings, known to be usable."""
     s[TOTAL] = abs(p[LEAD_UP] - s[USED_UP]) + abs(p[LEAD_DOWN] - s[USED_DOWN])
@@ -62,7 +61,7 @@ def take_backlash(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USED_PULSE_SCANS] = p[PULSE_SCANS]
 
 
-@njit(cache=True)
+@njit()
 def lead(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """LEAD of the side in force."""
     s[LEAD] = 0.0
@@ -72,7 +71,7 @@ def lead(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[LEAD] = -(s[USED_DOWN] * s[USED_FACTOR])
 
 
-@njit(cache=True)
+@njit()
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = lead in the direction of motion, and the knock after a turn."""
     if s[FROZEN] == 0.0 and s[PUSHED] != s[SIDE]:
@@ -91,14 +90,14 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[WANTED] = s[WANTED] - s[USED_PULSE]
 
 
-@njit(cache=True)
+@njit()
 def invert(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """RETURNED where it was asked for."""
     if s[INVERTING] != 0.0:
         s[RETURNED] = s[COMMAND] - s[LEAD]
 
 
-@njit(cache=True)
+@njit()
 def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan."""
     check(p, s, i, o)

@@ -19,9 +19,8 @@ otherwise; OP_OUT = clamp(clamp(OP_IN) + OFFSET) except while tracking or holdin
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
+from lostmotion.kernels.numba_cache import njit
 
 # Parameters
 FACTOR, BAND, QUIET, RAMP_STEP, RATE, CAP, LOW, HIGH, HOLD_ON_DISABLE, SAFE, COUNT_LIMIT = range(11)
@@ -45,7 +44,7 @@ WANTED, CAPPED, ALLOWED, DISTANCE, APPLIED, HELD, COMBINED, CUT, COMMAND, RETURN
 STATES = 50  # those of the kind follow
 
 
-@njit(cache=True)
+@njit()
 def check(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT: 0 settings usable, 1 clamps, ramp or safe output not, 2 another common one not.
 
@@ -69,7 +68,7 @@ def check(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[HAS_LIMITS] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def take(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take the common settings, known to be usable; CHANGED where they move the offset."""
     s[TOTAL] = abs(p[FACTOR] - s[USED_FACTOR]) + abs(p[CAP] - s[USED_CAP]) + abs(p[QUIET] - s[USED_QUIET])
@@ -85,7 +84,7 @@ def take(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[HAS_SETTINGS] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def prepare(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Mode of this scan, OP_IN within the clamps (BASE), and the direction of its moves."""
     s[WAS_ACTIVE] = s[ACTIVE]
@@ -121,7 +120,7 @@ def prepare(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     turn(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def sense(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """What the direction is taken from: BASE behind a play of +-QUIET, or the command while it is tracked."""
     if s[ALIVE] != 0.0:
@@ -140,7 +139,7 @@ def sense(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[EXTREME] = s[SENSED]
 
 
-@njit(cache=True)
+@njit()
 def turn(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SIDE is the direction of the signal; it turns when the signal has come back by more than BAND."""
     s[TURNED] = 0.0
@@ -170,7 +169,7 @@ def turn(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[TURNS] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def drive(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """COMMAND of this scan, and the offset in it (APPLIED)."""
     s[CUT] = 0.0
@@ -189,7 +188,7 @@ def drive(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         combine(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def impose(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """The tracked value, or the last command; APPLIED is then what keeps the command when this ends."""
     if s[TRACKING] != 0.0:
@@ -206,7 +205,7 @@ def impose(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[CHASING] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def choose(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED: that of the kind within the cap while active; nothing, or what is held, otherwise."""
     if s[ACTIVE] == 0.0:
@@ -228,7 +227,7 @@ def choose(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[CHASING] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def approach(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """APPLIED goes to WANTED, by at most RAMP_STEP after a switch until it is there, by at most RATE otherwise."""
     s[ALLOWED] = s[USED_RATE]
@@ -248,7 +247,7 @@ def approach(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[HELD] = min(max(s[APPLIED], -s[USED_CAP]), s[USED_CAP])
 
 
-@njit(cache=True)
+@njit()
 def combine(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """COMMAND = BASE + APPLIED within the clamps."""
     s[COMBINED] = s[BASE] + s[APPLIED]
@@ -265,7 +264,7 @@ def combine(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[COMMAND] = min(max(s[COMBINED], s[USED_LOW]), s[USED_HIGH])
 
 
-@njit(cache=True)
+@njit()
 def return_path(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """RETURNED: the OP_IN that belongs to COMMAND; INVERTING where the kind has to work it out."""
     s[INVERTING] = 0.0
@@ -286,7 +285,7 @@ def return_path(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[INVERTING] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def report(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Write all outputs, and leave the state ready for the next scan."""
     if s[HAS_LIMITS] != 0.0:

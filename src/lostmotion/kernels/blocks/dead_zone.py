@@ -19,8 +19,6 @@ inverse, :mod:`lostmotion.kernels.blocks.core`) takes the small turns out of the
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import (
     ACTIVE,
@@ -49,6 +47,7 @@ from lostmotion.kernels.blocks.core import (
     return_path,
     take,
 )
+from lostmotion.kernels.numba_cache import njit
 
 LEFT_BREAK, RIGHT_BREAK, CENTRE, LEFT_SLOPE, RIGHT_SLOPE, SHAPE, ZONE = range(PARAMETERS, PARAMETERS + 7)
 HUNT_SCANS, HUNT_LIMIT, BACK_OFF = range(PARAMETERS + 7, PARAMETERS + 10)
@@ -58,7 +57,7 @@ PLACE, SHIFT, GAINED, LEVEL, KNEE, PART_LEFT, HALF, SINCE, CLOSE = range(STATES 
 SIZE = STATES + 19
 
 
-@njit(cache=True)
+@njit()
 def check_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT 3 where left <= centre <= right, slopes > 0, zone >= 0 does not hold."""
     s[TOTAL] = abs(p[LEFT_BREAK]) + abs(p[RIGHT_BREAK]) + abs(p[CENTRE])
@@ -73,7 +72,7 @@ def check_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 
-@njit(cache=True)
+@njit()
 def take_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take the settings, known to be usable."""
     s[TOTAL] = abs(p[LEFT_BREAK] - s[USED_LEFT]) + abs(p[RIGHT_BREAK] - s[USED_RIGHT])
@@ -97,7 +96,7 @@ def take_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USED_BACK_OFF] = p[BACK_OFF]
 
 
-@njit(cache=True)
+@njit()
 def place(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """PLACE between the two sides for the distance SHIFT from the centre."""
     if s[USED_SHAPE] > 1.0:
@@ -115,7 +114,7 @@ def place(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[PLACE] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def guard(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Count changes of side that follow each other fast, and give way (PART_LEFT)."""
     if i[ENABLE] == 0.0 or s[STARTED] == 0.0:
@@ -141,7 +140,7 @@ def guard(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[HALF] = -1.0
 
 
-@njit(cache=True)
+@njit()
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = what the inverse adds to OP_IN."""
     s[SHIFT] = s[QUIETED] - s[USED_CENTRE]
@@ -166,7 +165,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[WANTED] = s[WANTED] + (s[QUIETED] - s[BASE])
 
 
-@njit(cache=True)
+@njit()
 def invert_right(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SHIFT > 0 that gives the command SHIFT from the centre."""
     s[LEVEL] = (s[USED_RIGHT] - s[USED_CENTRE]) * s[USED_FACTOR]
@@ -182,7 +181,7 @@ def invert_right(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[SHIFT] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def invert_left(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SHIFT < 0 that gives the command SHIFT from the centre."""
     s[LEVEL] = (s[USED_LEFT] - s[USED_CENTRE]) * s[USED_FACTOR]
@@ -198,7 +197,7 @@ def invert_left(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[SHIFT] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def invert(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """RETURNED where it was asked for; while tracking the side follows the command."""
     if s[INVERTING] != 0.0:
@@ -217,7 +216,7 @@ def invert(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
                 s[PLACE] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan."""
     check(p, s, i, o)

@@ -12,8 +12,6 @@ since the last pulse (BAND = 0 is the published rule), and then the reference st
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import (
     ACTIVE,
@@ -36,13 +34,14 @@ from lostmotion.kernels.blocks.core import (
     return_path,
     take,
 )
+from lostmotion.kernels.numba_cache import njit
 
 AMPLITUDE, PULSE_SCANS, PERIOD_SCANS = range(PARAMETERS, PARAMETERS + 3)
 USED_AMPLITUDE, USED_PULSE_SCANS, USED_PERIOD_SCANS, CLOCK, ONSET, PULSE_SIDE = range(STATES, STATES + 6)
 SIZE = STATES + 6
 
 
-@njit(cache=True)
+@njit()
 def check_knocker(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT 3 where 0 <= amplitude, 1 <= pulse <= period does not hold."""
     s[TOTAL] = abs(p[AMPLITUDE]) + abs(p[PULSE_SCANS]) + abs(p[PERIOD_SCANS])
@@ -53,7 +52,7 @@ def check_knocker(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 
-@njit(cache=True)
+@njit()
 def take_knocker(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take the settings, known to be usable."""
     if p[AMPLITUDE] != s[USED_AMPLITUDE]:
@@ -63,7 +62,7 @@ def take_knocker(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USED_PERIOD_SCANS] = p[PERIOD_SCANS]
 
 
-@njit(cache=True)
+@njit()
 def onset(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Begin the next pulse: its side from the move of the signal since the last one."""
     s[CLOCK] = 0.0
@@ -76,7 +75,7 @@ def onset(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[ONSET] = s[QUIETED]
 
 
-@njit(cache=True)
+@njit()
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = the pulse, or nothing between pulses."""
     s[WANTED] = s[QUIETED] - s[BASE]
@@ -94,7 +93,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[WANTED] = s[WANTED] + s[TOTAL]
 
 
-@njit(cache=True)
+@njit()
 def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan; the back-calculation takes the offset as it is."""
     check(p, s, i, o)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, Reals
 from lostmotion.kernels import actuator
 from lostmotion.kernels.blocks import core
 from lostmotion.kernels.blocks.run import step
 from lostmotion.kernels.loop import pi_step
+from lostmotion.kernels.numba_cache import njit
 
 CONTROL, COMMAND, CLEAN, MEASURED = range(4)  # rows of the signals of a loop
 
 
-@njit(cache=True)
+@njit()
 def loop_with_block(
     a: FloatArray,
     b: FloatArray,

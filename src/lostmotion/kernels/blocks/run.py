@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks import backlash, dead_zone, knocker, two_moves
+from lostmotion.kernels.numba_cache import njit
 
 DEAD_ZONE, BACKLASH, KNOCKER, TWO_MOVES = 1, 2, 3, 4
 
 
-@njit(cache=True)
+@njit()
 def step(kind: int, p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan of a block."""
     if kind == DEAD_ZONE:
@@ -23,7 +22,7 @@ def step(kind: int, p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         two_moves.step(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def run(kind: int, p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
     """All scans of `inputs` (n, INPUTS) into `outputs` (n, OUTPUTS)."""
     for k in range(inputs.shape[0]):

@@ -18,8 +18,6 @@ While it holds, the loop is open: the offset takes up every move of OP_IN.
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import (
     ACTIVE,
@@ -43,6 +41,7 @@ from lostmotion.kernels.blocks.core import (
     return_path,
     take,
 )
+from lostmotion.kernels.numba_cache import njit
 
 OVERSHOOT, STAND, MOVE_SCANS, SHARE, RELEASE = range(PARAMETERS, PARAMETERS + 5)
 USED_OVERSHOOT, USED_STAND, USED_MOVE_SCANS, USED_SHARE, USED_RELEASE = range(STATES, STATES + 5)
@@ -50,7 +49,7 @@ PHASE, CLOCK, PEAK, TROUGH, SEEN, AIM, WAY, HOLD_IN, PART = range(STATES + 5, ST
 SIZE = STATES + 14
 
 
-@njit(cache=True)
+@njit()
 def check_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAULT 3 where overshoot, release >= 0, scans >= 1, 0 <= share <= 1 does not hold."""
     s[TOTAL] = abs(p[OVERSHOOT]) + abs(p[STAND]) + abs(p[MOVE_SCANS]) + abs(p[SHARE]) + abs(p[RELEASE])
@@ -61,7 +60,7 @@ def check_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 
-@njit(cache=True)
+@njit()
 def take_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take the settings, known to be usable."""
     s[TOTAL] = abs(p[OVERSHOOT] - s[USED_OVERSHOOT]) + abs(p[STAND] - s[USED_STAND])
@@ -74,7 +73,7 @@ def take_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USED_RELEASE] = p[RELEASE]
 
 
-@njit(cache=True)
+@njit()
 def watch(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Wait for a peak and a trough; then aim between them and begin."""
     if s[TURNED] != 0.0:
@@ -92,7 +91,7 @@ def watch(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[CLOCK] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def advance(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """PHASE: 0 watches, 1 moves beyond, 2 is at the aim and holds."""
     if s[PHASE] == 0.0:
@@ -108,7 +107,7 @@ def advance(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[CHANGED] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """WANTED = what takes the command to the aim of the phase."""
     if s[ACTIVE] == 0.0:
@@ -130,7 +129,7 @@ def correct(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[WANTED] = s[WANTED] - s[BASE]
 
 
-@njit(cache=True)
+@njit()
 def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan; the back-calculation takes the offset as it is."""
     check(p, s, i, o)

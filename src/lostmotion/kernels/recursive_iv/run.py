@@ -15,10 +15,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import address, dot, load, store
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_iv import state as iv
 from lostmotion.kernels.recursive_iv.spread import gather
 from lostmotion.kernels.recursive_iv.update import correct, hold_if_stable, separate, separate_safely
@@ -26,7 +26,7 @@ from lostmotion.kernels.recursive_iv.update import correct, hold_if_stable, sepa
 ROUNDING = 1e-9  # of the range of u: a smaller move is that of floats
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def take_input(state: FloatArray, layout: IntArray, u: float) -> float:
     """Put u(k) into its ring; return u(k-d)."""
     size, ring = layout[iv.PAST_U], layout[iv.U]
@@ -51,7 +51,7 @@ def take_input(state: FloatArray, layout: IntArray, u: float) -> float:
     return delayed
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def fill(state: FloatArray, layout: IntArray, u: float, kind: int) -> int:
     """Complete the regressor with u = u(k-d) and write the instrument; return its place."""
     na, phi, pad = layout[iv.NA], layout[iv.PHI], layout[iv.PAD]
@@ -83,7 +83,7 @@ def fill(state: FloatArray, layout: IntArray, u: float, kind: int) -> int:
     return int(z)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def model_output(state: FloatArray, layout: IntArray, z: int, kind: int) -> float:
     """Output simulated with the held parameters."""
     if kind == iv.MODEL_OUTPUT:
@@ -97,7 +97,7 @@ def model_output(state: FloatArray, layout: IntArray, z: int, kind: int) -> floa
     return value
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def shift(state: FloatArray, at: int, size: int, value: float) -> None:
     """Move a newest-first stretch on and put `value` in front."""
     for i in range(size - 1, 0, -1):
@@ -106,7 +106,7 @@ def shift(state: FloatArray, at: int, size: int, value: float) -> None:
         state[at] = value
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def remember(state: FloatArray, layout: IntArray, u: float, y: float, output: float) -> None:
     """Past values of the next regressor; u = u(k-d)."""
     na, nb, ne, phi = layout[iv.NA], layout[iv.NB], layout[iv.NE], layout[iv.PHI]
@@ -122,7 +122,7 @@ def remember(state: FloatArray, layout: IntArray, u: float, y: float, output: fl
     shift(state, layout[iv.OUTPUTS], na, output)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def keep_theta(state: FloatArray, layout: IntArray) -> None:
     """Theta after a power of 2 of samples, and that after half as many."""
     earlier, pad = layout[iv.EARLIER], layout[iv.PAD]
@@ -131,7 +131,7 @@ def keep_theta(state: FloatArray, layout: IntArray) -> None:
         state[earlier + pad + i] = state[layout[iv.THETA] + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def advance(state: FloatArray, layout: IntArray, u: float, y: float) -> float:
     """One sample on the addresses of state and layout; return the prediction error."""
     count, lam = layout[iv.COUNT], state[iv.FORGETTING]
@@ -162,13 +162,13 @@ def advance(state: FloatArray, layout: IntArray, u: float, y: float) -> float:
     return error
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def step(state: FloatArray, layout: IntArray, u: float, y: float) -> float:
     """One sample; return the prediction error."""
     return advance(address(state), address(layout), u, y)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def run(state: FloatArray, layout: IntArray, u: FloatArray, y: FloatArray, every: int, trace: FloatArray) -> FloatArray:
     """All samples; every `every`-th leaves [theta, zone] in a row of `trace`. Return the prediction errors."""
     at_state, at_layout = address(state), address(layout)

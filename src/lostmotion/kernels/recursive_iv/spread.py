@@ -13,10 +13,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import load, plus_product, spread, store, times
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_iv import state as iv
 
 STRIDE = 8
@@ -24,7 +23,7 @@ GOLDEN = 0.6180339887498949
 SHARPER = 4.0  # how much shorter than the estimate's own the memory for the present noise is
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def filter_instrument(state: FloatArray, layout: IntArray) -> None:
     """A z into the work place."""
     na, pad, work, slot = layout[iv.NA], layout[iv.PAD], layout[iv.WORK], layout[iv.NOW_Z]
@@ -39,7 +38,7 @@ def filter_instrument(state: FloatArray, layout: IntArray) -> None:
         store(state, work + j, value)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def add_rebuilt(state: FloatArray, layout: IntArray, decay: float, weight: float) -> None:
     """One sample of W: what the rebuilt x(k-d-i) would change by with the present zone."""
     size, key = layout[iv.PAST_U], layout[iv.THETA] + layout[iv.NA] + 4
@@ -64,7 +63,7 @@ def add_rebuilt(state: FloatArray, layout: IntArray, decay: float, weight: float
         at += 4
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def add_outer(state: FloatArray, layout: IntArray, decay: float, weight: float) -> None:
     """S = decay S + weight (A z)(A z)'."""
     pad, work, at = layout[iv.PAD], layout[iv.WORK], layout[iv.S]
@@ -76,7 +75,7 @@ def add_outer(state: FloatArray, layout: IntArray, decay: float, weight: float) 
         at += pad
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def gather(state: FloatArray, layout: IntArray, kept: float, miss: float, error: float) -> None:
     """One sample, whose past weighs `kept` times as much as before."""
     square = miss * miss

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import load, plus_product, spread, store, times, total
 from lostmotion.kernels.linear import inside_circle, three_inside_circle
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_iv import state as iv
 
 LARGEST_RATIO = 10.0  # of the two slopes: beyond it an estimate is on its way, not there
@@ -16,7 +15,7 @@ MOST_COVARIANCE = 1e9  # a million times P0: nothing has excited this direction 
 VANISHING = 1e-6  # of lambda: an instrument that is at right angles to the regressor defines no gain
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def weigh(state: FloatArray, layout: IntArray, z: int, lam: float) -> float:
     """P z and phi' P into their places; return lambda + phi' P z."""
     n, pad = layout[iv.N], layout[iv.PAD]
@@ -42,7 +41,7 @@ def weigh(state: FloatArray, layout: IntArray, z: int, lam: float) -> float:
     return below
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def update_covariance(state: FloatArray, layout: IntArray, scale: float, factor: float) -> None:
     """P = scale P + factor (P z)(phi' P)."""
     n, pad = layout[iv.N], layout[iv.PAD]
@@ -61,7 +60,7 @@ def update_covariance(state: FloatArray, layout: IntArray, scale: float, factor:
             at += pad
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def correct(state: FloatArray, layout: IntArray, z: int, error: float) -> float:
     """Gain (eq 16), P (eq 17) and theta; return what the past was weighed with, 0 where nothing was well defined."""
     lam, n, pad = state[iv.FORGETTING], layout[iv.N], layout[iv.PAD]
@@ -80,7 +79,7 @@ def correct(state: FloatArray, layout: IntArray, z: int, error: float) -> float:
     return kept
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def separate(state: FloatArray, layout: IntArray) -> None:
     """Update the zone from theta as printed: b0 by the known gain (eqs 25-26), then division."""
     theta, na, gain = layout[iv.THETA], layout[iv.NA], state[iv.KNOWN_GAIN]
@@ -100,7 +99,7 @@ def separate(state: FloatArray, layout: IntArray) -> None:
         state[iv.ZONE + 3] = right / b0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def separate_safely(state: FloatArray, layout: IntArray) -> None:
     """Update the zone by a fixed-point form of eq 26 that never divides by the small b0.
 
@@ -132,7 +131,7 @@ def separate_safely(state: FloatArray, layout: IntArray) -> None:
         state[iv.ZONE] = left
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", forceinline=True)
 def hold_if_stable(state: FloatArray, layout: IntArray) -> None:
     """Take the parameters over for the model's output if A is stable."""
     na, theta, work, held = layout[iv.NA], layout[iv.THETA], layout[iv.WORK], layout[iv.HELD]

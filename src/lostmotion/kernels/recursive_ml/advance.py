@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 SETTLED = 1e-3  # what is left of an unknown state when it no longer matters
 LONGEST_SETTLING = 5000  # samples: nearly an integrator, which would never be waited for
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def advance(
     u: float, y: float, theta: FloatArray, filters: FloatArray, na: int, nb1: int, delay: int, p: int, psi: FloatArray
 ) -> float:
@@ -104,13 +104,13 @@ def advance(
     return float(error)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def noise_at(na: int, nb1: int, delay: int) -> int:
     """Place of the newest v among the filters: an outlier is taken out of it, being no noise that goes on."""
     return int(delay + 1 + 4 * max(na, nb1) + na)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def forget_zone(filters: FloatArray, na: int, nb1: int, delay: int, p: int) -> None:
     """Zero what the filters know of the actuator's derivatives: new break points have not acted before."""
     nx = max(na, nb1)
@@ -118,7 +118,7 @@ def forget_zone(filters: FloatArray, na: int, nb1: int, delay: int, p: int) -> N
     filters[filters.size - 3 * p :] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def settling_time(a: FloatArray) -> int:
     """Samples until a wrong initial state of A has faded to SETTLED, LONGEST_SETTLING at most."""
     n = a.size
@@ -139,7 +139,7 @@ def settling_time(a: FloatArray) -> int:
     return min(samples, LONGEST_SETTLING)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def settling(theta: FloatArray, na: int, nb1: int, delay: int) -> int:
     """Samples until what is not known about the command no longer matters."""
     return int(settling_time(theta[:na]) + delay + nb1)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml.equations import solve
 
 HALVINGS = 20  # of a step: a millionth of it is none
@@ -14,7 +14,7 @@ RADIUS = 1.0 - 1e-7  # of the poles: the batch fit's bound
 CALMER, CALM_STEPS = 0.9, 80  # roots of D are drawn in to 0.9^80, 2e-4, of what they were, then D is given up
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def pin(theta: FloatArray, root: FloatArray, c: FloatArray, value: float) -> None:
     """Move theta to c' theta = value, at the least cost in likelihood; `c` is overwritten."""
     miss = -value
@@ -30,7 +30,7 @@ def pin(theta: FloatArray, root: FloatArray, c: FloatArray, value: float) -> Non
             theta[i] -= c[i] * (miss / along)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def constrain(theta: FloatArray, root: FloatArray, eta: int, low: float, high: float, ratio: float) -> None:
     """Break points in order and inside the range seen, slope ratio within bounds; the others follow."""
     c = np.zeros(theta.size)
@@ -50,7 +50,7 @@ def constrain(theta: FloatArray, root: FloatArray, eta: int, low: float, high: f
     theta[eta + 1] = min(max(theta[eta + 1], theta[eta]), high)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def step_to(theta: FloatArray, wanted: FloatArray, na: int, radius: float) -> None:
     """Go from theta to `wanted`, or halves of the way while A would be unstable."""
     trial = wanted.copy()
@@ -62,7 +62,7 @@ def step_to(theta: FloatArray, wanted: FloatArray, na: int, radius: float) -> No
             trial[i] = 0.5 * (trial[i] + theta[i])
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def calm(d: FloatArray, radius: float) -> None:
     """Draw in the roots of an unstable noise model: 1/D bridges missing samples and outliers."""
     for _ in range(CALM_STEPS):

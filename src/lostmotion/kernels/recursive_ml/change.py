@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.advance import advance, forget_zone, noise_at
 from lostmotion.kernels.recursive_ml.equations import gather, influence
@@ -17,7 +17,7 @@ UNUSUAL = 9.0  # mean squares that a statistic adds to the mean at most: a chang
 NEWS = 1e-6  # share of a window's information that the total must leave: less is rounding
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def find_change(state: FloatArray, layout: IntArray) -> bool:
     """Efficient score test of a shift within the newest 1, 2, 4 .. blocks; keep the largest statistic.
 
@@ -71,7 +71,7 @@ def find_change(state: FloatArray, layout: IntArray) -> bool:
     return bool(abs(largest) > state[ml.THRESHOLD])
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def mean_square(state: FloatArray, layout: IntArray, window: int, direction: int, statistic: float) -> float:
     """Mean square of a statistic before this one, which then enters it."""
     at = layout[ml.USUAL] + window * ml.DIRECTIONS + direction
@@ -81,7 +81,7 @@ def mean_square(state: FloatArray, layout: IntArray, window: int, direction: int
     return float(before)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def point(c: FloatArray, direction: int, theta: FloatArray, layout: IntArray) -> None:
     """Fill c with a shift of the left or right break point, or of the gain."""
     eta = ml.eta_at(layout)
@@ -92,7 +92,7 @@ def point(c: FloatArray, direction: int, theta: FloatArray, layout: IntArray) ->
         c[eta + direction] = 1.0
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def shift_statistic(
     h: FloatArray, inverse: FloatArray, score: FloatArray, c: FloatArray, along: FloatArray, deviation: float
 ) -> float:
@@ -117,7 +117,7 @@ def shift_statistic(
     return 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def replay(
     old: FloatArray,
     theta: FloatArray,

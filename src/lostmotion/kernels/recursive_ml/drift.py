@@ -11,9 +11,9 @@ A group in which OP tells of neither break point adds no walk: valves wear where
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.equations import factor, merge, solve
 
@@ -27,7 +27,7 @@ LONGER = 10.0  # memory of the hypotheses, where one forgets: what is forgotten 
 BETTER = 5.0  # log-likelihood by which a walk must be better than none, or none than a walk, to be gone on from
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def walk(h: FloatArray, r: FloatArray, eta: int, q: float) -> None:
     """Let both break points of N(inv(h) r, variance inv(h)) walk by the variance `variance` q; the estimate stays."""
     if q <= 0.0:
@@ -45,7 +45,7 @@ def walk(h: FloatArray, r: FloatArray, eta: int, q: float) -> None:
             h[i, j] -= to_left * at_left[j] + to_right * at_right[j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def foretold(
     h: FloatArray, r: FloatArray, new_h: FloatArray, new_r: FloatArray, theta: FloatArray, variance: float
 ) -> float:
@@ -69,13 +69,13 @@ def foretold(
     return float(volume - 0.5 * (cost - np.dot(score, gained)) / variance)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def walked(speed: float, samples: int, variance: float) -> float:
     """Variance of a walk over so many samples, as a multiple of that of the errors."""
     return speed * speed * samples / (WALK * variance)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def leave(h: FloatArray, r: FloatArray, state: FloatArray, layout: IntArray) -> None:
     """Take note of a block that leaves the ring; judge the hypotheses where a group is complete."""
     gone_h, gone_r = ml.matrix(state, layout, ml.GONE_H), ml.vector(state, layout, ml.GONE_R)
@@ -89,7 +89,7 @@ def leave(h: FloatArray, r: FloatArray, state: FloatArray, layout: IntArray) -> 
         layout[ml.GROUPED] = 0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def judge(state: FloatArray, layout: IntArray) -> None:
     """Compare the hypotheses on a group, let it enter all references, and take over the reference of the best."""
     eta, variance = ml.eta_at(layout), ml.variance(state)
@@ -126,7 +126,7 @@ def judge(state: FloatArray, layout: IntArray) -> None:
         walk(ref_h, ref_r, eta, walked(SPEEDS[layout[ml.DRIFT]], GROUP * layout[ml.BLOCK], variance))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def hypothesis(state: FloatArray, layout: IntArray, j: int) -> tuple[FloatArray, FloatArray]:
     """Views of the reference under hypothesis j, (n, n) and (n,)."""
     n = layout[ml.N]
@@ -134,7 +134,7 @@ def hypothesis(state: FloatArray, layout: IntArray, j: int) -> tuple[FloatArray,
     return state[at_h : at_h + n * n].reshape(n, n), state[at_r : at_r + n]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def agree(state: FloatArray, layout: IntArray) -> None:
     """Make the reference that of all hypotheses: it has been set from outside, or this is the start."""
     ref_h, ref_r = ml.matrix(state, layout, ml.REF_H), ml.vector(state, layout, ml.REF_R)
@@ -148,7 +148,7 @@ def agree(state: FloatArray, layout: IntArray) -> None:
     state[at + ml.WAS : at + ml.WAS + 2] = state[eta : eta + 2]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def note_rate(state: FloatArray, layout: IntArray) -> None:
     """Follow how far the break points move in a group, on average over RATED groups."""
     at, eta = layout[ml.WATCH], layout[ml.THETA] + ml.eta_at(layout)
@@ -158,7 +158,7 @@ def note_rate(state: FloatArray, layout: IntArray) -> None:
         state[at + ml.WAS + side] = state[eta + side]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def unsettled(state: FloatArray, layout: IntArray, side: int) -> float:
     """Variance that drift adds in the ring, whose samples count alike: a third of the walk, and the lag of a ramp."""
     if layout[ml.DRIFT] == 0:

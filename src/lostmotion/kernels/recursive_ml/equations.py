@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray
+from lostmotion.kernels.numba_cache import njit
 
 RIDGE = 1e-11  # relative information put into every direction, about the present estimate
 SMALLEST = 1e-200  # information below this is none: filters fade to denormal numbers
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def influence(error: float, limit: float) -> float:
     """Huber's weight: 1 up to `limit`, then falling so that an error counts as `limit`."""
     return 1.0 if abs(error) <= limit else limit / abs(error)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def gather(psi: FloatArray, error: float, weight: float, h: FloatArray, g: FloatArray) -> None:
     """Add psi psi' and psi e to the sums of the block, with the weight of a bounded influence."""
     for i in range(psi.size):
@@ -27,7 +27,7 @@ def gather(psi: FloatArray, error: float, weight: float, h: FloatArray, g: Float
             h[i, j] += value * psi[j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def factor(h: FloatArray, root: FloatArray) -> None:
     """Cholesky factor of h + ridge in `root` (lower); a direction without any information gets a unit.
 
@@ -51,7 +51,7 @@ def factor(h: FloatArray, root: FloatArray) -> None:
                 root[i, j] = total / root[j, j] if told[j] else 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def solve(root: FloatArray, b: FloatArray) -> None:
     """Solve root root' x = b in place."""
     n = b.size
@@ -67,7 +67,7 @@ def solve(root: FloatArray, b: FloatArray) -> None:
         b[i] = total / root[i, i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def invert(root: FloatArray, inverse: FloatArray) -> None:
     """Inverse of root root'."""
     n = root.shape[0]
@@ -89,7 +89,7 @@ def invert(root: FloatArray, inverse: FloatArray) -> None:
             inverse[i, j] = inverse[j, i]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def seen_from(root: FloatArray, h: FloatArray) -> FloatArray:
     """L^-1 h L^-T with the factor L: information h in the basis in which that of L is 1."""
     n = h.shape[0]
@@ -109,7 +109,7 @@ def seen_from(root: FloatArray, h: FloatArray) -> FloatArray:
     return left
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def fade(ref_h: FloatArray, ref_r: FloatArray, h: FloatArray, tail: float) -> None:
     """Let the reference lose a share `tail`, but in no direction more than h brings in.
 
@@ -139,7 +139,7 @@ def fade(ref_h: FloatArray, ref_r: FloatArray, h: FloatArray, tail: float) -> No
                 ref_h[i, j] -= lost * direction[i] * direction[j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def merge(ref_h: FloatArray, ref_r: FloatArray, h: FloatArray, r: FloatArray, tail: float) -> None:
     """Let a block enter the reference, which forgets a share `tail`, but in no direction more than comes in."""
     n = r.size
@@ -151,7 +151,7 @@ def merge(ref_h: FloatArray, ref_r: FloatArray, h: FloatArray, r: FloatArray, ta
             ref_h[i, j] += h[i, j]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def informed_sides(h: FloatArray, variance: float, eta: int, reach: float, root: FloatArray) -> tuple[bool, bool]:
     """Whether one block alone could place each break point inside the range of u, everything else unknown."""
     least = variance / (reach * reach)

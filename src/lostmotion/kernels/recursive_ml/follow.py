@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.advance import noise_at, settling
 from lostmotion.kernels.recursive_ml.equations import influence
@@ -14,7 +14,7 @@ FELT = 0.5  # deviations of the noise by which predictions would be wrong: what 
 RESTS = 0.9  # share of samples in which OP stays: a few moves then tell all, and the parameters go in leaps
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def push(past: FloatArray, value: float) -> None:
     """Put a value in front of those before it, newest first."""
     for j in range(past.size - 1, 0, -1):
@@ -22,7 +22,7 @@ def push(past: FloatArray, value: float) -> None:
     past[0] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def believed(v: float, d: FloatArray, past_v: FloatArray, limit: float) -> float:
     """The v that goes on: what 1/D foretells where it is missing, without that of an outlier beyond `limit`."""
     likely = 0.0
@@ -33,7 +33,7 @@ def believed(v: float, d: FloatArray, past_v: FloatArray, limit: float) -> float
     return v - (1.0 - influence(v - likely, limit)) * (v - likely)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def felt(held: FloatArray, right: FloatArray, theta: FloatArray, na: int, nb1: int, samples: int) -> float:
     """Largest error of the predictions of the next samples with `held` in place of the `right` X (nx,)."""
     wrong = right - held
@@ -50,7 +50,7 @@ def felt(held: FloatArray, right: FloatArray, theta: FloatArray, na: int, nb1: i
     return largest
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def zone_is_clear(state: FloatArray, layout: IntArray) -> bool:
     """Whether BIC prefers a dead zone: the place of one that is none wanders, and what is filtered with it too."""
     left = ml.eta_at(layout)
@@ -60,7 +60,7 @@ def zone_is_clear(state: FloatArray, layout: IntArray) -> bool:
     return bool(width * width > np.log(max(state[ml.WEIGHT], 2.0)) * ml.variance(state) * spread)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def rests(state: FloatArray, layout: IntArray, oldest: int, blocks: int) -> bool:
     """Whether OP stays as it is in most samples of so many blocks from the `oldest` on."""
     block, ring = layout[ml.BLOCK], layout[ml.RING]
@@ -73,7 +73,7 @@ def rests(state: FloatArray, layout: IntArray, oldest: int, blocks: int) -> bool
     return bool(moves <= (1.0 - RESTS) * blocks * block)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def follow(state: FloatArray, layout: IntArray) -> None:
     """Filter X and v of the newest samples again, with theta as it is now, as far back as they remember.
 

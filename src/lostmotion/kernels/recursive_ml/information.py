@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.linear import is_stable
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.bounds import RADIUS, calm, constrain, step_to
 from lostmotion.kernels.recursive_ml.equations import factor, invert, solve
@@ -14,7 +14,7 @@ from lostmotion.kernels.recursive_ml.equations import factor, invert, solve
 SURE = 1e9  # times the information about an offset that is known to be zero
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def total_information(state: FloatArray, layout: IntArray) -> None:
     """Sum reference and ring into TOTAL; its factor into ROOT and its inverse into INVERSE."""
     n = layout[ml.N]
@@ -39,7 +39,7 @@ def total_information(state: FloatArray, layout: IntArray) -> None:
     invert(root, ml.matrix(state, layout, ml.INVERSE))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def newton_step(state: FloatArray, layout: IntArray) -> None:
     """Move theta to the solution of all that is remembered, and `shown` to the same without a needless offset."""
     n, eta = layout[ml.N], ml.eta_at(layout)
@@ -62,7 +62,7 @@ def newton_step(state: FloatArray, layout: IntArray) -> None:
     show(state, layout)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def show(state: FloatArray, layout: IntArray) -> None:
     """Fill `shown`: theta, with the offset pinned to zero where it explains nothing (BIC) or must not be there.
 
@@ -87,7 +87,7 @@ def show(state: FloatArray, layout: IntArray) -> None:
         shown[:] = theta
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def pinned(state: FloatArray, layout: IntArray) -> bool:
     """Whether the offset counts as zero now."""
     if np.isnan(state[ml.ZERO]):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 from lostmotion.kernels.recursive_ml.advance import advance, noise_at, settling
 from lostmotion.kernels.recursive_ml.change import find_change
@@ -22,7 +22,7 @@ ENOUGH = 4  # blocks of an alarm that are fitted again at least
 HOLD = 2  # missing commands between two equal ones that count as these, without waiting for the process to settle
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def close_block(state: FloatArray, layout: IntArray) -> int:
     """Put the block into the ring, the oldest one into the reference; solve; look for a change."""
     store_block(state, layout)
@@ -47,7 +47,7 @@ def close_block(state: FloatArray, layout: IntArray) -> int:
     return REFIT if layout[ml.COUNT] >= layout[ml.REFIT_AT] else NOTHING
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def store_block(state: FloatArray, layout: IntArray) -> None:
     """Put the sums of the block into its slot and the period, what stood there into the reference; begin anew."""
     n, ring = layout[ml.N], layout[ml.RING]
@@ -85,7 +85,7 @@ def store_block(state: FloatArray, layout: IntArray) -> None:
     g[:] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def bridge(state: FloatArray, layout: IntArray) -> float:
     """Command in place of a missing one: that which held; after some in a row it is not known any more."""
     layout[ml.MISSING] += 1
@@ -95,7 +95,7 @@ def bridge(state: FloatArray, layout: IntArray) -> float:
     return float(state[ml.HELD])
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def settle(u: float, used: bool, state: FloatArray, layout: IntArray, theta: FloatArray) -> float:
     """Command that goes through the filters after a gap, where masked, or while what came before is not settled."""
     if layout[ml.LOST] > 0 and u != state[ml.HELD]:  # it has moved in the gap, at an unknown sample
@@ -114,7 +114,7 @@ def settle(u: float, used: bool, state: FloatArray, layout: IntArray, theta: Flo
     return u
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def take(
     u: float,
     y: float,
@@ -178,7 +178,7 @@ def take(
     return error
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def run(
     u: FloatArray,
     y: FloatArray,
@@ -213,7 +213,7 @@ def run(
     return u.size, NOTHING
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def one(u: float, y: float, used: bool, state: FloatArray, layout: IntArray, psi: FloatArray) -> tuple[float, int]:
     """One sample from Python: error and reason to look closer."""
     theta, filters = ml.vector(state, layout, ml.THETA), ml.filters_now(state, layout)

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 
 # `layout`: sizes, offsets into `state`, counters
 NA, NB1, DELAY, P, N, BLOCK, RING, FILTERS = range(8)
@@ -131,51 +131,51 @@ def named(state: FloatArray, layout: IntArray) -> dict[str, FloatArray]:
     return found
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def vector(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
     """View of a part of shape (n,)."""
     return state[layout[entry] : layout[entry] + layout[N]]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def matrix(state: FloatArray, layout: IntArray, entry: int) -> FloatArray:
     """View of a part of shape (n, n)."""
     n = layout[N]
     return state[layout[entry] : layout[entry] + n * n].reshape(n, n)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def right_hand_at(layout: IntArray, slot: int) -> int:
     """Place in `state` of the right-hand side of a block of the ring, (n,); a view in a loop would cost more."""
     return int(layout[RING_R] + slot * layout[N])
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def information_at(layout: IntArray, slot: int) -> int:
     """Place in `state` of the information of a block of the ring, (n, n)."""
     return int(layout[RING_H] + slot * layout[N] * layout[N])
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def filters_of(state: FloatArray, layout: IntArray, slot: int) -> FloatArray:
     """View of the filters before a block of the ring, (filters,)."""
     at = layout[RING_F] + slot * layout[FILTERS]
     return state[at : at + layout[FILTERS]]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def filters_now(state: FloatArray, layout: IntArray) -> FloatArray:
     """View of the filters, (filters,)."""
     return state[layout[FILTER] : layout[FILTER] + layout[FILTERS]]
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def eta_at(layout: IntArray) -> int:
     """Place of the left break point in theta; the offset stands before it, the right one and the ratio behind."""
     return int(layout[NA] + layout[NB1] + 1)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def variance(state: FloatArray) -> float:
     """Variance of the prediction errors."""
     return float(state[SQUARES] / state[WEIGHT])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.recursive_ml import state as ml
 
 SMALLEST_MOVE = 1e-9  # deviations of u: less is rounding of floats
@@ -22,7 +22,7 @@ EQUAL = 8.0  # samples of a rounded PV in a row that count fully; all of them to
 SHARES = 1.0 / 1000  # of each new PV in the share of those that come again
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def believable(u: float, state: FloatArray, layout: IntArray) -> bool:
     """Whether a command can be one: not for a block of samples where it is far beyond all before, never farther."""
     low, high = state[ml.LOW], state[ml.HIGH]
@@ -34,7 +34,7 @@ def believable(u: float, state: FloatArray, layout: IntArray) -> bool:
     return bool(layout[ml.FAR] > layout[ml.BLOCK] and beyond <= FARTHEST * (high - low))
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def watch_command(u: float, state: FloatArray, layout: IntArray) -> None:
     """Keep the step of which all moves of u are multiples (Euclid): where OP is rounded, the distance of its levels."""
     at = layout[ml.WATCH]
@@ -47,7 +47,7 @@ def watch_command(u: float, state: FloatArray, layout: IntArray) -> None:
     state[at + ml.LAST_U] = u
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def stuck(y: float, state: FloatArray, at: int) -> bool:
     """Whether PV is to the last bit the one before, more often in a row than chance allows.
 
@@ -67,7 +67,7 @@ def stuck(y: float, state: FloatArray, at: int) -> bool:
     return bool(share < RARE and share ** (again + 1.0) < CHANCE)
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def news(state: FloatArray, at: int) -> float:
     """Weight of a sample: 1, but where PV is rounded coarsely and comes again and again with one rounding error."""
     equal = state[at + ml.REPEATED] + 1.0
@@ -76,7 +76,7 @@ def news(state: FloatArray, at: int) -> float:
     return float((EQUAL / equal) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def mean_news(y: FloatArray, repeats: FloatArray) -> float:
     """Mean weight of the samples of a rounded PV (n,); leaves `repeats` as after the last one."""
     repeats[ml.LAST_Y], repeats[ml.REPEATED] = np.nan, 0.0
@@ -89,7 +89,7 @@ def mean_news(y: FloatArray, repeats: FloatArray) -> float:
     return total / max(known, 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def without_stuck(y: FloatArray, repeats: FloatArray) -> FloatArray:
     """The same PV (n,), NaN where it is stuck; counts the share first, leaves `repeats` (3,) as after the last one."""
     new = again = 0
@@ -105,7 +105,7 @@ def without_stuck(y: FloatArray, repeats: FloatArray) -> FloatArray:
     return kept
 
 
-@njit(cache=True, nogil=True, forceinline=True)
+@njit(nogil=True, forceinline=True)
 def watch_error(error: float, deviation: float, used: bool, state: FloatArray, layout: IntArray) -> None:
     """Add an error to the sums of the correlations; one that is not used counts as 0."""
     past, k = layout[ml.ERRORS], layout[ml.COUNT]
@@ -122,7 +122,7 @@ def watch_error(error: float, deviation: float, used: bool, state: FloatArray, l
     state[at + ml.WATCHED] = WATCHED * state[at + ml.WATCHED] + 1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def begin_watch(state: FloatArray, layout: IntArray) -> None:
     """Forget the errors: those before a change, and those on the way, tell nothing of what comes."""
     at = layout[ml.WATCH]
@@ -131,7 +131,7 @@ def begin_watch(state: FloatArray, layout: IntArray) -> None:
     state[layout[ml.ERRORS] : layout[ml.ERRORS] + ml.LONGEST_LAG] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def colour(state: FloatArray, layout: IntArray) -> tuple[float, float]:
     """Largest correlation of the errors at a lag, and the number of samples that it is from."""
     at = layout[ml.WATCH]

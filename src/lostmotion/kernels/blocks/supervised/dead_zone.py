@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import ENABLE, FACTOR, HOLD_ON_DISABLE
 from lostmotion.kernels.blocks.dead_zone import LEFT_BREAK, RIGHT_BREAK
@@ -19,9 +17,10 @@ from lostmotion.kernels.blocks.supervised.supervisor import (
     supervise,
     tell,
 )
+from lostmotion.kernels.numba_cache import njit
 
 
-@njit(cache=True)
+@njit()
 def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """One scan: the block as it is, with what is in force in place of its settings."""
     s[SET_FIRST] = p[LEFT_BREAK]
@@ -38,7 +37,7 @@ def step(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     tell(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def run(p: Reals, s: Reals, inputs: Reals, outputs: Reals) -> None:
     """All scans of `inputs` (n, n_inputs) into `outputs` (n, n_outputs)."""
     for k in range(inputs.shape[0]):

@@ -17,10 +17,9 @@ Settings and memory are counted from the end of their arrays: those of the kind 
 
 from __future__ import annotations
 
-from numba import njit
-
 from lostmotion.arrays import Reals
 from lostmotion.kernels.blocks.core import ENABLE, FACTOR, FAULT, GOOD, HOLD_ON_DISABLE, INPUTS, OP_IN, OUTPUTS, TRACK
+from lostmotion.kernels.numba_cache import njit
 
 # Parameters
 TIMEOUT, SHOW_SCANS, ACCEPT_SCANS, LEAST_SCANS, BLOCK_KEY = range(-9, -4)
@@ -43,7 +42,7 @@ ODD, SUM, DIGIT, SPAN, NEW_FACTOR, NEW_FIRST, NEW_SECOND = range(-14, -7)
 USE_FACTOR, USE_FIRST, USE_SECOND, RUN, KEEP, SHOW_ID, SHOW_STATE = range(-7, 0)
 
 
-@njit(cache=True)
+@njit()
 def listen(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """LINK while the heartbeat, 0 .. 4000000, has changed within TIMEOUT scans; EDGE of ACCEPT."""
     s[EDGE] = 0.0
@@ -61,7 +60,7 @@ def listen(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[LINK] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def judge(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """FAILING: what forbids to compensate, 0 nothing."""
     s[SPAN] = abs(p[FACTOR]) + abs(s[SET_FIRST]) + abs(s[SET_SECOND])
@@ -92,7 +91,7 @@ def judge(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[FAILING] = 7.0
 
 
-@njit(cache=True)
+@njit()
 def within(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """ODD where the new values are beyond the limits set in the PLC, or a limit is no number."""
     s[ODD] = 0.0
@@ -104,7 +103,7 @@ def within(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[ODD] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def shed(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Take what is in force away; it does not come back by itself."""
     if s[ARMED] != 0.0 and s[FAILING] != 0.0:
@@ -115,7 +114,7 @@ def shed(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[SINCE_ACCEPT] = s[SINCE_ACCEPT] + 1.0
 
 
-@njit(cache=True)
+@njit()
 def attend(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """The waiting request: withdrawn, changed under the eyes of the operator, accepted, or too old."""
     if s[PENDING] != 0.0:
@@ -143,7 +142,7 @@ def attend(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[PENDING] = 0.0
 
 
-@njit(cache=True)
+@njit()
 def adopt(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """What was accepted is in force; where nothing was, the block has one scan to refuse it before it runs."""
     s[PENDING] = 0.0
@@ -159,7 +158,7 @@ def adopt(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[USE_SECOND] = s[NEW_SECOND]
 
 
-@njit(cache=True)
+@njit()
 def consider(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """A request with an id above all before, 1 .. 4000000: refused, or waiting for the operator."""
     if s[BEGUN] == 0.0:
@@ -181,7 +180,7 @@ def consider(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
                 s[PEND_SUM] = i[CHECKSUM]
 
 
-@njit(cache=True)
+@njit()
 def weigh(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """REFUSED where the request in the inputs cannot be taken now."""
     check_size(p, s, i, o)
@@ -205,7 +204,7 @@ def weigh(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
             s[REFUSED] = 5.0
 
 
-@njit(cache=True)
+@njit()
 def check_size(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """ODD where a number of the request is too large for the checksum."""
     s[ODD] = 0.0
@@ -219,7 +218,7 @@ def check_size(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[ODD] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def check_sum(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SUM of the request in the inputs, 0 .. 524286."""
     s[SUM] = p[BLOCK_KEY]
@@ -233,7 +232,7 @@ def check_sum(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     add(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def add(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """SUM = (31 SUM + (DIGIT + 4000000) mod 524287) mod 524287."""
     s[DIGIT] = s[DIGIT] + 4000000.0
@@ -243,7 +242,7 @@ def add(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[SUM] = s[SUM] % 524287.0
 
 
-@njit(cache=True)
+@njit()
 def put_in_force(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """What the block of the kind gets: RUN, KEEP and the values, no factor while nothing is accepted."""
     s[RUN] = 0.0
@@ -259,7 +258,7 @@ def put_in_force(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[SETTLED] = 1.0
 
 
-@njit(cache=True)
+@njit()
 def supervise(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """Everything before the block of the kind."""
     listen(p, s, i, o)
@@ -270,7 +269,7 @@ def supervise(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     put_in_force(p, s, i, o)
 
 
-@njit(cache=True)
+@njit()
 def tell(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     """The outputs of the supervision."""
     s[SHOW_ID] = 0.0
