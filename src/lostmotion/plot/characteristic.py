@@ -103,8 +103,8 @@ def _loop(axes: Axes, fit: HammersteinFit) -> None:
     """Loop that the model of the valve goes through while OP goes slowly to and fro, over its path in the record."""
     valve, u = fit.nonlinearity, fit.data.u
     op, x = _slow_loop(fit)
-    for rows, style, said in ((0, "-", "OP rising"), (1, "--", "OP falling")):
-        axes.plot(op[rows], x[rows], color=MODEL, lw=1.8, ls=style, label=said)
+    for way, style, said in ((0, "-", "OP rising"), (1, "--", "OP falling")):
+        axes.plot(op[way], x[way], color=MODEL, lw=1.8, ls=style, label=said)
     path_name = "path in the record" if u.size <= MOST_PATH else f"path, last {MOST_PATH} rows"
     for start, stop in fit.data.segments.tolist():
         if stop > u.size - MOST_PATH:
