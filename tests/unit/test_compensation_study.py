@@ -11,6 +11,7 @@ from lostmotion.evaluate.study import retuning
 from lostmotion.evaluate.study.mistakes import GROUPS, mistakes
 from lostmotion.evaluate.study.studied_loop import Known, known
 from lostmotion.evaluate.study.study_plant import StudyPlant, noise_samples
+from tests.figure_texts import assert_readable
 from tests.refusals import refusal
 
 TANK = lm.platforms.level_tank()
@@ -109,7 +110,9 @@ def test_result_is_frozen_prints_and_writes_itself(gear):
     assert "given by numbers" in str(gear)
     with pytest.raises(AttributeError):
         gear.safe = True
-    assert len(gear.plot().axes) >= 6
+    figure = gear.plot()
+    assert len(figure.axes) >= 6
+    assert_readable(figure)
 
 
 @pytest.mark.statistics

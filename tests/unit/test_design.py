@@ -12,6 +12,7 @@ from lostmotion.design.plausible_plants import drawn_around_guess
 from lostmotion.design.staircase import Staircase
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.evaluate import cramer_rao
+from tests.figure_texts import assert_readable
 from tests.refusals import refusal
 
 pytestmark = pytest.mark.statistics  # hundreds of likelihoods each, and no kernel of its own
@@ -340,3 +341,9 @@ def test_achievable_refuses_what_it_cannot_use():
     u = np.zeros(500)
     assert "dt" in refusal(ParameterError, lm.achievable, lm.LoopRecord(u, u, dt=0.2), TANK, 0.03)
     assert "without a gap" in refusal(DataError, lm.achievable, u[:10], TANK, 0.03)
+
+
+def test_texts_of_its_figure_do_not_overlap():
+    pytest.importorskip("matplotlib")
+    for test in (made(), made(wanted={"width": 1e-6})):
+        assert_readable(test.plot())

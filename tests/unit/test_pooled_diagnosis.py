@@ -13,6 +13,7 @@ from lostmotion.diagnose.pooled import windows
 from lostmotion.diagnose.pooled.overlap import without_repeats
 from lostmotion.diagnose.pooled.together import Asked
 from lostmotion.errors import DataError, ParameterError
+from tests.figure_texts import assert_readable
 
 WIDTH = 2.0
 
@@ -62,7 +63,9 @@ def test_it_prints_and_is_json():
 @pytest.mark.statistics
 def test_it_is_drawn():
     pytest.importorskip("matplotlib")
-    sizes, gains = of_three().plot().axes
+    figure = of_three().plot()
+    assert_readable(figure)
+    sizes, gains = figure.axes
     assert sizes.get_ylim()[0] == 0.0
     assert len(gains.patches) == 3
 

@@ -75,10 +75,11 @@ def test_pooled_diagnoses():
 def test_figures():
     pytest.importorskip("matplotlib")
     axes = with_units(made_fit("dead zone")).plot().axes
-    assert axes[0].get_xlabel() == "OP [t/h] (grey: where it was)"
-    assert axes[0].get_ylabel() == "x [t/h]"
-    assert axes[1].get_ylabel() == "PV [degC] per unit of x"
-    assert axes[2].get_ylabel() == "PV [degC]"
-    assert pooled(RECORD).plot().axes[0].get_ylabel() == "units of OP [t/h]"
-    assert made_fit("dead zone").plot().axes[0].get_ylabel() == "x"
+    assert axes[0].get_xlabel() == "OP [t/h]"
+    assert axes[0].get_ylabel() == "OP behind the valve (effective) [t/h]"
+    assert axes[1].get_ylabel() == "PV [degC]"
+    assert axes[1].get_title(loc="left").endswith("degC per t/h")
+    assert (axes[2].get_ylabel(), axes[3].get_ylabel()) == ("PV [degC]", "OP [t/h]")
+    assert pooled(RECORD).plot().axes[0].get_ylabel() == "size, units of OP [t/h]"
+    assert made_fit("dead zone").plot().axes[0].get_ylabel() == "OP behind the valve (effective)"
     assert np.isfinite(pooled(RECORD).size)

@@ -164,7 +164,8 @@ class TestDesign:
     def plot(self, **options: Any) -> Any:
         """Figure: signal, predicted PV with its band and limits, expected interval against time.
 
-        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        ``figure=`` draws into a matplotlib Figure or SubFigure, ``title=`` replaces the heading. Needs the extra
+        ``lostmotion[plot]``; returns the matplotlib Figure.
         """
         return _verbs.plot(self, **options)
 

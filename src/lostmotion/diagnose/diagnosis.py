@@ -114,7 +114,17 @@ class Diagnosis:
         return _verbs.summary(self)
 
     def plot(self, **options: Any) -> Any:
-        """Figure: trend, PV over OP, evidence, verdict. Needs the extra ``lostmotion[plot]``."""
+        """Figure: trend, PV over OP, evidence, verdict.
+
+        ``figure=`` draws into a matplotlib Figure or SubFigure instead of a new one, ``ax=`` the trend alone into an
+        Axes, OP on a scale at its right; ``title=`` replaces the heading. Needs the extra ``lostmotion[plot]``; returns
+        the matplotlib Figure.
+
+        Raises
+        ------
+        ParameterError
+            Both `figure` and `ax`.
+        """
         return _verbs.plot(self, **options)
 
     def to_dict(self) -> dict[str, Any]:

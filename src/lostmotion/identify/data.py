@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 from functools import cached_property
 from typing import Any
 
@@ -52,6 +53,8 @@ class IdentificationData:
         Set point, where it is known in every row.
     recording : Recording or None
         What more rows than these have told of how the loop was recorded.
+    starts : tuple of datetime or None
+        When the first row of each segment was recorded; None where it is not known, empty for arrays.
     """
 
     u: FloatArray
@@ -69,6 +72,7 @@ class IdentificationData:
     plain: bool = False
     sp: FloatArray | None = None
     recording: Recording | None = None
+    starts: tuple[datetime | None, ...] = ()
 
     @property
     def drawn(self) -> MadeUp | None:
@@ -266,6 +270,7 @@ def _from_records(records: Sequence[LoopRecord], notes: tuple[str, ...], dt: flo
         records[0].op_unit,
         records[0].pv_unit,
         sp=_set_point(kept),
+        starts=tuple(record.start for record in kept),
     )
 
 

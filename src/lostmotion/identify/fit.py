@@ -108,9 +108,16 @@ class HammersteinFit(RatedEstimate):
         return _verbs.remarks(self)
 
     def plot(self, **options: Any) -> Any:
-        """Figure: characteristic, step response, measured against simulated, residual correlations.
+        """Figure: trend of PV and OP with the model, valve, process, residuals; what was found stands above.
 
-        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        ``figure=`` draws into a matplotlib Figure or SubFigure (about 8 x 6 inches or more) instead of a new one,
+        ``ax=`` the characteristic of the valve alone into an Axes, best of a figure with ``layout="constrained"``;
+        ``title=`` replaces the heading. Needs the extra ``lostmotion[plot]``; returns the matplotlib Figure.
+
+        Raises
+        ------
+        ParameterError
+            Both `figure` and `ax`.
         """
         return _verbs.plot(self, **options)
 

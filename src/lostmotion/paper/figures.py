@@ -72,7 +72,6 @@ def _lines(axes: object, time: np.ndarray, values: np.ndarray, names: tuple[str,
             time, values[:, column], color=COLOURS[column], ls=STYLES[column], lw=1.4, label=label, zorder=2
         )
         axes.axhline(TABLE_1[name][1], color=COLOURS[column], lw=0.6, alpha=0.6)  # type: ignore[attr-defined]
-    axes.legend(fontsize=8, framealpha=0.85, ncols=4, loc="upper right")  # type: ignore[attr-defined]
 
 
 def responses(study: ControlStudy) -> Figure:
@@ -89,7 +88,6 @@ def responses(study: ControlStudy) -> Figure:
         axes.plot(loop.time, loop.measured + LEVEL_AT_ZERO, color=MODEL, lw=0.9, label="level")
         axes.plot(loop.time, loop.reference + LEVEL_AT_ZERO, color=ALERT, lw=1.2, ls="--", label="reference")
         axes.set_ylim(44, 56)
-        axes.legend(fontsize=8, framealpha=0.85, ncols=2, loc="upper right")
         calm(axes, title, "", "level, %")
     last = panels[3]
     without, with_it = study.responses["without"], study.responses["with"]
@@ -97,6 +95,5 @@ def responses(study: ControlStudy) -> Figure:
         with_it.time, with_it.command + LEVEL_AT_ZERO, color=MODEL, lw=0.9, label="compensated (behind the inverse)"
     )
     last.plot(without.time, without.command + LEVEL_AT_ZERO, color=MEASURED, lw=1.2, ls="--", label="not compensated")
-    last.legend(fontsize=8, framealpha=0.85, ncols=2, loc="upper right")
     calm(last, "Figure 13: control signals", "time, s", "control, %")
     return figure

@@ -54,7 +54,7 @@ def _ranking(axes: Axes, view: PlantView) -> None:
     axes.set_xscale("symlog", linthresh=1.0)  # 1 % and 60 % in one picture
     axes.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])
     axes.set_xlim(0.0, TICKS[-1])
-    axes.axvspan(0.0, 1.0, color=BAND, alpha=0.35, lw=0)  # % of span that is recommended for control valves
+    axes.axvspan(0.0, 1.0, color=BAND, alpha=0.35, lw=0, label="up to 1 %: recommended for control valves")
     said = "size, % of span, with its 95 % interval; dashed: not excluded"
     calm(axes, "Where to look first: loop, verdict, priority", said, "")
     axes.grid(False, axis="y")
@@ -86,6 +86,7 @@ def _bars(axes: Axes, counts: list[tuple[str, int]], colour: str) -> None:
     for place, (_, count) in zip(places, counts, strict=True):
         axes.annotate(str(count), (count, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
     axes.margins(x=0.15)
+    axes.locator_params(axis="x", integer=True)
 
 
 def _short(tag: str) -> str:

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lostmotion.design import TestDesign
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, new_figure
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, MOST_POINTS, calm, heading, new_figure
+from lostmotion.plot.time_axis import set_ticks, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 TALLEST = 100.0  # times the final half-width: more is not drawn
-MINUTES, HOURS = 600.0, 10_800.0  # seconds from which on the axis has these units
 
 
-def design_figure(design: TestDesign, title: str | None = None) -> Figure:
+def design_figure(design: TestDesign, title: str | None = None, figure: Figure | SubFigure | None = None) -> Figure:
     """Three panels over time: OP with the plausible break points, PV with band and limits, expected interval.
 
     Parameters
@@ -25,15 +25,19 @@ def design_figure(design: TestDesign, title: str | None = None) -> Figure:
     design : TestDesign
     title : str, optional
         Heading; default what it reaches.
+    figure : matplotlib Figure or SubFigure, optional
+        Drawn into instead of a new one.
     """
-    figure = new_figure(11.0, 8.0)
+    figure = new_figure(11.0, 8.0, figure)
     above, middle, below = figure.subplots(3, 1, sharex=True, height_ratios=[1.2, 1.2, 1.0])
-    figure.suptitle(title or _title(design), fontsize=12, x=0.01, ha="left")
-    scale, unit = _unit(design.duration)
+    heading(figure, title or _title(design))
+    unit = unit_of(design.duration)
+    scale = unit.seconds
     _op(above, design, scale)
     _pv(middle, design, scale)
     _interval(below, design, scale)
-    below.set_xlabel(f"time, {unit}", fontsize=9)
+    below.set_xlabel(unit.label, fontsize=9)
+    set_ticks(below, unit, design.duration)
     below.set_xlim(0.0, design.duration / scale)
     return figure
 
@@ -41,21 +45,17 @@ def design_figure(design: TestDesign, title: str | None = None) -> Figure:
 def _title(design: TestDesign) -> str:
     reach = design.expected[design.target]
     said = (
-        f"{_called(design.target)} to +-{reach:.2g} (95 %)" if np.isfinite(reach) else "not possible within the limits"
+        f"{_called(design.target)} to +-{reach:.2g} of OP (95 %)"
+        if np.isfinite(reach)
+        else "not possible within the limits"
     )
     what = "OP steps, open loop" if design.loop == "open" else "SP steps, closed loop"
     missed = "" if design.reached or not np.isfinite(reach) else ", wanted interval not reached"
     return f"Test design: {what}: {said}{missed}"
 
 
-def _unit(duration: float) -> tuple[float, str]:
-    if duration > HOURS:
-        return 3600.0, "h"
-    return (60.0, "min") if duration > MINUTES else (1.0, "s")
-
-
 def _called(target: str) -> str:
-    return target if target == "width" else f"{target} break point"
+    return target if target == "width" else f"{target} breakpoint"
 
 
 def _rows(design: TestDesign, scale: float) -> tuple[np.ndarray, slice]:
@@ -71,7 +71,7 @@ def _op(axes: Axes, design: TestDesign, scale: float) -> None:
         low, high = design.break_points[name]
         axes.axhspan(low, high, color="0.9", lw=0)
         axes.annotate(
-            f"{name} break point", (1.0, 0.5 * (low + high)), xycoords=("axes fraction", "data"), fontsize=7,
+            f"{name} breakpoint", (1.0, 0.5 * (low + high)), xycoords=("axes fraction", "data"), fontsize=7,
             xytext=(4, 0), textcoords="offset points", ha="left", va="center", color="0.35", annotation_clip=False,
         )  # fmt: skip
     if design.loop == "closed":
@@ -81,8 +81,7 @@ def _op(axes: Axes, design: TestDesign, scale: float) -> None:
         axes.step(time, design.signal[rows], where="post", color=MODEL, lw=1.1, label="OP, to be set")
     limits = design.limits.levels if design.loop == "open" else design.limits.op
     _limits(axes, limits)
-    _legend(axes)
-    calm(axes, "OP, grey: where the break points may be", "", "OP")
+    calm(axes, "OP; grey: where the breakpoints may be", "", "OP")
 
 
 def _pv(axes: Axes, design: TestDesign, scale: float) -> None:
@@ -95,7 +94,6 @@ def _pv(axes: Axes, design: TestDesign, scale: float) -> None:
     if design.loop == "closed":
         axes.step(time, design.signal[rows], where="post", color=MEASURED, lw=1.2, label="SP, to be set")
     _limits(axes, design.limits.pv)
-    _legend(axes)
     calm(axes, "PV", "", "PV")
 
 
@@ -103,14 +101,6 @@ def _limits(axes: Axes, limits: tuple[float, float]) -> None:
     for limit in limits:
         if np.isfinite(limit):
             axes.axhline(limit, color=ALERT, lw=1.0, ls="--", label="limits" if limit == limits[1] else None)
-
-
-def _legend(axes: Axes) -> None:
-    """Above the panel, beside its title: inside, every corner may be needed."""
-    axes.legend(
-        fontsize=8, frameon=False, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1,
-        handlelength=1.6, columnspacing=1.4,
-    )  # fmt: skip
 
 
 def _interval(axes: Axes, design: TestDesign, scale: float) -> None:
@@ -136,5 +126,4 @@ def _interval(axes: Axes, design: TestDesign, scale: float) -> None:
         for axis_format in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
             axis_format(lambda value, _: f"{value:.3g}" if f"{value:.0e}"[0] in "1235" else "")
         axes.tick_params(axis="y", which="minor", labelsize=7)
-    _legend(axes)
-    calm(axes, f"Expected 95 % interval of the {_called(design.target)}, +-", "", "units of OP")
+    calm(axes, f"Expected 95 % interval of the {_called(design.target)}, +-", "", "interval, units of OP")

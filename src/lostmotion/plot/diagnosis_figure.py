@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,24 +11,28 @@ from lostmotion.diagnose.evidence_words import LABEL, balance, cause
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.shown_rows import shown_rows
 from lostmotion.identify.actuators.kind import faults
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, labelled, new_figure
-from lostmotion.plot.trend import draw_trend
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, heading, labelled, new_figure, one_panel, rounded
+from lostmotion.plot.trend import draw_in_one, draw_trend
 from lostmotion.records import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
-WRAP = 170  # characters of a line over the whole width
 NOTICEABLE = 0.05  # log-odds that are not written as 0
 HEADING = {
     "none": "Nothing wrong with the actuator",
-    "other oscillation": "The loop swings, but not because of the actuator",
+    "other oscillation": "The loop oscillates, but not because of the actuator",
     "cannot tell": "Cannot tell",
 }
 
 
-def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
+def diagnosis_figure(
+    diagnosis: Diagnosis,
+    title: str | None = None,
+    figure: Figure | SubFigure | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """PV with SP and OP over time, PV over OP, log-odds of the evidence.
 
     Parameters
@@ -37,18 +40,29 @@ def diagnosis_figure(diagnosis: Diagnosis, title: str | None = None) -> Figure:
     diagnosis : Diagnosis
     title : str, optional
         Heading; default the tag and the verdict.
+    figure : matplotlib Figure or SubFigure, optional
+        Drawn into instead of a new one.
+    ax : matplotlib Axes, optional
+        Takes the trend alone, OP on a scale at its right.
+
+    Raises
+    ------
+    ParameterError
+        Both `figure` and `ax`, or one that is of no such type.
     """
-    figure = new_figure(12.0, 8.5)
+    rows, start = shown_rows(diagnosis)
+    if ax is not None:
+        return one_panel(ax, figure, lambda axes: draw_in_one(axes, rows, start))
+    figure = new_figure(12.0, 8.5, figure)
     data = diagnosis.fit.data
     name = data.tag or data.source or "record"
-    figure.suptitle(title or f"{name}: {heading_of(diagnosis)}", fontsize=13, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(advice_of(diagnosis), fontsize=9, x=0.01, ha="left")
-    grid = figure.add_gridspec(3, 5, height_ratios=(1.0, 1.0, 1.6))
-    rows, start = shown_rows(diagnosis)
-    above = figure.add_subplot(grid[0, :])
-    draw_trend(above, figure.add_subplot(grid[1, :], sharex=above), rows, start)
-    _phase(figure.add_subplot(grid[2, :2]), diagnosis, rows)
-    _evidence(figure.add_subplot(grid[2, 2:]), diagnosis)
+    heading(figure, title or f"{name}: {heading_of(diagnosis)}", advice_of(diagnosis))
+    grid = figure.add_gridspec(2, 1, height_ratios=(2.0, 1.5))
+    trend, beside = grid[0].subgridspec(2, 1), grid[1].subgridspec(1, 2, width_ratios=(2.0, 3.0))
+    above = figure.add_subplot(trend[0])
+    draw_trend(above, figure.add_subplot(trend[1], sharex=above), rows, start)
+    _phase(figure.add_subplot(beside[0]), diagnosis, rows)
+    _evidence(figure.add_subplot(beside[1]), diagnosis)
     return figure
 
 
@@ -59,34 +73,36 @@ def heading_of(diagnosis: Diagnosis) -> str:
         said += f": {diagnosis.kind}"
     if np.isfinite(diagnosis.size_percent):
         ends = np.array(diagnosis.interval) * diagnosis.size_percent / diagnosis.size
-        between = f" ({ends[0]:.3g} .. {ends[1]:.3g})" if np.isfinite(ends).all() else " (apparent)"
-        said += f", {diagnosis.size_percent:.3g} % {op_span(diagnosis.record).words}{between}"
-        said += "" if diagnosis.severity == "unknown" else f", {diagnosis.severity}"
+        spread = float(ends[1] - ends[0])
+        between = (
+            f"95 %: {rounded(ends[0], spread)} .. {rounded(ends[1], spread)}" if np.isfinite(spread) else "apparent"
+        )
+        size = rounded(diagnosis.size_percent, spread if spread > 0.0 else np.inf)
+        said += f", {size} % {op_span(diagnosis.record).words} ({between})"
+        said += "" if diagnosis.severity == "unknown" else f", severity {diagnosis.severity}"
     if diagnosis.verdict == "cannot tell":
         first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)
-        said += f"; likeliest: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"
+        said += f"; most likely: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"
     else:
         said += f", confidence {min(100 * diagnosis.confidence, 99.0):.0f} %"
     return said
 
 
 def advice_of(diagnosis: Diagnosis) -> str:
-    """What to do, wrapped to the width of a figure."""
-    return textwrap.fill("What to do: " + " ".join(diagnosis.advice), WRAP)
+    """What to do."""
+    return "What to do: " + " ".join(diagnosis.advice)
 
 
 def _phase(axes: Axes, diagnosis: Diagnosis, rows: LoopRecord) -> None:
     ends, what = _lost(diagnosis, rows)
     if ends is not None:
-        axes.axvspan(*ends, color=BAND, alpha=0.45, lw=0)
-    axes.plot(rows.op, rows.pv, color="0.65", lw=0.6)
+        axes.axvspan(*ends, color=BAND, alpha=0.45, lw=0, label=what)
     period = diagnosis.measured.period
+    axes.plot(rows.op, rows.pv, color="0.65", lw=0.6, label="rows above" if np.isfinite(period) or what else None)
     if np.isfinite(period):
         last = slice(-max(int(2 * period), 2), None)
-        axes.plot(rows.op[last], rows.pv[last], color=MODEL, lw=1.4)
-        what += ("; " if what else "") + "blue line: last two periods"
-    op, pv = labelled("OP", rows.op_unit), labelled("PV", rows.pv_unit)
-    calm(axes, "PV over OP", f"{op} ({what})" if what else op, pv)
+        axes.plot(rows.op[last], rows.pv[last], color=MODEL, lw=1.4, label="last two periods")
+    calm(axes, "PV over OP", labelled("OP", rows.op_unit), labelled("PV", rows.pv_unit))
 
 
 def _lost(diagnosis: Diagnosis, rows: LoopRecord) -> tuple[tuple[float, float] | None, str]:
@@ -96,10 +112,10 @@ def _lost(diagnosis: Diagnosis, rows: LoopRecord) -> tuple[tuple[float, float] |
         return None, ""
     if diagnosis.verdict == fit.kind.name and fit.kind.dead_between:
         low, high = (fit.parameters[name] for name in fit.kind.break_points)
-        return (low, high), f"band: the {diagnosis.verdict}"
+        return (low, high), diagnosis.verdict
     middle = 0.5 * float(rows.op.min() + rows.op.max())
     half = 0.5 * diagnosis.size
-    return (middle - half, middle + half), f"band: as wide as the {diagnosis.verdict}"
+    return (middle - half, middle + half), f"size of the {diagnosis.verdict}"
 
 
 def _evidence(axes: Axes, diagnosis: Diagnosis) -> None:

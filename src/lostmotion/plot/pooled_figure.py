@@ -8,17 +8,17 @@ import numpy as np
 
 from lostmotion.diagnose import PooledDiagnosis
 from lostmotion.plot.diagnosis_figure import advice_of, heading_of
-from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, labelled, new_figure
+from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, heading, labelled, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 COLOURS = {"for": ALERT, "against": MODEL, "nothing": "0.75"}
 MOST_NAMES = 30  # under the lower axis; more would not be read
 
 
-def pooled_figure(found: PooledDiagnosis, title: str | None = None) -> Figure:
+def pooled_figure(found: PooledDiagnosis, title: str | None = None, figure: Figure | SubFigure | None = None) -> Figure:
     """Sizes over time or order, and log-likelihoods.
 
     Parameters
@@ -26,13 +26,13 @@ def pooled_figure(found: PooledDiagnosis, title: str | None = None) -> Figure:
     found : PooledDiagnosis
     title : str, optional
         Heading; default the verdict.
+    figure : matplotlib Figure or SubFigure, optional
+        Drawn into instead of a new one.
     """
-    figure = new_figure(12.0, 7.5)
+    figure = new_figure(12.0, 7.5, figure)
     what = "windows" if found.of_windows else "records"
     heard = sum(bool(share.rows) for share in found.shares)
-    heading = title or f"One valve, {heard} {what}: {heading_of(found)}"
-    figure.suptitle(heading, fontsize=13, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(advice_of(found), fontsize=9, x=0.01, ha="left")
+    heading(figure, title or f"One valve, {heard} {what}: {heading_of(found)}", advice_of(found))
     above = figure.add_subplot(2, 1, 1)
     below = figure.add_subplot(2, 1, 2, sharex=above)
     _sizes(above, found)
@@ -50,11 +50,11 @@ def _sizes(axes: Axes, found: PooledDiagnosis) -> None:
         axes.plot([share.place] * 2, share.interval, color=COLOURS[share.said], lw=1.6)
         axes.plot(share.place, share.size, "o", color=COLOURS[share.said], ms=5)
     _line(axes, found, [share.place for share in shown if share.said == "for"])
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    if not shown:
+        axes.text(0.5, 0.5, "no record shows a size by itself", transform=axes.transAxes, ha="center", color=MEASURED)
     axes.set_ylim(bottom=0.0)
     axes.tick_params(labelbottom=False)
-    calm(axes, "Size that each shows by itself", "", labelled("units of OP", found.record.op_unit))
+    calm(axes, "Size that each shows by itself", "", labelled("size, units of OP", found.record.op_unit))
 
 
 def _line(axes: Axes, found: PooledDiagnosis, places: list[float]) -> None:
@@ -76,7 +76,7 @@ def _gains(axes: Axes, found: PooledDiagnosis) -> None:
         axes.set_xticks(places, [share.name for share in found.shares], rotation=60, ha="right", fontsize=7)
     calm(
         axes,
-        "What each says: log-likelihood over a linear process, up for and down against; none: left out",
+        "Evidence of each: up for the fault, down against it; none: left out",
         "time, days" if timed else "",
-        "",
+        "log-likelihood over a linear process",
     )

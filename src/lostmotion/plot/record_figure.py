@@ -6,19 +6,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lostmotion.plot.style import MODEL, calm, labelled, new_figure
-from lostmotion.plot.trend import draw_trend
+from lostmotion.plot.style import MODEL, calm, heading, labelled, new_figure, one_panel
+from lostmotion.plot.trend import draw_in_one, draw_trend
 from lostmotion.records import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 MOST_IN_PLANE = 2000  # rows: more of them lie one over the other
 FEWEST_LEVELS = 3  # of OP and of PV, for a plane that shows anything
 
 
-def record_figure(record: LoopRecord, title: str | None = None) -> Figure:
+def record_figure(
+    record: LoopRecord, title: str | None = None, figure: Figure | SubFigure | None = None, ax: Axes | None = None
+) -> Figure:
     """PV with SP and OP over time; beside them PV over OP, where both move.
 
     Parameters
@@ -28,18 +30,29 @@ def record_figure(record: LoopRecord, title: str | None = None) -> Figure:
         and the last 2000 rows alone in the plane.
     title : str, optional
         Heading; default the tag.
+    figure : matplotlib Figure or SubFigure, optional
+        Drawn into instead of a new one.
+    ax : matplotlib Axes, optional
+        Takes the trend alone, OP on a scale at its right.
+
+    Raises
+    ------
+    ParameterError
+        Both `figure` and `ax`, or one that is of no such type.
     """
+    if ax is not None:
+        return one_panel(ax, figure, lambda axes: draw_in_one(axes, record))
     plane = _plane_rows(record)
-    figure = new_figure(12.0, 5.5)
+    figure = new_figure(12.0, 5.5, figure)
     name = record.tag or record.source or "record"
     counted = f"{len(record)} samples every {record.dt:g} s"
-    figure.suptitle(title or f"{name}: {counted}", fontsize=13, fontweight="bold", x=0.01, ha="left")
-    grid = figure.add_gridspec(2, 5)
-    trend = slice(0, 5 if plane is None else 3)
-    above = figure.add_subplot(grid[0, trend])
-    draw_trend(above, figure.add_subplot(grid[1, trend], sharex=above), record)
+    heading(figure, title or f"{name}: {counted}")
+    grid = figure.add_gridspec(1, 1 if plane is None else 2, width_ratios=(1.0,) if plane is None else (3.0, 2.0))
+    trend = grid[0].subgridspec(2, 1)
+    above = figure.add_subplot(trend[0])
+    draw_trend(above, figure.add_subplot(trend[1], sharex=above), record)
     if plane is not None:
-        _plane(figure.add_subplot(grid[:, 3:]), plane, len(plane) < len(record))
+        _plane(figure.add_subplot(grid[1].subgridspec(1, 1)[0]), plane, len(plane) < len(record))
     return figure
 
 

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lostmotion.evaluate import CompensationStudy
 from lostmotion.evaluate.study.mistakes import GROUPS
-from lostmotion.plot.style import ALERT, MEASURED, MODEL, calm, new_figure
+from lostmotion.plot.style import ALERT, MEASURED, MODEL, calm, heading, new_figure
+from lostmotion.plot.time_axis import set_ticks, unit_of
 from lostmotion.simulate import LoopResponse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 MOST_ROWS = 2000
-WRAP = 165
 FAR = 5.0  # times the IAE as it is: beyond it the axis is logarithmic
 MARKS = {"2 standard errors": "o", "20 %": "s", "drawn": "."}
 SHOWN = {"retuned": "retuned", "with, retuned": "block, retuned", "no fault": "no fault"}
 
 
-def study_figure(study: CompensationStudy, title: str | None = None) -> Figure:
+def study_figure(
+    study: CompensationStudy, title: str | None = None, figure: Figure | SubFigure | None = None
+) -> Figure:
     """PV with SP and OP before and after, IAE and limit cycle on every plant that was tried.
 
     Parameters
@@ -31,12 +32,13 @@ def study_figure(study: CompensationStudy, title: str | None = None) -> Figure:
     study : CompensationStudy
     title : str, optional
         Heading; default the recommendation.
+    figure : matplotlib Figure or SubFigure, optional
+        Drawn into instead of a new one.
     """
-    figure = new_figure(12.0, 9.0)
-    figure.suptitle(title or study.reasons[0], fontsize=13, fontweight="bold", x=0.01, ha="left")
+    figure = new_figure(12.0, 9.0, figure)
     after = "with, retuned" if study.recommendation == "compensate and retune" else "with"
     first = 3 if after == "with, retuned" else 1
-    figure.supxlabel(textwrap.fill(" ".join(study.reasons[first : first + 2]), WRAP), fontsize=9, x=0.01, ha="left")
+    heading(figure, title or study.reasons[0], " ".join(study.reasons[first : first + 2]))
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.4))
     left, right = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     right.sharey(left)
@@ -53,20 +55,19 @@ def study_figure(study: CompensationStudy, title: str | None = None) -> Figure:
 def _trend(above: Axes, below: Axes, loop: LoopResponse, settle: int, name: str) -> None:
     rows = slice(settle, settle + MOST_ROWS)
     time = loop.time[rows] - loop.time[settle]
+    unit, length = unit_of(float(time[-1])), float(time[-1])
+    time = time / unit.seconds
     above.plot(time, loop.measured[rows], color=MEASURED, lw=0.7, label="PV")
     above.plot(time, loop.reference[rows], color=ALERT, lw=1.3, ls="--", label="SP")
-    above.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     below.plot(time, loop.command[rows], color=MODEL, lw=0.8, label="to the valve")
     if (loop.command != loop.control).any():
         below.plot(time, loop.control[rows], color=ALERT, lw=0.8, alpha=0.8, label="of the controller")
-        below.legend(
-            fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0
-        )
     for axes in (above, below):
         axes.margins(x=0.0)
     above.tick_params(labelbottom=False)
     calm(above, name, "", "PV, SP")
-    calm(below, "Command", "time, s", "OP")
+    set_ticks(below, unit, length)
+    calm(below, "Command", unit.label, "OP")
 
 
 def _errors(axes: Axes, study: CompensationStudy, after: str) -> None:
@@ -85,13 +86,13 @@ def _errors(axes: Axes, study: CompensationStudy, after: str) -> None:
         axes.set_yscale("log")
     for place, value in enumerate(lines.values()):
         axes.plot(3.0 + place, value, "D", color=ALERT if value > 1.0 else "0.35", ms=6)
-        axes.annotate(f"{float(f'{value:.2g}'):g}", (3.0 + place, value), xytext=(0, 7), textcoords="offset points",
+        axes.annotate(f"{value:.3g}", (3.0 + place, value), xytext=(0, 7), textcoords="offset points",
                       ha="center", fontsize=8, color=MEASURED)  # fmt: skip
     names = ["2 standard\nerrors", "20 %", "drawn", *(said.replace(" ", "\n", 1) for said in lines)]
     axes.set_xticks(range(len(names)), names)
     axes.axvline(2.5, color="0.8", lw=0.8)
     axes.margins(y=0.12)
-    calm(axes, "IAE over that as it is; left: block, estimate wrong", "", "ratio")
+    calm(axes, "Error (IAE) over that of today; on the left: block of a wrong estimate", "", "IAE ratio")
 
 
 def _cycles(axes: Axes, study: CompensationStudy, after: str) -> None:
@@ -119,7 +120,7 @@ def _cycles(axes: Axes, study: CompensationStudy, after: str) -> None:
     if now.predicted is not None and then.predicted is not None:
         axes.plot(now.predicted.amplitude, then.predicted.amplitude, "x", color=ALERT, ms=9, mew=2,
                   label="the same, describing function")  # fmt: skip
-    axes.legend(fontsize=8, frameon=False, loc="upper left")
     axes.set_xlim(-0.03 * most, 1.15 * most)
     axes.set_ylim(-0.03 * most, 1.15 * most)
-    calm(axes, "Amplitude of the limit cycle of PV", "as it is", "with the block (below the line: smaller)")
+    said = "Limit cycle of PV; below the line: smaller with the block"
+    calm(axes, said, "amplitude as it is", "amplitude with the block")

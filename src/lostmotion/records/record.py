@@ -212,7 +212,13 @@ class LoopRecord:
     def plot(self, **options: Any) -> Any:
         """Figure: PV with SP and OP over time, PV over OP beside them where both move.
 
-        Needs the extra ``lostmotion[plot]``; returns a matplotlib Figure.
+        ``figure=`` draws into a matplotlib Figure or SubFigure instead of a new one, ``ax=`` the trend alone into an
+        Axes. Needs the extra ``lostmotion[plot]``; returns the matplotlib Figure.
+
+        Raises
+        ------
+        ParameterError
+            Both `figure` and `ax`.
         """
         return _verbs.plot(self, **options)
 

@@ -44,5 +44,8 @@ class LoopResponse:
         return result
 
     def plot(self, **options: Any) -> Any:
-        """Figure of level and control (needs the extra ``lostmotion[plot]``)."""
+        """Figure of PV and control (needs the extra ``lostmotion[plot]``).
+
+        ``figure=`` draws into a matplotlib Figure or SubFigure, ``title=`` replaces that of the panel of PV.
+        """
         return _verbs.plot(self, **options)

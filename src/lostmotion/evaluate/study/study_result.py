@@ -164,7 +164,10 @@ class CompensationStudy:
         return _verbs.summary(self)
 
     def plot(self, **options: Any) -> Any:
-        """Figure: trend before and after, and the spread over the uncertainty (needs ``lostmotion[plot]``)."""
+        """Figure: trend before and after, and the spread over the uncertainty (needs ``lostmotion[plot]``).
+
+        ``figure=`` draws into a matplotlib Figure or SubFigure, ``title=`` replaces the heading.
+        """
         return _verbs.plot(self, **options)
 
     def to_dict(self) -> dict[str, Any]:
