@@ -21,7 +21,7 @@ from typing import NamedTuple
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.labels import Around, disturbed, label_of, makes_it_swing, split_of, swings
 from lostmotion.audit.measurement import of_measurement, stuck, usual_scatter
-from lostmotion.audit.row_facts import ends_percent, order
+from lostmotion.audit.row_facts import ends_percent, of_what, order
 from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING, Rule
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
@@ -258,7 +258,7 @@ def _fault(row: AssessmentRow) -> str:
     if row.size_percent is not None:
         between = ends_percent(row)
         ends = "" if between is None else f" ({between[0]:.2g} .. {between[1]:.2g})"
-        size = f" of {row.size_percent:.2g} % of {'span' if _of_span(row) else 'the OP range seen'}{ends}"
+        size = f" of {row.size_percent:.2g} % {of_what(row)}{ends}"
     return f"{row.verdict}{size}, {_sure(row)}"
 
 
