@@ -31,9 +31,14 @@ def order(row: AssessmentRow) -> tuple[float, int, float, float, float]:
     return -priority, place, -(row.size_percent or 0.0), -(row.probability or 0.0), -left
 
 
+def in_span(row: AssessmentRow) -> bool:
+    """Whether percentages are of the span of OP, not of one that was assumed or of the range seen."""
+    return bool(row.indices.get("op_span_known", 1.0))
+
+
 def of_what(row: AssessmentRow) -> str:
     """Of what the percentages of a row are: the span of OP, one that was assumed, or the range seen."""
-    if row.indices.get("op_span_known", 1.0):
+    if in_span(row):
         return "of span"
     assumed = row.indices.get("op_span_assumed")
     return f"of an assumed span of {assumed:g}" if assumed else "of the OP range seen"

@@ -110,12 +110,12 @@ def span_of_values(unit: str, low: float, high: float) -> OpSpan:
     """Span of OP that moves between `low` and `high`, where none was given."""
     possible = possible_spans(unit, np.array([low, high]))
     if not possible:
-        asks = "" if unit else "; give op_span=(low, high)"  # of a unit a note of the record asks
-        said = f"The OP span is unknown: % are of the range seen, {low:.4g} .. {high:.4g}{asks}."
+        unknown, asks = ("", "") if unit else (" and not 0 .. 100", "; give op_span")  # else a note of the record asks
+        said = f"The OP span is unknown{unknown}: % are of the range seen, {low:.4g} .. {high:.4g}{asks}."
         return OpSpan(low, high, known=False, note=said)
     (first, *others), doubt = possible, ""
     if others:
         doubt = " or ".join(f"{one:g} .. {other:g}" for one, other in others)
         doubt = f", but OP stays within {low:.4g} .. {high:.4g}, so that it may be {doubt} as well"
-    said = f"The OP span was taken as {first[0]:g} .. {first[1]:g}{doubt}; give op_span=(low, high) where it is not."
+    said = f"The OP span was taken as {first[0]:g} .. {first[1]:g}{doubt}; give op_span where it is not."
     return OpSpan(*first, known=not others, note=said, others=tuple(others))
