@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.audit.labels import label_of
+from lostmotion.audit.row_facts import of_what
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.pooled.together import _same_span
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.plant import PlantLoop
 from lostmotion.plant.propose import op_limits
 from lostmotion.plant.reading import told
+from lostmotion.store.rows import UNDATED, AssessmentRow
 from tests.e2e.test_commands import run
+from tests.packed_files import workbook
 
 LOOP = random_faulty_loop(4, samples=700, cause="stiction", process="flow")  # a band of 2.23 % of span
 
@@ -92,8 +96,8 @@ def test_no_severity_is_given_in_percent_of_an_unknown_unit(tmp_path, capsys):
     path = written(tmp_path / "FIC1.csv", ("t_s", "OP [counts]", "PV", "SP"), 0, 100)
     text = " ".join(run(capsys, "diagnose", path)[1].split())
     assert "% of the OP range seen" in text
-    assert "severity unknown without the span of OP (--op-span LOW HIGH)" in text
-    assert "- Give the span of OP, --op-span LOW HIGH" in text
+    assert "severity unknown (give --op-span LOW HIGH)" in text
+    assert "- Give --op-span LOW HIGH, the span of OP" in text
     assert "severity high" in " ".join(run(capsys, "diagnose", path, "--op-span", 0, 100)[1].split())
 
 
@@ -107,11 +111,11 @@ def test_values_that_several_spans_hold_leave_the_severity_open(unit, span, othe
     found = lm.diagnose(record)
     assert (found.verdict, found.severity) == ("stiction", "unknown")
     assert found.advice[0].startswith(
-        "Give the span of OP, op_span=(low, high): the severity is low for 0 .. 100, high"
+        "Give op_span=(low, high), the span of OP: the severity is low for 0 .. 100, high"
     )
     said = " ".join(found.summary().split())
     assert "% of an assumed span 0 .. 100" in said
-    assert "severity unknown without the span of OP" in said
+    assert "severity unknown (give op_span=(low, high))" in said
     narrowest = min(high - low for low, high in others)
     assert found.tolerance == pytest.approx(0.01 * narrowest)  # what is nothing of 0 .. 100 may be too much
     in_percent = replace(record, op=3.0 * record.op if span[0] else 50.0 + record.op)
@@ -172,3 +176,32 @@ def test_fits_blocks_and_studies_use_the_span_of_the_unit():
     assert facts.to_dict()["data"]["op_span"] == [4.0, 20.0]
     block = facts.block(accept="to look at the clamps")
     assert (block.settings["low"], block.settings["high"]) == (4.0, 20.0)
+
+
+def test_units_in_a_column_of_a_row_for_each_value(tmp_path):
+    lines = ["Tag;Timestamp;Value;Units"]
+    for k, (op, pv, _) in enumerate(zip(*rows(4.0, 20.0), strict=True)):
+        stamp = f"2026-03-02 06:{k // 60:02}:{k % 60:02}"
+        lines += [f"FIC1.OP;{stamp};{op:.5f};mA", f"FIC1.PV;{stamp};{pv:.4f};m3/h"]
+    path = tmp_path / "long.csv"
+    path.write_text("\n".join([*lines, ""]))
+    record = lm.read_loop(path)
+    assert (record.op_unit, record.pv_unit, record.op_span) == ("mA", "m3/h", (4.0, 20.0))
+
+
+def test_units_below_the_header_of_a_sheet(tmp_path):
+    pytest.importorskip("fastexcel")
+    op, pv, _ = rows(4.0, 20.0)
+    cells = [[k, float(one), float(other)] for k, (one, other) in enumerate(zip(op, pv, strict=True))]
+    path = tmp_path / "FIC1.xlsx"
+    path.write_bytes(workbook([["Trend", "", ""], ["Time", "OP", "PV"], ["s", "mA", "m3/h"], *cells]))
+    assert lm.read_loop(path).op_span == (4.0, 20.0)
+
+
+def test_a_share_of_the_range_seen_is_no_label_of_a_plant():
+    known = {"kind": "actuator", "verdict": "stiction", "size": 2.0, "size_percent": 65.0, "severity": "unknown"}
+    row = AssessmentRow("FIC1", UNDATED, UNDATED, **known, indices={"op_span_known": 0.0})
+    assert (label_of(row), of_what(row)) == ("maintenance required", "of the OP range seen")
+    assert label_of(replace(row, indices={})) == "failure"
+    assumed = replace(row, severity="severe", indices={"op_span_known": 0.0, "op_span_assumed": 100.0})
+    assert (label_of(assumed), of_what(assumed)) == ("out of specification", "of an assumed span of 100")

@@ -87,15 +87,15 @@ class OpSpan:
         Examples
         --------
         >>> OpSpan(0.0, 100.0, False, others=((4.0, 20.0),)).request(0.48)
-        'Give the span of OP, op_span=(low, high): the severity is low for 0 .. 100, high for 4 .. 20.'
+        'Give op_span=(low, high), the span of OP: the severity is low for 0 .. 100, high for 4 .. 20.'
         """
         if not np.isfinite(size) or self.severity(size) != "unknown":
             return ""
         if not self.others:
-            return "Give the span of OP, op_span=(low, high): without it the severity is not known."
+            return "Give op_span=(low, high), the span of OP: without it the severity is not known."
         spans = (self.ends, *self.others)
         each = [f"{severity_of(100.0 * size / (high - low))} for {low:g} .. {high:g}" for low, high in spans]
-        return f"Give the span of OP, op_span=(low, high): the severity is {', '.join(each)}."
+        return f"Give op_span=(low, high), the span of OP: the severity is {', '.join(each)}."
 
 
 def op_span(record: LoopRecord) -> OpSpan:

@@ -63,7 +63,7 @@ def _severity(diagnosis: Diagnosis) -> str:
     """The severity, and why it is not known where the span of OP decides it."""
     missing = op_span(diagnosis.record).request(diagnosis.size)
     asks = bool(missing) and diagnosis.severity == "unknown"
-    return f"{diagnosis.severity} without the span of OP (op_span=(low, high))" if asks else diagnosis.severity
+    return f"{diagnosis.severity} (give op_span=(low, high))" if asks else diagnosis.severity
 
 
 def _open(diagnosis: Diagnosis) -> str:
