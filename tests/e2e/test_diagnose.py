@@ -9,6 +9,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.cli.diagnose import LoopType
+from lostmotion.cli.wording import as_options
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.files import write_columns
@@ -62,7 +63,7 @@ def test_the_command_is_the_same_as_the_call(capsys, csv, tmp_path):
     direct = lm.diagnose(lm.read_loop(csv), loop_type="flow")
     assert found.pop("file") == str(csv)
     assert found == strict(json.dumps(direct.to_dict()))
-    assert text.strip() == direct.summary().strip()
+    assert text.strip() == as_options(direct.summary()).strip()
     assert found["verdict"] in verdicts()
     assert code == (0 if found["verdict"] in ("none", "other oscillation") else 1)
     assert figure.read_bytes()[:4] == b"\x89PNG"

@@ -58,6 +58,38 @@ def test_first_date_stands_as_the_file_writes_it(times, name, expected):
     assert found.utcoffset() == expected.utcoffset()
 
 
+@pytest.mark.parametrize("form", ["%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M", "%d.%m.%y %H:%M:%S"])
+@pytest.mark.parametrize("first", [datetime(2026, 3, 2, 14, 5), datetime(2026, 3, 2, 23, 0)])
+def test_where_dates_have_dots_the_day_is_first(first, form):
+    assert read(written(every(60, first), form)).start == first
+
+
+def test_days_that_follow_each_other_tell_the_order_of_slashes():
+    first = datetime(2026, 3, 2, 23, 0)
+    for form in ("%d/%m/%Y %H:%M", "%m/%d/%Y %H:%M"):
+        assert read(written(every(60, first), form)).start == first
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_a_date_of_two_readings_keeps_the_clock_and_says_what_is_open(reverse):
+    times = written(every(60, datetime(2026, 2, 3, 6, 0)), "%d/%m/%Y %H:%M:%S")
+    found = read(times[::-1] if reverse else times)
+    assert (found.start, found.dt, len(found)) == (None, 60.0, N)
+    (note,) = [note for note in found.notes if "may be" in note]
+    assert "may be 2026-02-03 (day first) or 2026-03-02 (month first)" in note
+    assert "times of day and sampling time hold" in note
+
+
+def test_files_of_one_tag_say_that_their_date_is_open(tmp_path):
+    times = every(10, datetime(2026, 2, 3, 6, 0))
+    for name, values, chosen in (("FIC1_OP", OP, times[::3]), ("FIC1_PV", PV, times[1:])):
+        table = pl.DataFrame({"Time": written(chosen, "%d/%m/%Y %H:%M:%S"), name: np.resize(values, len(chosen))})
+        table.write_csv(tmp_path / f"{name}.csv")
+    found = lm.read_loop(tmp_path)
+    assert found.start is None
+    assert sum("(month first)" in note for note in found.notes) == 1
+
+
 @pytest.mark.parametrize(
     "times",
     [

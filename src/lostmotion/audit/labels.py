@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, stuck
+from lostmotion.audit.row_facts import in_span
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.store.rows import AssessmentRow, Stage
 
@@ -78,10 +79,10 @@ def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
     if row.kind != "actuator":
         rings_untold = makes_it_swing(row, around) and not row.cleared
         return "" if rings_untold else "normal"  # it is to be retuned, and says nothing of the valve
-    size = row.size_percent
+    size = row.size_percent if in_span(row) else None
     if size is not None and size >= STUCK:
         return "failure"
-    if row.verdict == "saturation" or (size is not None and size > BAD):
+    if row.verdict == "saturation" or row.severity == "severe" or (size is not None and size > BAD):
         return "out of specification"
     return "normal" if row.severity == "low" and not swings(row) else "maintenance required"
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.labels import Around, disturbed, label_of, makes_it_swing, split_of, swings
 from lostmotion.audit.measurement import of_measurement, stuck, usual_scatter
-from lostmotion.audit.row_facts import ends_percent, order
+from lostmotion.audit.row_facts import ends_percent, in_span, of_what, order
 from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING, Rule
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
@@ -161,7 +161,7 @@ def _worth(row: AssessmentRow, around: Around) -> Found:
             (1.0 - LOST) * at, [f"OP at a limit for {probability(row.limited or 0.0)} of the time", *about_swing]
         )
     if row.kind == "actuator":
-        size = row.size_percent if _of_span(row) else None
+        size = row.size_percent if in_span(row) else None
         lost = UNSIZED if size is None else size / (size + USUAL)
         return Found(sure * (LOST * lost + (1.0 - LOST) * swing), [_fault(row), *about_swing])
     if row.verdict == "other oscillation":
@@ -197,14 +197,14 @@ def _untold(row: AssessmentRow, moves: float, about: list[str]) -> Found:
     if shown is None:
         lost = LOST * _left_open(row) * fault if fault > PRIOR else 0.0
         return Found(UNTOLD * (lost + (1.0 - LOST) * moves), ["cannot tell", likely, *about])
-    size = min(shown, USUAL) if _of_span(row) else USUAL  # of one stretch: it may be far too wide
+    size = min(shown, USUAL) if in_span(row) else USUAL  # of one stretch: it may be far too wide
     worth = fault * LOST * size / (size + USUAL) + max(UNTOLD, fault) * (1.0 - LOST) * moves
     return Found(worth, [row.why, likely, *about])
 
 
 def _left_open(row: AssessmentRow) -> float:
     """Severity of a lost motion that is not known: of half of what is not excluded, the usual one at most."""
-    left = row.excluded_percent if _of_span(row) else None
+    left = row.excluded_percent if in_span(row) else None
     half = USUAL if left is None else min(0.5 * left, USUAL)
     return half / (half + USUAL)
 
@@ -243,7 +243,7 @@ def _with_wear(row: AssessmentRow, found: Found) -> Found:
 
     Of the range that was seen a stroke is none.
     """
-    strokes = (row.travel or 0.0) / 100.0 if _of_span(row) else 0.0
+    strokes = (row.travel or 0.0) / 100.0 if in_span(row) else 0.0
     if strokes < BUSY or row.kind == "actuator":
         return found
     wear, said = WORN * (1.0 - BUSY / strokes), f"{WEARING.opening} {strokes:.0f} full strokes an hour: wear"
@@ -258,13 +258,8 @@ def _fault(row: AssessmentRow) -> str:
     if row.size_percent is not None:
         between = ends_percent(row)
         ends = "" if between is None else f" ({between[0]:.2g} .. {between[1]:.2g})"
-        size = f" of {row.size_percent:.2g} % of {'span' if _of_span(row) else 'the OP range seen'}{ends}"
+        size = f" of {row.size_percent:.2g} % {of_what(row)}{ends}"
     return f"{row.verdict}{size}, {_sure(row)}"
-
-
-def _of_span(row: AssessmentRow) -> bool:
-    """Whether percentages are of the span, not of the range that was seen."""
-    return bool(row.indices.get("op_span_known", 1.0))
 
 
 def _sure(row: AssessmentRow) -> str:

@@ -29,3 +29,16 @@ def order(row: AssessmentRow) -> tuple[float, int, float, float, float]:
     left = math.inf if row.excluded_percent is None else row.excluded_percent
     place += 3 * (row.stage is Stage.FAILED)
     return -priority, place, -(row.size_percent or 0.0), -(row.probability or 0.0), -left
+
+
+def in_span(row: AssessmentRow) -> bool:
+    """Whether percentages are of the span of OP, not of one that was assumed or of the range seen."""
+    return bool(row.indices.get("op_span_known", 1.0))
+
+
+def of_what(row: AssessmentRow) -> str:
+    """Of what the percentages of a row are: the span of OP, one that was assumed, or the range seen."""
+    if in_span(row):
+        return "of span"
+    assumed = row.indices.get("op_span_assumed")
+    return f"of an assumed span of {assumed:g}" if assumed else "of the OP range seen"

@@ -15,6 +15,7 @@ from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
 from lostmotion.cli.several import each, refuse_tag, tell
 from lostmotion.cli.sources import sources
+from lostmotion.cli.wording import as_options
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -114,7 +115,7 @@ def _together(
     kind = None if loop_type is None else loop_type.value
     found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
     data = {"files": [str(file) for file in files], **found.to_dict()}
-    output.show(found.summary(), data)
+    output.show(as_options(found.summary()), data)
     output.write_json(out, data)
     output.write_figure(figure, found)
     _write_report(report, found, str(files[0]), output)

@@ -28,7 +28,10 @@ Date = Annotated[str, number("--date", "Day for the header, YYYY-MM-DD.")]
 Out = Annotated[Path, number("--out", "Folder for the files; made if need be.")]
 Real = Annotated[str, typer.Option("--real", help="lreal (64 bits) or real (32 bits).")]
 Scan = Annotated[float | None, number("--scan-time", "Seconds; default: that of the record.")]
-Span = Annotated[tuple[float, float], typer.Option("--span", help="Smallest and largest OP: the clamps.")]
+Span = Annotated[
+    tuple[float, float] | None,
+    typer.Option("--span", help="Smallest and largest OP: the clamps; otherwise the span of the record, else 0 100."),
+]
 Factor = Annotated[
     float | None,
     number("--factor", "Share to compensate; default: from the interval."),
@@ -69,7 +72,7 @@ class BlockOptions:
     """Settings of the block, instead of those that follow from the fit."""
 
     scan_time: Scan = None
-    span: Span = (0.0, 100.0)
+    span: Span = None
     factor: Factor = None
     op_noise: Noise = None
     ramp: Ramp = None

@@ -208,7 +208,7 @@ def tell(
         What is told could not be written.
     """
     if len(found) == 1 and found[0].result is not None:
-        text = modes_as_options(found[0].result.summary())
+        text = as_options(modes_as_options(found[0].result.summary()))
     else:
         text = "\n" + table([(one.file.stem, one.result) for one in found])
     if len(found) > 1 and output.json:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import RecordOptions
+from lostmotion.records.span import FRACTION, PERCENT
 
 if TYPE_CHECKING:
     from lostmotion.arrays import FloatArray
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 HOLDS = 40.0  # process times of a test: some 40 moves that settle
 ROOM = 1.5  # times the widest lost motion that a test must cross to either side, at least
-SPAN_SHARE = 0.01  # of the range of OP 0 .. 100 or 0 .. 1: what is worth knowing
+SPAN_SHARE = 0.01  # of the span of OP, 0 .. 100 or 0 .. 1 where it is not known: what is worth knowing
 LONGEST = 3.0 * 86400.0  # s: for longer nobody gives up a loop, and a process that seems so slow is a drift
 SPREAD = 0.3  # of a guess: what `design` takes by itself, and nothing that its check depends on
 PLACE = "REASON"
@@ -165,7 +166,8 @@ def _by_hand(facts: FitFacts, low: float, high: float) -> str:
 def _room(facts: FitFacts) -> tuple[float, float, tuple[float, float]]:
     """Limits of OP for a test, and a guess of break points in their middle."""
     low, high = facts.op_range
-    middle, scale = 0.5 * (low + high), 100.0 if high > 1.5 or low < 0.0 else 1.0
+    span = facts.op_span or (PERCENT if high > 1.5 or low < 0.0 else FRACTION)
+    middle, scale = 0.5 * (low + high), span[1] - span[0]
     size = facts.kind.size
     half = max(0.5 * SPAN_SHARE * scale, 0.5 * facts.parameters[size] if size else 0.0)
     reach = max(0.5 * (high - low), half + 2.0 * ROOM * half)

@@ -48,6 +48,7 @@ FLAGS = {
 OVERRIDE = OPTIONS["accept"]
 WORDS = {"automatic": "WORD"}  # what stands for a value that the library leaves open, as in automatic=(..)
 VALUE = r"<[^>]*>|'[^']*'|\"[^\"]*\"|\([^)]*\)|\[[^\]]*\]|\{[^}]*\}|[\w.+-]*\w"
+BARE = re.compile(r"\b(give\s+)op_span(?=[\s.])")
 SETTING = re.compile(rf"(?<![\w-])([a-z]\w*)=({VALUE})?(?!=)")
 OFFERED: ContextVar[Collection[str]] = ContextVar("OFFERED", default=frozenset())  # options of the command that runs
 RUNNING: ContextVar[str] = ContextVar("RUNNING", default="check")  # its name
@@ -118,8 +119,11 @@ def as_options(text: str) -> str:
     --------
     >>> as_options("give span=(low, high)"), as_options("name it with op='<column>'"), as_options("e.g. noise=4")
     ('give --span LOW HIGH', 'name it with --op COLUMN', 'e.g. --noise 4')
+    >>> as_options("give op_span where it is not")
+    'give --op-span LOW HIGH where it is not'
     """
     options = SETTING.sub(lambda found: _as_option(found.group(0), *found.groups()), text)
+    options = BARE.sub(r"\1--op-span LOW HIGH", options)
     return re.sub(r"(--dt \S+) and (?=--ignore-time)", r"\1 ", options)
 
 

@@ -15,6 +15,7 @@ from lostmotion.compensate.slopes import compensated_valve, slope_bound
 from lostmotion.errors import ParameterError
 from lostmotion.identify import FitFacts, RatedEstimate
 from lostmotion.models import Nonlinearity
+from lostmotion.records.span import PERCENT
 
 MOST_SCANS = 1e8  # that a process takes; three times as many are counted
 RAMP_SCANS = (10.0, 600.0)  # for the whole lost motion
@@ -104,7 +105,7 @@ def block_from_fit(
     fit: RatedEstimate,
     *,
     scan_time: float | None = None,
-    span: tuple[float, float] = (0.0, 100.0),
+    span: tuple[float, float] | None = None,
     factor: float | None = None,
     level: float = 0.95,
     op_noise: float | None = None,
@@ -121,8 +122,9 @@ def block_from_fit(
         Must show its kind of lost motion and its size (:mod:`lostmotion.compensate.gate`).
     scan_time : float, optional
         Seconds between two scans. None: the sampling time of the record.
-    span : (float, float)
-        Smallest and largest OP: the clamps. It must hold every OP of the record.
+    span : (float, float), optional
+        Smallest and largest OP: the clamps. It must hold every OP of the record. None: the span of OP that the record
+        had, else 0 .. 100.
     factor : float, optional
         Share of the estimated lost motion that is compensated. None: the lower end of the interval of the width,
         over the width.
@@ -153,6 +155,7 @@ def block_from_fit(
     record it costs little: a width known to 1 % (standard error) is compensated to 98 %.
     """
     facts = fit.facts
+    span = span or facts.op_span or PERCENT
     accepted, name = pass_gate(facts, diagnosis, accept), _size_of(facts)
     notes = [f"from a fit of {facts.samples} samples, status {facts.status.name}"]
     if factor is None:

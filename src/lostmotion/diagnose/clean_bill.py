@@ -79,8 +79,13 @@ class CleanBill:
         if size < limit:
             return verdict
         said = f"up to {size / unit:.2g} % {self.span.words}" if np.isfinite(size) else "of any size"
-        why = self.why or f"{kind} {said} is not excluded; {what}"
+        why = self.why or f"{kind} {said} is not excluded; {what}{self._narrower_span()}"
         return replace(verdict, verdict="cannot tell", kind="unknown", why=why, limit=limit)
+
+    def _narrower_span(self) -> str:
+        """That the tolerance is of a narrower span, which OP may have."""
+        ends = [f"{low:g} .. {high:g}" for low, high in self.span.others]
+        return f", as the span of OP may be {' or '.join(ends)}: give op_span=(low, high)" if ends else ""
 
 
 def _from_outside(verdict: Verdict, measured: Measured) -> bool:
@@ -113,7 +118,7 @@ def clean_bill(fit: HammersteinFit, tolerance: float, span: OpSpan, fed_back: bo
         why = "the model does not describe this record, so that it excludes no lost motion"
     if why:
         excluded = dict.fromkeys([kind.name for kind in faults() if kind.size is not None], float(np.inf))
-    return CleanBill(excluded, 100.0 * checked_tolerance(tolerance) * span.percent, span, why)
+    return CleanBill(excluded, 100.0 * checked_tolerance(tolerance) * span.strictest_percent, span, why)
 
 
 def _for_a_slow_valve(fit: HammersteinFit, excluded: dict[str, float]) -> str:

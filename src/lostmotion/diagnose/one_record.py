@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.advice import advise, severity_of
+from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import CleanBill, clean_bill, how_to_tell, untold
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
@@ -141,7 +141,7 @@ def _package(
     span = bill.span
     size, interval, about_size = _size(verdict.verdict, fit, measured)
     percent = size / span.percent
-    severity = severity_of(percent if span.known else np.nan) if verdict.kind == "actuator" else "none"
+    severity = span.severity(size) if verdict.kind == "actuator" else "none"
     pv_stronger = measured.pv.share >= measured.op.share
     performance = measure_performance(
         fit.data, sp, fit.chosen.delay, span.ends, measured.pv if pv_stronger else measured.op,
@@ -157,7 +157,7 @@ def _package(
         confidence=verdict.confidence,
         probabilities=verdict.probabilities,
         evidence=_items(verdict, measured.commanded),
-        advice=_advice(verdict, severity, measured, bill, sp),
+        advice=(*_missing_span(verdict, span, size), *_advice(verdict, severity, measured, bill, sp)),
         notes=(*notes, *([span.note] if span.note else []), *about_size, *_negligible(fit, measured, span)),
         measured=measured,
         stability=stability,
@@ -168,6 +168,12 @@ def _package(
         tolerance=bill.tolerance,
         why=verdict.why,
     )
+
+
+def _missing_span(verdict: Verdict, span: OpSpan, size: float) -> tuple[str, ...]:
+    """Sentence that asks for the span of OP where the severity of a fault depends on it."""
+    request = span.request(size) if verdict.kind == "actuator" else ""
+    return (request,) if request else ()
 
 
 def _advice(

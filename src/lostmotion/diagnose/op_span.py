@@ -1,4 +1,4 @@
-"""What percentages of OP refer to: the span given, 0 .. 100 or 0 .. 1 where it looks so, else the range seen."""
+"""What percentages of OP refer to: its span, the one that its values suggest, else the range seen."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lostmotion.diagnose.advice import severity_of
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
-from lostmotion.records.movement import PERCENT
 from lostmotion.records.pieces import with_own_span
+from lostmotion.records.span import Span, possible_spans
 
 # of the tolerance: lost motion of a sound valve, as positioners resolve 0.1 to 0.2 % of span. Of 20 sound valves that
 # were accused in an independent simulation ten had less by their fit, of the valves rightly accused none
 SOUND = 0.25
 TOLERANCE = 0.01  # of the span of OP: what is recommended for control valves (Cequeira et al. 2010, introduction)
-FRACTION = (0.0, 1.0)  # limits of OP as a share of its span
 
 
 def checked_tolerance(tolerance: float) -> float:
@@ -39,18 +39,21 @@ class OpSpan:
     low, high : float
         In units of OP.
     known : bool
-        Whether it is a span; otherwise the range seen stands for it.
+        Whether it is a span; otherwise one of several that the values allow, or the range seen, stands for it.
     note : str
         What was assumed; "" where it was given.
+    others : tuple of (float, float)
+        Other spans that OP may have.
     """
 
     low: float
     high: float
     known: bool
     note: str = ""
+    others: tuple[Span, ...] = ()
 
     @property
-    def ends(self) -> tuple[float, float]:
+    def ends(self) -> Span:
         """Both."""
         return self.low, self.high
 
@@ -60,9 +63,39 @@ class OpSpan:
         return 0.01 * (self.high - self.low)
 
     @property
+    def strictest_percent(self) -> float:
+        """1 % of the narrowest span that OP may have, in units of OP."""
+        return 0.01 * min(high - low for low, high in (self.ends, *self.others))
+
+    @property
     def words(self) -> str:
         """Of what a percentage is."""
+        if self.others:
+            return f"of an assumed span {self.low:g} .. {self.high:g}"
         return "of span" if self.known else "of the OP range seen"
+
+    def severity(self, size: float) -> str:
+        """Severity of a size in units of OP, where it is the same for every span that OP may have; else "unknown"."""
+        if not (self.known or self.others):
+            return "unknown"
+        found = {severity_of(size / (0.01 * (high - low))) for low, high in (self.ends, *self.others)}
+        return found.pop() if len(found) == 1 else "unknown"
+
+    def request(self, size: float) -> str:
+        """What to give, where the severity of a size depends on a span that is not known; else empty.
+
+        Examples
+        --------
+        >>> OpSpan(0.0, 100.0, False, others=((4.0, 20.0),)).request(0.48)
+        'Give op_span=(low, high), the span of OP: the severity is low for 0 .. 100, high for 4 .. 20.'
+        """
+        if not np.isfinite(size) or self.severity(size) != "unknown":
+            return ""
+        if not self.others:
+            return "Give op_span=(low, high), the span of OP: without it the severity is not known."
+        spans = (self.ends, *self.others)
+        each = [f"{severity_of(100.0 * size / (high - low))} for {low:g} .. {high:g}" for low, high in spans]
+        return f"Give op_span=(low, high), the span of OP: the severity is {', '.join(each)}."
 
 
 def op_span(record: LoopRecord) -> OpSpan:
@@ -70,10 +103,19 @@ def op_span(record: LoopRecord) -> OpSpan:
     record = with_own_span(record)
     if record.op_span is not None:
         return OpSpan(*record.op_span, known=True)
-    low, high = float(np.nanmin(record.op)), float(np.nanmax(record.op))
-    for ends in (FRACTION, PERCENT):
-        if ends[0] <= low and high <= ends[1]:
-            said = f"The OP span was taken as {ends[0]:g} .. {ends[1]:g}; give op_span where it is not."
-            return OpSpan(*ends, known=True, note=said)
-    said = f"The OP span is unknown and not 0 .. 100: % are of the range seen, {low:.4g} .. {high:.4g}; give op_span."
-    return OpSpan(low, high, known=False, note=said)
+    return span_of_values(record.op_unit, float(np.nanmin(record.op)), float(np.nanmax(record.op)))
+
+
+def span_of_values(unit: str, low: float, high: float) -> OpSpan:
+    """Span of OP that moves between `low` and `high`, where none was given."""
+    possible = possible_spans(unit, np.array([low, high]))
+    if not possible:
+        unknown, asks = ("", "") if unit else (" and not 0 .. 100", "; give op_span")  # else a note of the record asks
+        said = f"The OP span is unknown{unknown}: % are of the range seen, {low:.4g} .. {high:.4g}{asks}."
+        return OpSpan(low, high, known=False, note=said)
+    (first, *others), doubt = possible, ""
+    if others:
+        doubt = " or ".join(f"{one:g} .. {other:g}" for one, other in others)
+        doubt = f", but OP stays within {low:.4g} .. {high:.4g}, so that it may be {doubt} as well"
+    said = f"The OP span was taken as {first[0]:g} .. {first[1]:g}{doubt}; give op_span where it is not."
+    return OpSpan(*first, known=not others, note=said, others=tuple(others))

@@ -11,12 +11,13 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.files.clock import Clock, counts_samples
-from lostmotion.files.dates import zone_of
+from lostmotion.files.dates import date_orders, dates_in_order, zone_of
 from lostmotion.files.times import Stamps
 
 OLDEST = 315_532_800.0  # 1980: dates before it count from nowhere, as 1970-01-01 00:00:05 does
 COUNTED = (946_684_800.0, 2_556_144_000.0)  # 2000 to 2051: of this size are the seconds of today
 ASTRAY = 60.0  # s, and a step: a date that is further from the time in the file is none
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 DIGITS = 4  # of a second, that seconds since 1970 resolve
 
 
@@ -77,8 +78,33 @@ def moment_of(stamps: Stamps, seconds: float) -> datetime | None:
     if not stamps.certain or stamps.set_back or not low <= count <= high:
         return None
     zone = None if stamps.local or isinstance(series.dtype, nw.Date) else _zone(stamps, series)
-    moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=round(count, DIGITS))
+    moment = EPOCH + timedelta(seconds=round(count, DIGITS))
     return moment.replace(tzinfo=None) if zone is None else moment.astimezone(zone)
+
+
+def open_date(stamps: Stamps | None) -> tuple[str, ...]:
+    """Sentence that names the days on which the record may have begun, where its dates have several readings.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> from lostmotion.files.table import Table
+    >>> from lostmotion.files.times import read_times
+    >>> frame = pl.DataFrame({"Date": [f"03/02/2026 06:{minute:02}" for minute in range(9)]})
+    >>> print(*open_date(read_times(Table(nw.from_native(frame, eager_only=True), "a"), "Date")))
+    '03/02/2026 06:00' in 'Date' may be 2026-02-03 (day first) or 2026-03-02 (month first): the record has no date; \
+times of day and sampling time hold. Export ISO dates (2026-02-03).
+    """
+    if stamps is None or stamps.dates is None or stamps.certain:
+        return ()
+    first = stamps.dates.drop_nulls()[:1]
+    orders = date_orders(stamps.table, stamps.name, stamps.dates)
+    days = [(EPOCH + timedelta(seconds=float(dates_in_order(first, order)[0]))).date() for order in orders]
+    shown = " or ".join(f"{day} ({order})" for day, order in zip(days, orders, strict=True))
+    return (
+        f"{first[0]!r} in {stamps.name!r} may be {shown}: the record has no date; times of day and sampling time hold. "
+        f"Export ISO dates ({days[0]}).",
+    )
 
 
 def _zone(stamps: Stamps, series: nw.Series[Any]) -> tzinfo:

@@ -15,6 +15,7 @@ from lostmotion.records.sampling import Bools
 
 # A reading of the dates whose longest step is this many times another's is wrong: its days became months.
 LONGEST_STEP = 20.0
+DOTTED = r"^[0-9]{1,2}\.[0-9]{1,2}\."  # 02.03.2026: where dates are written with dots, the day is first
 _PERHAPS_A_ZONE = r"(?:Z|UTC|[+-][0-9]{2}:?[0-9]{2})$"
 FEW = 1000  # cells that tell that not all are alike, as they mostly are not
 
@@ -190,14 +191,15 @@ def _choose(
     left = _distinct({order: time for order, time in valid.items() if _sorted(time) or _sorted(-time)} or valid)
     limit = LONGEST_STEP * min(_longest_step(time) for time in left.values())
     left = {order: time for order, time in left.items() if _longest_step(time) <= limit}
-    if len(left) > 1:
+    dotted = bool(cells.drop_nulls()[:1].str.contains(DOTTED).any()) and next(iter(left)) == "day first"
+    if len(left) > 1 and not dotted:
         raise AmbiguousDatesError.expected(
             f"dates with one reading in column {name!r}",
             f"{cells.drop_nulls()[0]!r} to {cells.drop_nulls()[-1]!r}, {' or '.join(left)}",
             "give dt=<seconds>, or export ISO dates (2017-01-21 15:20:00)",
         )
     order, chosen = next(iter(left.items()))
-    certain = "month first" not in days or _alone(valid, chosen)  # 21-Jan-17 is never the 17th
+    certain = dotted or "month first" not in days or _alone(valid, chosen)  # 21-Jan-17 is never the 17th
     if len(_distinct(valid)) == 1:
         return chosen, (), certain
     return chosen, (f"Dates in {name!r} were read {order}, the reading whose times follow each other.",), certain

@@ -11,7 +11,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.errors import DataError, ParameterError, TimeError
-from lostmotion.files.began import began, moment_of
+from lostmotion.files.began import began, moment_of, open_date
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
 from lostmotion.files.dates import AmbiguousDatesError, looks_numeric
@@ -133,6 +133,7 @@ def interpret(
     if stamps is not None and usable is not None:
         stamps = usable(stamps)
     elif stamps is not None:
+        words = (*words, *open_date(stamps))
         table, signals, stamps = _in_order(table, signals, stamps)
         table = _holding(table, columns.mode)
         even = resampled(stamps.seconds, signals, dt, table.own_times)

@@ -12,6 +12,7 @@ import polars as pl
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ColumnError, TimeError
+from lostmotion.files.began import open_date
 from lostmotion.files.columns import time_unit
 from lostmotion.files.dates import zone_of
 from lostmotion.files.long import good_cells, wide
@@ -176,6 +177,7 @@ def _by_times(ones: Sequence[OneTag], names: Sequence[str], source: str, trust: 
         set_back = set_back or found.set_back
         notes += [*said, *words, *(f"{one.table.source}: {note}" for note in found.notes)]
         parts.append(pl.DataFrame({"time": found.seconds, "tag": name, "value": values[found.rows.tolist()]}))
+    notes += open_date(stamps)
     time = str(ones[0].time)
     frame = wide(pl.concat(parts, how="vertical_relaxed").filter(pl.col("time").is_not_nan()), time)
     frame = frame.with_columns(_clock(frame[time], stamps, dated=not set_back and stamps.certain).alias(time))

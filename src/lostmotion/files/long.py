@@ -49,7 +49,8 @@ def with_columns_of_tags(table: Table, trust: Trust = ALL) -> Table:
     long = pl.DataFrame({"time": when, "tag": text_cells(table.column(tag)), "value": cells})
     note = f"A row holds one value of one tag: the columns are those of {tag!r}."
     frame = nw.from_native(wide(long, time[0]), eager_only=True)
-    return replace(table, frame=frame, lines=None, notes=(*table.notes, note, *bad), own_times=True)
+    units = _units(table, long["tag"])
+    return replace(table, frame=frame, lines=None, notes=(*table.notes, note, *bad), own_times=True, units=units)
 
 
 def good_cells(
@@ -93,6 +94,15 @@ def wide(long: pl.DataFrame, time: str) -> pl.DataFrame:
             return parts[0].select(pl.col("time").alias(time)).with_columns(*columns)
     long = long.rename({"time": time, "tag": TAG, "value": VALUE})
     return long.pivot(on=TAG, index=time, values=VALUE, maintain_order=True)
+
+
+def _units(table: Table, tags: pl.Series) -> dict[str, str]:
+    """Unit of each tag, where a column states them."""
+    unit = called(table, "unit")
+    if not unit:
+        return {}
+    pairs = pl.DataFrame({"tag": tags, "unit": text_cells(table.column(unit))}).drop_nulls().unique("tag")
+    return dict(pairs.iter_rows())
 
 
 def _rising(long: pl.DataFrame) -> bool:

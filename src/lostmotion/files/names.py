@@ -87,6 +87,7 @@ LONG: dict[str, tuple[str, ...]] = {
             "messstelle", "messstellenname", "etiqueta", "nom", "nombre", "name"),
     "value": ("value", "val", "wert", "messwert", "valeur", "valor"),
     "quality": ("quality", "qual", "status", "opc quality", "qualitat", "qualite", "calidad", "qualidade"),
+    "unit": ("unit", "units", "eu", "einheit", "unite", "unidad", "unidade"),
 }  # fmt: skip
 BESIDE = (
     "id",

@@ -41,6 +41,8 @@ class FitFacts(RatedEstimate):
         Static gain that the identification was told.
     op_range : (float, float)
         Smallest and largest OP of the record.
+    op_span : (float, float) or None
+        Span of OP, where it was known.
     op_noise : float or None
         Standard deviation of the noise in OP, 0 where OP is held; None where a file of an older version does not say.
     dt : float
@@ -74,6 +76,7 @@ class FitFacts(RatedEstimate):
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
     kinds: KindChoice | None = None
     made_up: MadeUp | None = None
+    op_span: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         parameters = {name: float(value) if np.isfinite(value) else np.inf for name, value in self.parameters.items()}
@@ -125,6 +128,7 @@ class FitFacts(RatedEstimate):
                 "made_up": None if self.made_up is None else self.made_up.to_dict(),
                 "dt": self.dt,
                 "fingerprint": self.fingerprint,
+                **({} if self.op_span is None else {"op_span": list(self.op_span)}),
             },
         }
 

@@ -85,6 +85,7 @@ class HammersteinFit(RatedEstimate):
             chosen=self.chosen,
             known_gain=self.settings["gain"],
             op_range=(float(data.u.min()), float(data.u.max())),
+            op_span=data.op_span,
             op_noise=data.u_noise,
             dt=data.dt,
             samples=int(data.u.size),

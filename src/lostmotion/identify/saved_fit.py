@@ -31,7 +31,7 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of :class:`FitFacts`.
 
     Files of older versions have neither ``profiled`` (then the saved intervals stand for it) nor the noise of OP, nor
-    what a historian made up.
+    what a historian made up; where no span of OP was known, none is saved.
 
     Raises
     ------
@@ -58,6 +58,7 @@ def facts_from_dict(data: Mapping[str, Any]) -> dict[str, Any]:
         "chosen": _chosen(settings.part("chosen")),
         "known_gain": settings.number_or_none("gain"),
         "op_range": about.pair("op_range"),
+        "op_span": about.made("op_span", "a span (low, high)", _span) if "op_span" in about else None,
         "op_noise": about.number_or_none("op_noise"),
         "dt": _dt(about, model.linear),
         "samples": about.count("samples"),
@@ -226,6 +227,13 @@ def _made_up(data: Any) -> MadeUp | None:
     if not all(0.0 <= share <= 1.0 for one in (found.op, found.pv) for share in (one.straight, one.held)):
         raise ValueError
     return found
+
+
+def _span(pair: object) -> tuple[float, float]:
+    low, high = map(as_number, as_list(pair))
+    if not low < high:
+        raise ValueError
+    return low, high
 
 
 def _widest(saved: Fields, status: Status, kind: Kind) -> float | None:

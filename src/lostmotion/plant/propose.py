@@ -20,10 +20,9 @@ from lostmotion.plant.loop import PlantLoop
 from lostmotion.plant.loop_list import in_loop_list
 from lostmotion.plant.source import PlantSource
 from lostmotion.plant.survey import below
-from lostmotion.records.movement import PERCENT
 from lostmotion.records.record import LoopRecord
+from lostmotion.records.span import FRACTION, possible_spans
 
-FRACTION = (0.0, 1.0)
 NO_PV_SPAN = "PV limits are not in the data: fill in pv_low and pv_high, else a noisy measurement is not told."
 Begun = dict[bytes, list[tuple[str, FloatArray]]]
 BATCH = 64  # loops that are read together
@@ -122,7 +121,11 @@ def _same(tag: str, record: LoopRecord, begun: Begun) -> str:
 
 
 def _read_so(record: LoopRecord) -> list[str]:
-    return [in_loop_list(note) for note in record.notes if "left out" in note.lower() or "was read from column" in note]
+    return [
+        in_loop_list(note)
+        for note in record.notes
+        if note.startswith("OP is in") or "left out" in note.lower() or "was read from column" in note
+    ]
 
 
 def op_limits(record: LoopRecord) -> tuple[tuple[float, float] | None, list[str]]:
@@ -141,11 +144,13 @@ def op_limits(record: LoopRecord) -> tuple[tuple[float, float] | None, list[str]
     if not len(values):
         return None, ["OP has no values."]
     low, high = float(values.min()), float(values.max())
-    for ends in (FRACTION, PERCENT):
-        if ends[0] <= low and high <= ends[1]:
-            doubt = "; or 0 .. 100 and nearly closed: check" if ends == FRACTION else ""
-            return ends, [f"OP limits {ends[0]:g} .. {ends[1]:g} by the data, {low:.4g} .. {high:.4g}{doubt}."]
-    return None, [f"OP limits not known: the data go from {low:.4g} to {high:.4g}."]
+    possible = possible_spans(record.op_unit, values)
+    shown = [f"{ends[0]:g} .. {ends[1]:g}" for ends in possible]
+    if len(shown) == 1:
+        doubt = "; or 0 .. 100 and nearly closed: check" if possible[0] == FRACTION else ""
+        return possible[0], [f"OP limits {shown[0]} by the data, {low:.4g} .. {high:.4g}{doubt}."]
+    may = f"; they may be {' or '.join(shown)}: fill in the right ones" if shown else ""
+    return None, [f"OP limits not known: the data go from {low:.4g} to {high:.4g}{may}."]
 
 
 def type_of_unit(unit: str) -> str:

@@ -16,6 +16,7 @@ from lostmotion.files.tags import one_loop, tag_and_role
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.plant.parquet import Kind, schema_of
 from lostmotion.records.record import LoopRecord
+from lostmotion.records.span import about_unit
 
 OF_ALL = ("op", "pv", "sp", "position", "time", "dt", "missing", "mode", "op_span", "pv_span")
 OF_PLANT = ("uncertain", "quality", "automatic", "manual")
@@ -90,11 +91,17 @@ def told(record: LoopRecord, loop: PlantLoop) -> LoopRecord:
         "loop_type": loop.loop_type or record.loop_type,
         "op_unit": loop.op_unit or record.op_unit,
         "pv_unit": loop.pv_unit or record.pv_unit,
-        "op_span": loop.op_span or record.op_span,
+        "op_span": loop.op_span or _span_beside(loop.op_unit, record),
         "pv_span": loop.pv_span or record.pv_span,
     }
     same = all(getattr(record, name) == value for name, value in known.items())
     return record if same else replace(record, **known)
+
+
+def _span_beside(unit: str, record: LoopRecord) -> tuple[float, float] | None:
+    """Span of OP that a record has, unless it is that of a unit in which the loop list says that OP is not."""
+    other = unit not in ("", record.op_unit) and about_unit(record.op_unit, record.op)[0] == record.op_span
+    return None if other else record.op_span
 
 
 def between(record: LoopRecord, since: datetime | None, until: datetime | None) -> LoopRecord:

@@ -1,4 +1,4 @@
-"""Signals at the end of their range: PV that is cut off there, OP that ends there."""
+"""Signals at the end of their range: PV that is cut off there."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
 from lostmotion.records.sampling import Bools, runs
-
-Span = tuple[float, float]
+from lostmotion.records.span import Span
 
 
 def clipped(values: FloatArray, span: Span | None = None) -> Bools:
@@ -44,38 +43,6 @@ def clipped(values: FloatArray, span: Span | None = None) -> Bools:
         if count >= limits.PILE_UP * near.sum():
             rows |= _in_runs(values == level)
     return rows
-
-
-def beyond(values: FloatArray, span: Span | None) -> Bools:
-    """Rows in which OP is recorded outside its span, where the actuator cannot follow; shape (n,).
-
-    Examples
-    --------
-    >>> beyond(np.array([-4.0, 0.0, 101.0]), (0.0, 100.0))
-    array([ True, False,  True])
-    """
-    if span is None:
-        return np.zeros(len(values), dtype=np.bool_)
-    margin = limits.FINE_STEP * (span[1] - span[0])
-    outside: Bools = (values < span[0] - margin) | (values > span[1] + margin)
-    return outside
-
-
-def of_other_units(values: FloatArray, span: Span | None) -> bool:
-    """Whether values lie so that their span must be that of other units; not every such span shows.
-
-    Examples
-    --------
-    >>> wave = np.sin(np.arange(300) / 20.0)
-    >>> of_other_units(2.0 * wave, (0.0, 100.0)), of_other_units(52.0 + 60.0 * wave, (0.0, 100.0))
-    (True, False)
-    """
-    if span is None or not np.any(~np.isnan(values)) or np.mean(beyond(values, span)) <= limits.OUTSIDE_SHARE:
-        return False
-    low, high, width = float(np.nanmin(values)), float(np.nanmax(values)), span[1] - span[0]
-    far = max(span[0] - low, high - span[1]) > limits.FAR_OUTSIDE * width
-    about_zero = float(np.mean(values < span[0])) > limits.OUTSIDE_SHARE  # at the upper end it may be a limit
-    return far or (about_zero and high - low < limits.SMALL_RANGE * width)
 
 
 def _in_runs(flags: Bools) -> Bools:

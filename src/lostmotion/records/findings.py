@@ -9,11 +9,11 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.records import limits
 from lostmotion.records.averaged import steps_of
-from lostmotion.records.clipping import Span, beyond, of_other_units
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.report import Finding
 from lostmotion.records.sampling import Sampling
 from lostmotion.records.signal_facts import SignalFacts
+from lostmotion.records.span import Span, beyond, of_other_units
 
 
 def about_sampling(sampling: Sampling) -> Iterator[Finding]:

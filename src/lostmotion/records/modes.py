@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Collection, Mapping
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -14,14 +16,21 @@ from lostmotion.records.sampling import Bools
 Kind = Literal["automatic", "manual", "detached"]
 KINDS = ("automatic", "manual", "detached")
 # "detached": the valve need not follow OP (tracking, initialisation, local, out of service).
+# Lower case without accents, in the languages in which headers are known (lostmotion.files.names).
 WORDS: dict[str, Kind] = {
     **dict.fromkeys(("a", "aut", "auto", "automatic", "c", "cas", "casc", "cascade", "auto/cas"), "automatic"),
     **dict.fromkeys(("rcas", "rsp", "remote", "remote sp", "acas", "ccas", "bcas", "pri", "prd"), "automatic"),
-    **dict.fromkeys(("m", "man", "manual", "hand", "rout"), "manual"),
+    **dict.fromkeys(("automatik", "automatikbetrieb", "automatisch", "kaskade", "extern"), "automatic"),
+    **dict.fromkeys(("automatique", "automatico", "automatica", "cascada", "cascata"), "automatic"),
+    **dict.fromkeys(("m", "man", "manual", "rout", "h", "hand", "handbetrieb", "manuell", "manuel"), "manual"),
+    **dict.fromkeys(("manuelle", "mano"), "manual"),
     **dict.fromkeys(
         ("iman", "init", "initman", "track", "tracking", "trk", "lo", "local", "local override"), "detached"
     ),
     **dict.fromkeys(("o/s", "oos", "out of service", "off", "bypass", "shutdown", "halt"), "detached"),
+    **dict.fromkeys(("nachfuhren", "nachfuehren", "lokal", "vor ort", "ausser betrieb", "aus"), "detached"),
+    **dict.fromkeys(("poursuite", "hors service", "arret", "seguimiento", "fuera de servicio"), "detached"),
+    **dict.fromkeys(("rastreamento", "fora de servico", "desligado", "apagado"), "detached"),
 }
 
 
@@ -59,21 +68,23 @@ def words_of(kind: Kind) -> tuple[str, ...]:
     Examples
     --------
     >>> words_of("manual")
-    ('m', 'man', 'manual', 'hand', 'rout')
+    ('m', 'man', 'manual', 'rout', 'h', 'hand', 'handbetrieb', 'manuell', 'manuel', 'manuelle', 'mano')
     """
     return tuple(word for word, meaning in WORDS.items() if meaning == kind)
 
 
 def holds(cell: str, words: Collection[str]) -> bool:
-    """Whether a cell holds one of the words (in lower case); case and blanks do not matter, numbers are numbers.
+    """Whether a cell holds one of the words (in lower case).
+
+    Case, accents and blanks around it do not matter, and numbers are numbers.
 
     Examples
     --------
-    >>> holds(" Auto", ["auto"]), holds("1.0", ["1"]), holds("", ["auto"])
-    (True, True, False)
+    >>> holds(" Auto", ["auto"]), holds("1.0", ["1"]), holds("", ["auto"]), holds("AUTOMÁTICO", ["automatico"])
+    (True, True, False, True)
     """
-    word = cell.strip().lower()
-    if word in words:
+    word = _plain(cell)
+    if word in words or word in {_plain(one) for one in words}:
         return True
     number = _number(word)
     return number is not None and any(_number(other) == number for other in words)
@@ -91,6 +102,13 @@ def unknown_words(mode: StringArray | None, words: Mapping[str, str] | None = No
         return []
     known = WORDS | _checked(words)
     return [word for word in np.unique(mode).tolist() if word.strip() and not holds(word, known)]
+
+
+@lru_cache(maxsize=1 << 12)
+def _plain(word: str) -> str:
+    """Lower case, without accents and blanks around it."""
+    letters = unicodedata.normalize("NFKD", word.strip().lower().replace("ß", "ss"))
+    return "".join(letter for letter in letters if not unicodedata.combining(letter))
 
 
 def _number(word: str) -> float | None:

@@ -8,8 +8,8 @@ import numpy.typing as npt
 from lostmotion.arguments import finite, finite_signal, positive
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.records.span import PERCENT
 
-PERCENT = (0.0, 100.0)  # limits of OP in percent of its span
 TOLERANCE = 0.001  # of the span
 
 

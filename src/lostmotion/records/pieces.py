@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from lostmotion.records import limits
-from lostmotion.records.clipping import beyond, of_other_units
 from lostmotion.records.prepared import where
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, runs
+from lostmotion.records.span import beyond, of_other_units
 
 Rows = list[tuple[int, int]]
 

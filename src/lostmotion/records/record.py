@@ -17,6 +17,7 @@ from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.html_table import html_table
+from lostmotion.records.span import about_unit
 from lostmotion.records.when import as_moment, bound, later, nothing_there
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ class LoopRecord:
     mode : array_like of str, shape (n,), optional
         Mode of the controller in each row as the plant writes it ("AUTO", "MAN", "CAS" ..); "" where unknown.
     op_span, pv_span : (float, float), optional
-        Engineering limits (low, high), for results in % of span. None: unknown.
+        Engineering limits (low, high), for results in % of span. None: unknown; that of OP is then taken from
+        `op_unit` where it is the unit of a signal (4 .. 20 for "mA"), which a note reports.
     tag, source : str
         Name of the loop and where the record came from.
     gaps : tuple of int
@@ -112,7 +114,17 @@ class LoopRecord:
             span = getattr(self, name)
             if span is not None and not span[0] < span[1]:
                 raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+        self._set_span()
         self._set_clock()
+
+    def _set_span(self) -> None:
+        """Span of OP by its unit, where none was given."""
+        if self.op_span is not None or not self.op_unit:
+            return
+        span, note = about_unit(self.op_unit, self.op)
+        object.__setattr__(self, "op_span", span)
+        if note and note not in self.notes:
+            object.__setattr__(self, "notes", (*self.notes, note))
 
     def _set_clock(self) -> None:
         if self.start is not None:

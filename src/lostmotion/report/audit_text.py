@@ -7,6 +7,7 @@ from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.row_facts import in_span
 from lostmotion.audit.rules import FORCED
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
@@ -96,7 +97,7 @@ def _cells(view: PlantView, row: AssessmentRow, place: int) -> tuple[str, ...]:
         _cut(row.tag, WIDTHS[1]),
         _cut(view.by_tag[row.tag].area or "-", WIDTHS[2]),
         row.said,
-        size_words(row) or "-",
+        (size_words(row) if in_span(row) else "") or "-",  # else the reason has it, and says of what it is
         _interval(row),
         sure_words(row) or "-",
         f"{row.priority:.0f}",
@@ -105,7 +106,7 @@ def _cells(view: PlantView, row: AssessmentRow, place: int) -> tuple[str, ...]:
 
 
 def _interval(row: AssessmentRow) -> str:
-    between = interval_words(row)
+    between = interval_words(row) if in_span(row) else ""
     return "apparent" if between.startswith("apparent") else between or "-"
 
 

@@ -56,7 +56,14 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         if diagnosis.confidence >= SURE:
             return "CANNOT TELL: the record does not show how OP moves PV."
         return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
-    return f"{verdict.upper()}{_size(diagnosis)}, severity {diagnosis.severity}, confidence {sure}."
+    return f"{verdict.upper()}{_size(diagnosis)}, severity {_severity(diagnosis)}, confidence {sure}."
+
+
+def _severity(diagnosis: Diagnosis) -> str:
+    """The severity, and why it is not known where the span of OP decides it."""
+    missing = op_span(diagnosis.record).request(diagnosis.size)
+    asks = bool(missing) and diagnosis.severity == "unknown"
+    return f"{diagnosis.severity} (give op_span=(low, high))" if asks else diagnosis.severity
 
 
 def _open(diagnosis: Diagnosis) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from lostmotion.diagnose import Diagnosis
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.diagnose.evidence_words import probability
+from lostmotion.diagnose.op_span import op_span
 from lostmotion.report.diagnosis_text import size_text
 from lostmotion.text_table import text_table
 
@@ -60,7 +61,7 @@ def _cells(name: str, found: Diagnosis) -> tuple[str, ...]:
         found.verdict,
         found.severity,
         found.kind,
-        f"{found.size_percent:.2g}" if math.isfinite(found.size_percent) else "-",
+        f"{found.size_percent:.2g}" if math.isfinite(found.size_percent) and op_span(found.record).known else "-",
         probability(found.confidence) if found.verdict != "cannot tell" else "-",
         f"{period:.3g}" if math.isfinite(period) else "-",
         found.performance.audit_class,

@@ -17,8 +17,9 @@ def said(found: Diagnosis) -> dict[str, Any]:
     """Verdict with its size, sizes left open, confidence, reasons and numbers; what is not known is None.
 
     A size that is left open is inf where a valve that never moves would look the same. `indices` hold "op_span" (units
-    of OP), "op_span_known" (0: % are of the range seen), "tolerance" (units of OP), "integrating", "gate_open" (1: the
-    gate and the study let this fit pass), and every index by its name, as far as they are finite.
+    of OP), "op_span_known" (0: % are of the range seen, or of one of several spans that OP may have, which then is
+    "op_span_assumed"), "tolerance" (units of OP), "integrating", "gate_open" (1: the gate and the study let this fit
+    pass), and every index by its name, as far as they are finite.
     """
     low, high = found.interval
     return {
@@ -74,6 +75,8 @@ def _indices(found: Diagnosis) -> dict[str, float]:
     }
     if stability is not None:
         known |= {"damping": stability.damping, "closed_loop_period": stability.period * found.record.dt}
+    if span.others:
+        known["op_span_assumed"] = 100.0 * span.percent
     return {name: float(value) for name, value in known.items() if math.isfinite(value)}
 
 

@@ -40,4 +40,4 @@ def about_looks(seen: Sequence[Looked]) -> str:
 def _size(found: Diagnosis) -> str:
     if not math.isfinite(found.size_percent):
         return ""
-    return f" of {found.size_percent:.2g} % of {'span' if op_span(found.record).known else 'the OP range seen'}"
+    return f" of {found.size_percent:.2g} % {op_span(found.record).words}"

@@ -11,10 +11,10 @@ from lostmotion.arrays import FloatArray
 from lostmotion.audit.screen.rows import ScreenRows
 from lostmotion.audit.screen.scatter import MOST_DT
 from lostmotion.records import LoopRecord, limits
-from lostmotion.records.clipping import beyond
 from lostmotion.records.compression import compression
 from lostmotion.records.quantum import quantum
 from lostmotion.records.sampling import neighbours
+from lostmotion.records.span import beyond
 
 EXCERPT, EXCERPTS = 2048, 3  # rows from which archive and resolution are told, at places all over the window
 TOLD = 0.005  # share of time from which on a standstill is told
@@ -128,7 +128,10 @@ def _about_op(rows: ScreenRows) -> Iterator[tuple[str, bool]]:
         low, high = record.op_span
         yield f"OP is outside its span {low:g} .. {high:g} for {_percent(outside)} of the time", False
     if record.op_span is None and rows.span is not None and not rows.span.known:
-        yield f"span of OP unknown: % are of the range seen, {rows.span.low:.4g} .. {rows.span.high:.4g}", False
+        of_what = (
+            rows.span.words if rows.span.others else f"of the range seen, {rows.span.low:.4g} .. {rows.span.high:.4g}"
+        )
+        yield f"span of OP unknown: % are {of_what}", False
     if not rows.modes_known and rows.share(rows.manual) > TOLD:
         yield f"no mode recorded: OP held for {_percent(rows.share(rows.manual))} of the time counts as manual", False
 

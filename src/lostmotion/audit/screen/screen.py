@@ -134,6 +134,8 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "scatter_percent": _scatter(rows),
         "amplitude_spread": _amplitude_spread(rows, one.swing),
     }
+    if rows.span is not None and rows.span.others:
+        found["op_span_assumed"] = 100.0 * rows.span.percent
     return {name: float(value) for name, value in found.items() if np.isfinite(value)}
 
 

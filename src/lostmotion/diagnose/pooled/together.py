@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from lostmotion.diagnose.advice import advise, severity_of
+from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.objections import sticks
 from lostmotion.diagnose.one_record import diagnose
-from lostmotion.diagnose.op_span import OpSpan, op_span
+from lostmotion.diagnose.op_span import OpSpan, op_span, span_of_values
 from lostmotion.diagnose.pooled.common_place import at_common_places
 from lostmotion.diagnose.pooled.evidence import STEP, Evidence, evidence_of
 from lostmotion.diagnose.pooled.overlap import without_repeats
@@ -109,7 +109,7 @@ def diagnose_together(
     if starts is not None and len(starts) != len(records):
         raise ParameterError.expected(f"{len(records)} start times", len(starts), "give one for each record")
     asked, span = asked.of(records), _same_span(records)
-    limit = 100.0 * asked.tolerance * span.percent
+    limit = 100.0 * asked.tolerance * span.strictest_percent
     shares, heard, reach = _hear(records, asked, starts, say, singly)
     heard, evidence = _finer(heard, SMALLEST * reach, LARGEST * reach)
     verdict = weigh(evidence, limit, span, _swing(heard))
@@ -198,12 +198,16 @@ def _same_span(records: Sequence[LoopRecord]) -> OpSpan:
     if not records:
         raise ParameterError.expected("records", "none", "give at least one")
     spans = [op_span(record) for record in records]
+    if not any(span.known for span in spans):  # what one leaves open another may tell
+        low, high = (float(found([found(record.op) for record in records])) for found in (np.nanmin, np.nanmax))
+        return span_of_values(records[0].op_unit, low, high)
     known = {span.ends for span in spans if span.known}
     if len(known) > 1:
         told = " and ".join(f"{low:g} .. {high:g}" for low, high in sorted(known)[:2])
-        raise ParameterError.expected("records with OP in the same units", told, "give op_span, or convert them")
-    low, high = min(span.low for span in spans), max(span.high for span in spans)
-    return next((span for span in spans if span.known), OpSpan(low, high, False, spans[0].note))
+        raise ParameterError.expected(
+            "records with OP in the same units", told, "give op_span=(low, high), or convert them"
+        )
+    return next(span for span in spans if span.known)
 
 
 def _swing(heard: list[_Heard]) -> str:
@@ -260,7 +264,8 @@ def _packed(
     size = float("nan") if one is None else one.size()
     percent = size / span.percent
     actuator = verdict.kind == "actuator"
-    severity = severity_of(percent if span.known else float("nan")) if actuator else "none"
+    severity = span.severity(size) if actuator else "none"
+    request = span.request(size) if actuator else ""
     told = () if hidden else shares
     sized = [share for share in told if share.said == "for" and np.isfinite(share.size)]
     trend = size_trend(
@@ -277,11 +282,14 @@ def _packed(
         "confidence": verdict.confidence,
         "probabilities": verdict.probabilities,
         "evidence": _items(shares),
-        "advice": _advice(base, verdict, severity, limit),
+        "advice": (*([request] if request else ()), *_advice(base, verdict, severity, limit)),
         "notes": _notes(base, shares, hidden),
         "excluded": verdict.excluded,
         "tolerance": limit,
         "why": verdict.why,
+        "record": base.record
+        if op_span(base.record).known or not span.known
+        else replace(base.record, op_span=span.ends),
     }
     kept = {field.name: getattr(base, field.name) for field in fields(Diagnosis) if field.name not in mine}
     return PooledDiagnosis(

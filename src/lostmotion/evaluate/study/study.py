@@ -31,7 +31,7 @@ from lostmotion.identify import RatedEstimate, RecursiveEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
-from lostmotion.records.movement import PERCENT
+from lostmotion.records.span import PERCENT
 from lostmotion.records.white_noise import noise_of
 from lostmotion.simulate import PI
 
@@ -129,7 +129,7 @@ def compensation_study(
     found = known(model, noise, diagnosis, accept)
     if block is None and isinstance(model, RecursiveEstimate):
         raise ParameterError.expected("a block beside an estimate in service", "none", "give the block in the PLC")
-    span = _span(span, record)
+    span = _span(span, record, found)
     gains, source = _controller(controller, record)
     if op_now is not None:
         found = _resting_at(found, finite("op_now", op_now))
@@ -167,9 +167,10 @@ def compensation_study(
     )  # fmt: skip
 
 
-def _span(span: tuple[float, float] | None, record: LoopRecord | None) -> tuple[float, float]:
+def _span(span: tuple[float, float] | None, record: LoopRecord | None, found: Known) -> tuple[float, float]:
     if span is None:
-        span = record.op_span if record is not None and record.op_span is not None else PERCENT
+        of_record = None if record is None else record.op_span
+        span = of_record or (None if found.facts is None else found.facts.op_span) or PERCENT
     low, high = finite("span", span[0]), finite("span", span[1])
     if not low < high:
         raise ParameterError.expected("a span (low, high)", span, "turn it round")

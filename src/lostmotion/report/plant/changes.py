@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lostmotion.audit.plant_view import PlantView
-from lostmotion.report.plant.words import interval_words, of_what, size_words
+from lostmotion.audit.row_facts import of_what
+from lostmotion.report.plant.words import interval_words, size_words
 from lostmotion.store.changed import differences
 from lostmotion.store.rows import AssessmentRow
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import LoopView
+from lostmotion.audit.row_facts import of_what
 from lostmotion.audit.rules import advice_of
 from lostmotion.diagnose.evidence_words import LABEL
 from lostmotion.plant import PlantLoop
@@ -29,7 +30,6 @@ from lostmotion.report.plant.words import (
     headline,
     next_command,
     number_words,
-    of_what,
     second_opinion,
     seconds_words,
     share_words,

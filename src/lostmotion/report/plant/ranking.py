@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.row_facts import of_what
 from lostmotion.audit.rules import sure_of
 from lostmotion.report.plant.svg.bars import size_bar
 from lostmotion.report.plant.words import (
@@ -15,7 +16,6 @@ from lostmotion.report.plant.words import (
     excluded_words,
     interval_words,
     next_step,
-    of_what,
     other_reasons,
     second_opinion,
     size_words,

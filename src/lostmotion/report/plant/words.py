@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from lostmotion.audit.plant_view import FAULTS, RunFacts
-from lostmotion.audit.row_facts import ends_percent
+from lostmotion.audit.row_facts import ends_percent, of_what
 from lostmotion.audit.rules import advice_of, rule_of, sure_of
 from lostmotion.diagnose.evidence_words import KIND, probability
 from lostmotion.files.paths import is_pattern
@@ -32,11 +32,6 @@ HEADLINE = {
     "cannot tell": "Cannot tell",
 }
 UNITS = ((172_800.0, 86_400.0, "days"), (7200.0, 3600.0, "h"), (180.0, 60.0, "min"), (0.0, 1.0, "s"))  # from .. s on
-
-
-def of_what(row: AssessmentRow) -> str:
-    """What its percentages are of."""
-    return "of span" if row.indices.get("op_span_known", 1.0) else "of the OP range seen"
 
 
 def size_words(row: AssessmentRow) -> str:
