@@ -59,8 +59,8 @@ class Diagnosis:
     size : float
         Width or band of the lost motion in units of OP; NaN where there is none or it is not known.
     interval : (float, float)
-        95 % interval of it; of a valve that sticks with 5 % of the size to either side for what friction is and the
-        model is not.
+        95 % interval of it, ``fit.size_interval``: of a valve that sticks it counts what friction is and the model
+        is not.
     size_percent : float
         Of the OP span.
     confidence : float
@@ -104,6 +104,11 @@ class Diagnosis:
     why: str = ""
 
     @property
+    def fingerprint(self) -> str:
+        """Of the record as it was given, see ``LoopRecord.fingerprint``."""
+        return self.record.fingerprint
+
+    @property
     def cleared(self) -> bool:
         """Whether no lost motion that matters is left open: `excluded` is known and all of it within `tolerance`."""
         named = self.verdict in ("none", "other oscillation")
@@ -120,6 +125,7 @@ class Diagnosis:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: everything but the signals. Unknown numbers become None."""
         return {
+            "fingerprint": self.fingerprint,
             "verdict": self.verdict,
             "kind": self.kind,
             "severity": self.severity,

@@ -274,5 +274,5 @@ def _whose_limits(diagnosis: Diagnosis) -> str:
 def _last(diagnosis: Diagnosis) -> str:
     lines = ["", "What to do", *(fill(f"- {text}") for text in diagnosis.advice), ""]
     lines += [fill(f"Note: {note}") for note in diagnosis.notes]
-    lines.append(f"Data fingerprint {diagnosis.fit.data.fingerprint}.")
+    lines.append(f"Data fingerprint {diagnosis.fingerprint}.")
     return "\n".join(lines)

@@ -23,7 +23,7 @@ def row_of(loop: PlantLoop, window_start: datetime, window_end: datetime, diagno
         tag=loop.tag,
         window_start=window_start,
         window_end=window_end,
-        fingerprint=record.fingerprint,
+        fingerprint=diagnosis.fingerprint,
         stamp=loop.stamp,
         stage=Stage.ASSESSED,
         performance=performance.audit_class,

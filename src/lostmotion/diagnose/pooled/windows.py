@@ -57,7 +57,8 @@ def diagnose_long(record: LoopRecord, asked: Asked, say: Say | None = None) -> P
     if not windows:
         raise DataError.expected("a window in which OP and PV move", "none", "check the record")
     times = [float(start) * record.dt for start in starts[chosen]]
-    return diagnose_together(windows, asked, times, say, singly=False, of_windows=len(starts))
+    found = diagnose_together(windows, asked, times, say, singly=False, of_windows=len(starts))
+    return replace(found, origin=record.fingerprint)
 
 
 def _named(window: LoopRecord, start: float) -> LoopRecord:
