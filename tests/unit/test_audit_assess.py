@@ -13,9 +13,10 @@ from lostmotion.audit.assess.stretches import EACH, ROWS, looks, recording
 from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.audit.assess.words import about_looks
 from lostmotion.audit.rank import ranked
-from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.of_loop import of_loop
 from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.errors import DataError
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.identify.data import collect

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.performance import Performance
@@ -81,6 +82,10 @@ class Diagnosis:
         Lost motion that does not matter, in units of OP: "none" is said only where all of `excluded` is smaller.
     why : str
         Why it cannot be told, in words.
+    error_oscillation : ErrorOscillation or None
+        Of the error of control in all of the record; None where nothing oscillates.
+    source : str
+        Where the oscillation comes from, in words, where its amplitude tells; else "".
     """
 
     verdict: str
@@ -102,6 +107,8 @@ class Diagnosis:
     excluded: dict[str, float] = field(default_factory=dict)
     tolerance: float = float("nan")
     why: str = ""
+    error_oscillation: ErrorOscillation | None = None
+    source: str = ""
 
     @property
     def fingerprint(self) -> str:
@@ -140,6 +147,10 @@ class Diagnosis:
             "excluded": {kind: _finite(size) for kind, size in self.excluded.items()},
             "tolerance": _finite(self.tolerance),
             "why": self.why,
+            "source": self.source,
+            "error_oscillation": None
+            if self.error_oscillation is None
+            else {name: _finite(value) for name, value in vars(self.error_oscillation).items()},
             "oscillation": {
                 name: {key: _finite(value) for key, value in vars(one).items()}
                 for name, one in (("op", self.measured.op), ("pv", self.measured.pv))

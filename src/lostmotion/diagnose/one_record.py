@@ -18,6 +18,7 @@ from lostmotion.diagnose.features import Measured, measure
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
 from lostmotion.diagnose.performance import measure_performance
+from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
@@ -83,7 +84,8 @@ def diagnose(
     >>> found.verdict
     'stiction'
     """
-    return diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    found = diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    return judged_by_amplitude(found, record)
 
 
 @one_thread
@@ -95,7 +97,10 @@ def diagnose_part(
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> Diagnosis:
-    """The same of a part of a longer record, which tells how the loop was recorded; None: the part tells it."""
+    """The same of a part of a longer record, which tells how the loop was recorded; None: the part tells it.
+
+    By its likelihood and shape alone: what the amplitude of the oscillation says is said by the whole record.
+    """
     kinds = sorted(LEAST_INDEX)
     if loop_type is None and record.loop_type in kinds:
         loop_type = record.loop_type

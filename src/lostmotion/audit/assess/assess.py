@@ -12,10 +12,11 @@ from lostmotion.audit.assess.said import finite, said
 from lostmotion.audit.assess.stretches import Look, looks, recording
 from lostmotion.audit.assess.trace import trace_of
 from lostmotion.audit.assess.words import about_looks
-from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.of_loop import of_loop
 from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.advice import advise
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose_part
 from lostmotion.diagnose.op_span import op_span

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.audit.screen.rows import ScreenRows
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.diagnose.pooled.windows import MOVE
 from lostmotion.errors import DataError
 from lostmotion.identify.data import collect
