@@ -99,8 +99,7 @@ def rings(row: AssessmentRow) -> bool:
 def _oscillation(row: AssessmentRow) -> ErrorOscillation:
     """Of its error of control, as it was screened."""
     spread = row.indices.get("amplitude_spread", math.nan)
-    known = row.rows and row.dt and row.period
-    periods = row.rows * row.dt / row.period if known else math.inf
+    periods = row.rows * row.dt / row.period if row.rows and row.dt and row.period else math.inf
     return ErrorOscillation(row.period or math.nan, row.regularity or 0.0, row.power or 0.0, spread, periods)
 
 

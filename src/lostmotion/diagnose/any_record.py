@@ -104,7 +104,8 @@ def diagnose(
     if not isinstance(read, LoopRecord) and len(read) != 1:
         return diagnose_together(read, asked, starts, progress)
     if not isinstance(read, LoopRecord):
-        (read,), starts = read, _of_one(starts)
+        _check_single(starts)
+        (read,), starts = read, None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
     if len(read) > LONG:
@@ -112,7 +113,7 @@ def diagnose(
     return diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
 
 
-def _of_one(starts: Sequence[float] | None) -> None:
+def _check_single(starts: Sequence[float] | None) -> None:
     """Check the start times of a list of one record, whose size has no trend."""
     if starts is not None and len(starts) != 1:
         raise ParameterError.expected("1 start times", len(starts), "give one for each record")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from lostmotion.diagnose.control_error.amplitude import error_oscillation
 from lostmotion.records import LoopRecord
 
 if TYPE_CHECKING:
     from lostmotion.diagnose.diagnosis import Diagnosis
+
+Found = TypeVar("Found", bound="Diagnosis")
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ def rings_untold(verdict: str, kind: str) -> bool:
     return verdict in ("cannot tell", "none") or kind in ("disturbance", "unknown")
 
 
-def judged_by_amplitude(found: Diagnosis, record: LoopRecord) -> Diagnosis:
+def judged_by_amplitude(found: Found, record: LoopRecord) -> Found:
     """The diagnosis with what the amplitude of the oscillation says of where it comes from.
 
     The verdict is on the valve and stays; `kind`, and what to do first, are those of the oscillation. In a record
