@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lostmotion as lm
-from lostmotion.audit.rules import RINGING, advice_of
+from lostmotion.audit.rules import FROZEN, RINGING, advice_of
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.store.rows import Stage
 
@@ -85,6 +85,16 @@ def test_a_loop_that_rings_is_to_be_retuned_for_diagnose_as_for_audit(tmp_path):
     assert (row.rule, row.split) == (RINGING.name, "tuning")
     assert "Retune" in found.summary()
     assert "comes from the tuning: the loop rings" in " ".join(found.summary().split())
+
+
+@pytest.mark.statistics
+def test_a_measurement_that_stands_still_is_to_be_looked_at_for_both(tmp_path):
+    record = ringing(1)
+    pv = record.pv.copy()
+    pv[600:700] = pv[600]
+    found, row = assert_one_answer(lm.LoopRecord(record.op, pv, record.sp, dt=1.0), tmp_path / "loops")
+    assert (found.kind, row.rule, row.split) == ("sensor", FROZEN.name, "sensor")
+    assert "PV stood still while OP moved" in found.summary()
 
 
 @pytest.mark.statistics

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from lostmotion.diagnose import ringing
+from lostmotion.diagnose import frozen, ringing
 from lostmotion.errors import DataError
 from lostmotion.store.rows import FAULTS, AssessmentRow
 
@@ -45,12 +45,8 @@ class Rule:
 FROZEN = Rule(
     "PV stood still",
     "frozen measurement",
-    "It comes from the measurement: PV stood still while OP moved.",
-    (
-        "Look at the measurement and its recording: transmitter, impulse line, input card, historian. Compare it with "
-        "a local gauge.",
-        "Record the loop again when PV moves: what was told of the valve rests on a PV that stood still.",
-    ),
+    frozen.FROZEN.where,
+    frozen.FROZEN.advice,
     SENSOR,
 )
 NOISY = Rule(

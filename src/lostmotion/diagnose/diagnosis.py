@@ -85,7 +85,7 @@ class Diagnosis:
     error_oscillation : ErrorOscillation or None
         Of the error of control in all of the record; None where nothing oscillates.
     source : str
-        Where the oscillation comes from, in words, where its amplitude tells; else "".
+        Where it comes from, in words, where the amplitude of the oscillation or a PV that stood still tells; else "".
     """
 
     verdict: str

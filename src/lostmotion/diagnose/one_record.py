@@ -15,6 +15,7 @@ from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
 from lostmotion.diagnose.excitation import follows_sp, moved_freely, only_fed_back
 from lostmotion.diagnose.features import Measured, measure
+from lostmotion.diagnose.frozen import judged_by_measurement
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
 from lostmotion.diagnose.performance import measure_performance
@@ -85,7 +86,7 @@ def diagnose(
     'stiction'
     """
     found = diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
-    return judged_by_amplitude(found, record)
+    return judged_by_measurement(judged_by_amplitude(found, record), record)
 
 
 @one_thread

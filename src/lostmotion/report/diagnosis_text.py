@@ -103,8 +103,11 @@ def where_from(diagnosis: Diagnosis) -> str:
         said, aside = "OP stands at its limit, where the process does not answer.", " of anything else"
     elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit.data):
         said = "It looks like the actuator; the record does not say which fault of it."
-    if diagnosis.source and diagnosis.error_oscillation is not None:
-        said = f"The loop swings every {plain(diagnosis.error_oscillation.period)} s. {diagnosis.source}"
+    if diagnosis.source:
+        swing = None if diagnosis.kind == "sensor" else diagnosis.error_oscillation
+        said = (
+            diagnosis.source if swing is None else f"The loop swings every {plain(swing.period)} s. {diagnosis.source}"
+        )
     return f"{said}{_in_units(diagnosis)} Probabilities{aside}: {causes}.".strip()
 
 
