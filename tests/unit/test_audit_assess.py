@@ -8,14 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from lostmotion.audit.assess import stretches
 from lostmotion.audit.assess.assess import _another, _pooled, _shown_once, assess, told
 from lostmotion.audit.assess.stretches import EACH, ROWS, looks, recording
 from lostmotion.audit.assess.trace import MOST_POINTS
 from lostmotion.audit.assess.words import about_looks
 from lostmotion.audit.rank import ranked
-from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.of_loop import of_loop
 from lostmotion.audit.screen.screen import screen
 from lostmotion.audit.settings import AuditSettings
+from lostmotion.diagnose import diagnose
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.errors import DataError
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.identify.data import collect
@@ -24,6 +27,13 @@ from lostmotion.models.registry import actuator_from_dict
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord, prepare
 from lostmotion.store.rows import UNDATED, Stage
+
+
+@pytest.fixture
+def by_stretches(monkeypatch):
+    """Windows of any length are looked at by their stretches."""
+    monkeypatch.setattr(stretches, "WHOLE", 0)
+
 
 LOOP = PlantLoop("FIC-1", loop_type="flow", op_span=(0.0, 100.0), pv_span=(0.0, 100.0))
 SETTINGS = AuditSettings()
@@ -131,6 +141,16 @@ def test_op_at_its_limit_for_long_is_what_is_wrong():
     row, _ = screen(LOOP, full, UNDATED, UNDATED, SETTINGS)
     found, _ = assess(LOOP, full, row, SETTINGS)
     assert (found.verdict, found.kind, found.size) == ("saturation", "actuator", None)
+    assert diagnose(full).verdict == "saturation"
+
+
+@pytest.mark.statistics
+def test_op_at_its_limit_for_long_is_what_is_wrong_where_only_the_rest_is_looked_at(by_stretches):
+    record = sticking()[0]
+    full = replace(record, op=np.where(np.arange(2000) < 1400, 100.0, record.op))
+    row, _ = screen(LOOP, full, UNDATED, UNDATED, SETTINGS)
+    found, _ = assess(LOOP, full, row, SETTINGS)
+    assert (found.verdict, found.kind, found.size) == ("saturation", "actuator", None)
     assert found.evidence[0][1] == pytest.approx(0.7)
 
 
@@ -151,7 +171,7 @@ def rarely_moved(every=900, rows=8000, scans=5):
     return LoopRecord(50.0 + op[at], 50.0 + pv[at], 50.0 + sp[at], dt=float(scans))
 
 
-def test_how_a_loop_is_recorded_is_told_by_the_whole_window(monkeypatch):
+def test_how_a_loop_is_recorded_is_told_by_the_whole_window(by_stretches, monkeypatch):
     """Two moves of SP in a stretch leave open whether the loop settles between the rows; nine tell it."""
     record = rarely_moved()
     rows = ScreenRows(of_loop(LOOP, record))
@@ -179,7 +199,7 @@ def test_how_a_loop_is_recorded_is_told_by_the_whole_window(monkeypatch):
     assert all(np.array_equal(one.foretold.errors, again.foretold.errors) for one in given)
 
 
-def test_that_op_foretells_pv_is_told_by_the_whole_window():
+def test_that_op_foretells_pv_is_told_by_the_whole_window(by_stretches):
     """A controller that sees PV a row earlier than the historian: three thousand rows hardly show it, all do."""
     random = np.random.default_rng(1)
     n = 19_000
@@ -203,7 +223,7 @@ def long_rows(**more):
     return ScreenRows(of_loop(LOOP, record))
 
 
-def test_looks_are_apart_and_short():
+def test_looks_are_apart_and_short(by_stretches):
     found = list(looks(long_rows(), None))
     assert len(found) == 20_000 // ROWS // EACH
     places = np.sort(np.concatenate([look.places for look in found]))
@@ -211,7 +231,7 @@ def test_looks_are_apart_and_short():
     assert all(len(look.record) == EACH * ROWS and look.record.gaps == (ROWS,) for look in found)
 
 
-def test_looks_leave_manual_and_limits_alone():
+def test_looks_leave_manual_and_limits_alone(by_stretches):
     mode = np.where(np.arange(20_000) < 12_000, "MAN", "AUTO")
     places = [place for look in looks(long_rows(mode=mode), None) for place in look.places]
     assert places
@@ -219,7 +239,7 @@ def test_looks_leave_manual_and_limits_alone():
     assert not list(looks(long_rows(mode=np.full(20_000, "MAN")), None))
 
 
-def test_a_slow_swing_is_thinned():
+def test_a_slow_swing_is_thinned(by_stretches):
     look = next(looks(long_rows(), 1000.0))
     assert look.record.dt == 4.0
     assert look.rows == 4 * ROWS
@@ -294,7 +314,7 @@ def test_sizes_of_two_looks_are_weighed_and_no_narrower_than_they_differ():
 
 
 @pytest.mark.statistics
-def test_records_of_many_stretches_are_told_apart():
+def test_records_of_many_stretches_are_told_apart(by_stretches):
     found = {}
     for seed, cause in ((1002, "none"), (1005, "stiction"), (1008, "tuning")):
         loop = random_faulty_loop(seed, 7000, cause)

@@ -10,9 +10,9 @@ from scipy.signal import lfilter
 from lostmotion.audit.screen.harris import first_answer
 from lostmotion.audit.screen.scatter import scatter
 from lostmotion.audit.screen.screen import screen
-from lostmotion.audit.screen.spectrum import BINS, spectrum_of
-from lostmotion.audit.screen.swing import amplitude_spread, nonlinearity, phase_at, swing_of, thinned
 from lostmotion.audit.settings import AuditSettings
+from lostmotion.diagnose.control_error.spectrum import BINS, spectrum_of
+from lostmotion.diagnose.control_error.swing import amplitude_spread, nonlinearity, phase_at, swing_of, thinned
 from lostmotion.diagnose.oscillation import find_oscillation, oscillation_near
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.kernels.turns import turns

@@ -11,7 +11,7 @@ from lostmotion.audit.groups.groups import groups
 from lostmotion.audit.groups.shared import NOTHING, shared
 from lostmotion.audit.groups.swinging import POWER
 from lostmotion.audit.screen.lines import bands_in, lines_of
-from lostmotion.audit.screen.spectrum import spectrum_of
+from lostmotion.diagnose.control_error.spectrum import spectrum_of
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow, Stage
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.audit.screen.rows import ScreenRows
+from lostmotion.diagnose.control_error.rows import ScreenRows
 
 BEGIN, STOP = 1000, 1800
 

@@ -228,6 +228,13 @@ def test_loss_of_a_pattern_is_that_of_a_refinement(fitted):
 
 
 @pytest.mark.statistics
+def test_first_positions_of_segments_that_were_cut_off_do_not_count(fitted):
+    likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
+    band, jump = fitted.actuator.tolist()
+    assert likelihood.at(band, jump, (0.2, 0.5, -0.5)) == likelihood.at(band, jump, (0.2,))
+
+
+@pytest.mark.statistics
 def test_products_of_a_pattern_are_those_of_its_rows(fitted):
     likelihood = SlipLikelihood(fitted, HE, 100.0, 3.0)
     problem, s, parts = fitted.problem, fitted.problem.structure, fitted.parts

@@ -9,7 +9,6 @@ import pytest
 import lostmotion as lm
 from lostmotion.diagnose.features import COMMANDED, FOLLOWED, SILENT, Features, Measured, _command
 from lostmotion.diagnose.loop_stability import LoopStability
-from lostmotion.diagnose.one_record import _with_model_error
 from lostmotion.diagnose.shown import NOT_SHOWN, SEEN_TO_MISLEAD, not_shown
 from lostmotion.diagnose.verdict import CLEARED, LIMITED, MOSTLY, SURE, decide, fault_probability, log_odds
 from lostmotion.diagnose.weights import NAMES, OF_STICKING, WEIGHTS
@@ -17,6 +16,7 @@ from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.evidence import FEWEST_CROSSINGS, crossings
 from lostmotion.identify.recording import Recording
+from lostmotion.identify.size_interval import slips_at_rest, with_model_error
 from lostmotion.identify.unseen_moves import Unseen
 from tests.diagnoses import example
 from tests.fits import made_fit
@@ -374,11 +374,5 @@ def test_slips_between_the_rows_that_leave_a_structure_over_name_no_valve_where_
     [("he ramp", True, (2.24, 3.34)), ("he ramp", False, (2.75, 3.25)), ("he", True, (2.75, 3.25))],
 )
 def test_the_size_of_a_valve_that_slips_between_the_rows_is_as_vague_as_the_delay(model, fed_back, expected):
-    fit = SimpleNamespace(
-        interval=lambda name: {"band": (2.9, 3.1)}[name],
-        parameters={"band": 3.0},
-        kind=kind_of("stiction"),
-        model=SimpleNamespace(nonlinearity=lm.Stiction(3.0, 1.0, model=model)),
-        evidence=SimpleNamespace(only_fed_back=fed_back),
-    )
-    assert _with_model_error(fit, "band") == pytest.approx(expected)
+    slips = slips_at_rest(lm.Stiction(3.0, 1.0, model=model), SimpleNamespace(only_fed_back=fed_back))
+    assert with_model_error((2.9, 3.1), 3.0, kind_of("stiction"), slips) == pytest.approx(expected)

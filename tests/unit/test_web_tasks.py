@@ -10,6 +10,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError
+from lostmotion.evaluate import random_faulty_loop
 from lostmotion.web.desk.desk import Desk
 from lostmotion.web.desk.view_json import view_of_json
 from lostmotion.web.kept_record import keep_record, kept_record
@@ -166,3 +167,20 @@ def test_from_a_record_to_the_code_of_its_block(tmp_path):
     with zipfile.ZipFile(tmp_path / ZIP) as archive:
         assert len(archive.namelist()) == 3
         assert b"changed in May" in archive.read("FY_1/FY_1.st")
+
+
+@pytest.mark.statistics
+def test_the_page_has_the_fingerprint_and_the_numbers_of_the_record(tmp_path):
+    made = random_faulty_loop(4, samples=1200, cause="stiction", process="flow")
+    signals = zip(made.sp.tolist(), made.pv.tolist(), made.op.tolist(), strict=True)
+    text = "\n".join(["t_s,SP,PV,OP", *(f"{k},{sp!r},{pv!r},{op!r}" for k, (sp, pv, op) in enumerate(signals)), ""])
+    _, _, result = read(tmp_path, text)
+    file = tmp_path / "FIC-1.csv"
+    file.write_text(text)
+    record = lm.read_loop(file)
+    found, view = lm.diagnose(record), view_of_json(result["view"])
+    page = result["diagnosis"]
+    assert page["fingerprint"] == page["fit"]["data"]["fingerprint"] == view.row.fingerprint == record.fingerprint
+    assert page["interval_95"] == page["fit"]["size_interval_95"] == list(found.interval)
+    row = view.row
+    assert (row.verdict, row.size, row.low, row.high) == (found.verdict, found.size, *found.interval)

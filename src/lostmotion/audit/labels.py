@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.measurement import loud, stuck
 from lostmotion.audit.row_facts import in_span
+from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
+from lostmotion.diagnose.ringing import rings_untold
 from lostmotion.diagnose.verdict import limits_decide
 from lostmotion.store.rows import AssessmentRow, Stage
 
-RINGS = 5.0  # regularity from which on a swing that comes and goes is the loop's own
-LEAST_POWER = 0.15  # share of the variance: less is no swing that anybody sees
 HAND = 0.9  # share of time in manual from which the loop counts as being worked on
 BAD = 4.0  # % of span, as severity_of has it
 STUCK = 50.0  # % of span: a valve that hardly answers at all
@@ -89,20 +89,26 @@ def label_of(row: AssessmentRow, around: Around = ALONE) -> str:
 
 def swings(row: AssessmentRow) -> bool:
     """Whether the loop swings regularly, as published: regularity above 1."""
-    return row.regularity is not None and row.regularity > 1.0 and (row.power or 0.0) > LEAST_POWER
+    return _oscillation(row).regular
 
 
 def rings(row: AssessmentRow) -> bool:
     """Whether it swings as a loop that hardly settles: very regularly, with an amplitude that comes and goes."""
-    wanders = row.indices.get("amplitude_spread", 0.0) >= WANDERS
-    return swings(row) and wanders and (row.regularity or 0.0) >= RINGS
+    return _oscillation(row).rings
+
+
+def _oscillation(row: AssessmentRow) -> ErrorOscillation:
+    """Of its error of control, as it was screened."""
+    spread = row.indices.get("amplitude_spread", math.nan)
+    periods = row.rows * row.dt / row.period if row.rows and row.dt and row.period else math.inf
+    return ErrorOscillation(row.period or math.nan, row.regularity or 0.0, row.power or 0.0, spread, periods)
 
 
 def makes_it_swing(row: AssessmentRow, around: Around) -> bool:
     """Whether a loop without a fault of its valve that is known swings by itself."""
     if row.stage is not Stage.ASSESSED and not _controls(row):
         return False
-    untold = row.verdict in ("cannot tell", "none") or row.kind in ("disturbance", "unknown")
+    untold = rings_untold(row.verdict, row.kind) and row.indices.get("closed_loop", 1.0) > 0.0
     return untold and around.source in ("", row.tag) and not around.steady and rings(row)
 
 
@@ -114,6 +120,6 @@ def _controls(row: AssessmentRow) -> bool:
 
 def disturbed(row: AssessmentRow, around: Around) -> bool:
     """Whether its swing comes from elsewhere: noise lets no linear loop keep its amplitude, whatever its tuning."""
-    steady = around.steady or row.indices.get("amplitude_spread", WANDERS) < STEADY
+    steady = (around.steady and swings(row)) or _oscillation(row).steady
     blamed = row.kind == "tuning" and row.tag != around.source
-    return row.kind in ("disturbance", "set point") or (blamed and swings(row) and steady)
+    return row.kind in ("disturbance", "set point") or (blamed and steady)

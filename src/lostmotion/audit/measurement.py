@@ -7,12 +7,11 @@ from statistics import median
 
 from lostmotion.audit import rules
 from lostmotion.diagnose.evidence_words import probability
+from lostmotion.diagnose.frozen import stood_still
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow
 
 FROZEN = 0.35  # severity of a measurement that stood still
-STUCK_LEAST = 0.02  # share of the time
-STUCK_ALONE = 0.5  # of the time without live data: else the recording stands still, whatever OP does
 LOUD = 5.0  # % of span over which a measurement scatters from row to row (six deviations): less is usual
 LOUDER, LEAST_LOUD = 8.0, 2.0  # times what is usual in loops of its type, from which on it counts too; % of span
 RESTS = 0.5  # share of time without live data, from which on what moves from row to row is a step of the resolution
@@ -34,8 +33,7 @@ def usual_scatter(rows: Sequence[AssessmentRow], loops: Mapping[str, PlantLoop])
 def stuck(row: AssessmentRow) -> str:
     """What is said of a measurement that stood still while OP moved; empty: it did not, or the valve is the finding."""
     share = row.indices.get("stuck", 0.0)
-    ended = share + (row.limited or 0.0)  # at a limit OP ends whose PV stands still
-    if share < STUCK_LEAST or ended < STUCK_ALONE * row.indices.get("stale", 0.0) or _valve_is_known(row):
+    if not stood_still(share, row.limited or 0.0, row.indices.get("stale", 0.0)) or _valve_is_known(row):
         return ""
     standing = f"{rules.FROZEN.opening} for {probability(share)} of the time while OP moved"
     return f"{standing}: look at the measurement and its recording"

@@ -18,11 +18,11 @@ from dataclasses import replace
 from datetime import datetime
 from typing import NamedTuple
 
-from lostmotion.audit.groups.likely_source import STEADY, WANDERS
 from lostmotion.audit.labels import Around, disturbed, label_of, makes_it_swing, split_of, swings
 from lostmotion.audit.measurement import of_measurement, stuck, usual_scatter
 from lostmotion.audit.row_facts import ends_percent, in_span, of_what, order
 from lostmotion.audit.rules import FORCED, RINGING, RINGS_SURE, WEARING, Rule
+from lostmotion.diagnose.control_error.amplitude import STEADY, WANDERS
 from lostmotion.diagnose.evidence_words import probability
 from lostmotion.plant import PlantLoop
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from lostmotion.diagnose import frozen, ringing
 from lostmotion.errors import DataError
 from lostmotion.store.rows import FAULTS, AssessmentRow
 
@@ -44,12 +45,8 @@ class Rule:
 FROZEN = Rule(
     "PV stood still",
     "frozen measurement",
-    "It comes from the measurement: PV stood still while OP moved.",
-    (
-        "Look at the measurement and its recording: transmitter, impulse line, input card, historian. Compare it with "
-        "a local gauge.",
-        "Record the loop again when PV moves: what was told of the valve rests on a PV that stood still.",
-    ),
+    frozen.FROZEN.where,
+    frozen.FROZEN.advice,
     SENSOR,
 )
 NOISY = Rule(
@@ -65,16 +62,16 @@ NOISY = Rule(
 RINGING = Rule(
     "hardly settles: retune",
     "ringing",
-    "It comes from the tuning: the loop rings, and noise builds the swing up and takes it away.",
-    ("Retune: the loop hardly settles at this period. Lower the gain, or the integral action.",),
+    ringing.RINGING.where,
+    ringing.RINGING.advice,
     "loop to retune",
     RINGS_SURE,
 )
 FORCED = Rule(
     "its amplitude stays: not its tuning",
     "forced swing",
-    "It comes from outside: the swing keeps its amplitude, which that of a badly tuned loop does not.",
-    ("Look upstream: the loop follows a swing that comes from elsewhere. Compare the periods of its neighbours.",),
+    ringing.DRIVEN.where,
+    ringing.DRIVEN.advice,
     sure=None,
 )
 WEARING = Rule(

@@ -111,7 +111,9 @@ def _together(
 ) -> typer.Exit:
     """One verdict from the files of one loop, and the exit code that it has."""
     output.refuse(out, report, figures=(figure,))
-    records = [replace(columns.read(file), tag=file.stem) for file in files]
+    records = [columns.read(file) for file in files]
+    if len(files) > 1:  # each by its name
+        records = [replace(record, tag=file.stem) for record, file in zip(records, files, strict=True)]
     kind = None if loop_type is None else loop_type.value
     found = lm.diagnose(records, integrating=integrating, loop_type=kind, tolerance=tolerance, progress=progress)
     data = {"files": [str(file) for file in files], **found.to_dict()}

@@ -9,7 +9,6 @@ from typing import overload
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose as diagnose_one
 from lostmotion.diagnose.op_span import TOLERANCE
-from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
 from lostmotion.diagnose.pooled.together import Asked, diagnose_together
 from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
 from lostmotion.errors import ParameterError
@@ -36,7 +35,7 @@ def diagnose(
     tolerance: float = TOLERANCE,
     starts: Sequence[float] | None = None,
     progress: Callable[[str], None] | None = None,
-) -> PooledDiagnosis: ...
+) -> Diagnosis: ...
 
 
 def diagnose(
@@ -76,7 +75,7 @@ def diagnose(
     Returns
     -------
     Diagnosis
-        A PooledDiagnosis where there were many records or a long one.
+        A PooledDiagnosis where there were many records or a long one; a list of one record is that record.
 
     Raises
     ------
@@ -102,10 +101,19 @@ def diagnose(
     else:
         read = record
     asked = Asked(integrating, loop_type, tolerance)
-    if not isinstance(read, LoopRecord):
+    if not isinstance(read, LoopRecord) and len(read) != 1:
         return diagnose_together(read, asked, starts, progress)
+    if not isinstance(read, LoopRecord):
+        _check_single(starts)
+        (read,), starts = read, None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
     if len(read) > LONG:
         return diagnose_long(read, asked, progress)
     return diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+
+
+def _check_single(starts: Sequence[float] | None) -> None:
+    """Check the start times of a list of one record, whose size has no trend."""
+    if starts is not None and len(starts) != 1:
+        raise ParameterError.expected("1 start times", len(starts), "give one for each record")

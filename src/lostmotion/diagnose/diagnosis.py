@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.loop_stability import LoopStability
 from lostmotion.diagnose.performance import Performance
@@ -59,8 +60,8 @@ class Diagnosis:
     size : float
         Width or band of the lost motion in units of OP; NaN where there is none or it is not known.
     interval : (float, float)
-        95 % interval of it; of a valve that sticks with 5 % of the size to either side for what friction is and the
-        model is not.
+        95 % interval of it, ``fit.size_interval``: of a valve that sticks it counts what friction is and the model
+        is not.
     size_percent : float
         Of the OP span.
     confidence : float
@@ -81,6 +82,10 @@ class Diagnosis:
         Lost motion that does not matter, in units of OP: "none" is said only where all of `excluded` is smaller.
     why : str
         Why it cannot be told, in words.
+    error_oscillation : ErrorOscillation or None
+        Of the error of control in all of the record; None where nothing oscillates.
+    source : str
+        Where it comes from, in words, where the amplitude of the oscillation or a PV that stood still tells; else "".
     """
 
     verdict: str
@@ -102,6 +107,13 @@ class Diagnosis:
     excluded: dict[str, float] = field(default_factory=dict)
     tolerance: float = float("nan")
     why: str = ""
+    error_oscillation: ErrorOscillation | None = None
+    source: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the record as it was given, see ``LoopRecord.fingerprint``."""
+        return self.record.fingerprint
 
     @property
     def cleared(self) -> bool:
@@ -130,6 +142,7 @@ class Diagnosis:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: everything but the signals. Unknown numbers become None."""
         return {
+            "fingerprint": self.fingerprint,
             "verdict": self.verdict,
             "kind": self.kind,
             "severity": self.severity,
@@ -144,6 +157,10 @@ class Diagnosis:
             "excluded": {kind: _finite(size) for kind, size in self.excluded.items()},
             "tolerance": _finite(self.tolerance),
             "why": self.why,
+            "source": self.source,
+            "error_oscillation": None
+            if self.error_oscillation is None
+            else {name: _finite(value) for name, value in vars(self.error_oscillation).items()},
             "oscillation": {
                 name: {key: _finite(value) for key, value in vars(one).items()}
                 for name, one in (("op", self.measured.op), ("pv", self.measured.pv))

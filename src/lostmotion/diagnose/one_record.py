@@ -15,9 +15,11 @@ from lostmotion.diagnose.drawn_rows import hidden_size, unless_drawn
 from lostmotion.diagnose.evidence_words import LABEL, NOT_COUNTED, OF_THE_WAVE
 from lostmotion.diagnose.excitation import follows_sp, moved_freely, only_fed_back
 from lostmotion.diagnose.features import Measured, measure
+from lostmotion.diagnose.frozen import judged_by_measurement
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
 from lostmotion.diagnose.performance import measure_performance
+from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
 from lostmotion.identify import HammersteinFit
@@ -25,20 +27,13 @@ from lostmotion.identify.actuators.kind import faults
 from lostmotion.identify.estimate import identify_for_verdict
 from lostmotion.identify.left_open import largest_known
 from lostmotion.identify.recording import Recording
+from lostmotion.identify.size_interval import slips_at_rest
 from lostmotion.identify.unseen_moves import FILLED
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import Stiction
 from lostmotion.records import LoopRecord, RecordReport, check, prepare
 from lostmotion.records.loop_type import usually_integrates
 from lostmotion.records.modes import rows_of
 
-# of the size of a valve that sticks: bodies with friction, lags and limited rates are fitted as a play with a jump. Of
-# 68 such valves in an independent simulation, half by physical friction, 25 lay in the interval of the likelihood alone
-MODEL_ERROR = 0.05
-# of one that slips between the rows in a loop at rest, down and up: where OP goes up and down at one rate, a delay some
-# rows too short is as good as a band wider by what OP moves in them. Of 44 such sizes of loops of published papers
-# (benchmarks/published.py) 14 lay in the interval before; the true ones are 0.74 to 1.05 of those found (5 to 95 %)
-BETWEEN_ROWS = 0.22, 0.08
 COARSE = 0.35  # step of PV over its deviation, from which on the record is mostly rounding
 BETWEEN = "{}, which makes the interval of the size so wide. Record every scan of the controller."
 AT_REST = "It slips between the rows of a loop at rest: with more delay it would be smaller, which the interval counts."
@@ -90,7 +85,8 @@ def diagnose(
     >>> found.verdict
     'stiction'
     """
-    return diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    found = diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    return judged_by_measurement(judged_by_amplitude(found, record), record)
 
 
 @one_thread
@@ -102,7 +98,10 @@ def diagnose_part(
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> Diagnosis:
-    """The same of a part of a longer record, which tells how the loop was recorded; None: the part tells it."""
+    """The same of a part of a longer record, which tells how the loop was recorded; None: the part tells it.
+
+    By its likelihood and shape alone: what the amplitude of the oscillation says is said by the whole record.
+    """
     kinds = sorted(LEAST_INDEX)
     if loop_type is None and record.loop_type in kinds:
         loop_type = record.loop_type
@@ -212,27 +211,12 @@ def _size(verdict: str, fit: HammersteinFit, measured: Measured) -> tuple[float,
         moves = fit.evidence.unseen_moves
         wide = moves > (0.0 if fit.kind.sticks else FILLED * fit.parameters[name])
         about = [BETWEEN.format(fit.data.unseen.words(moves))] if wide else []
-        about += [AT_REST] if _slips_at_rest(fit) else []
+        about += [AT_REST] if slips_at_rest(fit.nonlinearity, fit.evidence) else []
         about += [LAGS.format(fit.evidence.actuator_lag)] if fit.evidence.actuator_lag > 0.0 else []
-        return fit.parameters[name], _with_model_error(fit, name), tuple(about)
+        return fit.parameters[name], fit.size_interval, tuple(about)
     width = measured.indices.get("ellipse_width", np.nan)
     note = f"How large it is the likelihood does not tell; the ellipse of PV over OP is {width:.2g} of OP wide, a hint."
     return *unknown[:2], (note,) if np.isfinite(width) else ()
-
-
-def _with_model_error(fit: HammersteinFit, name: str) -> tuple[float, float]:
-    """Interval of the size; of a valve that sticks it counts that friction is no play with a jump."""
-    (low, high), size = fit.interval(name), fit.parameters[name]
-    if not fit.kind.sticks:
-        return max(low, 0.0), high
-    less, more = BETWEEN_ROWS if _slips_at_rest(fit) else (MODEL_ERROR, MODEL_ERROR)
-    return max(low - less * size, 0.0), high + more * size
-
-
-def _slips_at_rest(fit: HammersteinFit) -> bool:
-    """Whether a valve was found that slips between the rows, in a loop in which PV foretells all that moves OP."""
-    actuator = fit.model.nonlinearity
-    return isinstance(actuator, Stiction) and actuator.model == "he ramp" and fit.evidence.only_fed_back
 
 
 def _negligible(fit: HammersteinFit, measured: Measured, span: OpSpan) -> tuple[str, ...]:

@@ -203,7 +203,7 @@ class _Way:
             self._gate("identify", gate)
             return
         size = facts.kind.size
-        low, high = facts.interval(size) if size else (np.nan, np.nan)
+        low, high = facts.size_interval
         numbers = f"{size} {facts.parameters[size]:.4g}, 95 % {low:.4g} .. {high:.4g}" if size else ""
         self._pass("identify", f"{facts.preferred.capitalize()}: {numbers} (status {facts.status.name}).")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -24,7 +23,7 @@ from lostmotion.identify.unseen_moves import Unseen, unseen_moves
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.compression import MadeUp, made_up, made_up_of
 from lostmotion.records.quantum import quantum
-from lostmotion.records.record import LARGEST
+from lostmotion.records.record import LARGEST, fingerprint_of
 from lostmotion.records.white_noise import noise_of
 
 SMALLEST = 1e-100  # a range, whatever its unit: squares of smaller ones are 0
@@ -55,6 +54,8 @@ class IdentificationData:
         What more rows than these have told of how the loop was recorded.
     starts : tuple of datetime or None
         When the first row of each segment was recorded; None where it is not known, empty for arrays.
+    origin : str
+        Fingerprint of the records as they were given, before rows were left out; "" where arrays were given.
     """
 
     u: FloatArray
@@ -73,6 +74,7 @@ class IdentificationData:
     sp: FloatArray | None = None
     recording: Recording | None = None
     starts: tuple[datetime | None, ...] = ()
+    origin: str = ""
 
     @property
     def drawn(self) -> MadeUp | None:
@@ -146,11 +148,8 @@ class IdentificationData:
 
     @property
     def fingerprint(self) -> str:
-        """First 16 hex digits of the SHA-256 of u, y, segments and dt."""
-        digest = hashlib.sha256()
-        for part in (self.u, self.y, self.segments, np.array([self.dt])):
-            digest.update(np.ascontiguousarray(part).tobytes())
-        return digest.hexdigest()[:16]
+        """That of the record as it was given, see ``LoopRecord.fingerprint``: one record has one in every report."""
+        return self.origin or LoopRecord(self.u, self.y, dt=self.dt).fingerprint
 
 
 def collect(
@@ -178,11 +177,16 @@ def collect(
         if y is not None:
             raise ParameterError.expected("records alone", "records and y", "pass identify(record)")
         pieces, notes, seen = _stretches(records, raw, shortest)
-        data = replace(_from_records(pieces, notes, dt), made_up=seen)
+        data = replace(_from_records(pieces, notes, dt), made_up=seen, origin=_origin(records))
     else:
         data = replace(_from_arrays(first, y, dt), plain=True)
     _check_moves(data)
     return data
+
+
+def _origin(records: Sequence[LoopRecord | Prepared]) -> str:
+    """Fingerprint of one record, or of several together."""
+    return fingerprint_of([item.fingerprint for item in records])
 
 
 def _stretches(

@@ -113,6 +113,7 @@ class FitFacts(RatedEstimate):
             "standard_errors": {name: finite(value) for name, value in self.standard_errors.items()},
             "covariance": [[finite(value) for value in row] for row in self.covariance],
             "intervals_95": {name: [finite(end) for end in ends] for name, ends in self.intervals.items()},
+            "size_interval_95": [finite(end) for end in self.size_interval],
             "profiled": {name: [finite(end) for end in ends] for name, ends in self.profiled.items()},
             "fit_percent": self.fit_percent,
             "widest": None if self.widest is None else finite(self.widest),

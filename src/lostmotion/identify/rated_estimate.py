@@ -16,6 +16,7 @@ from lostmotion.files.results import write_json
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.size_interval import slips_at_rest, with_model_error
 from lostmotion.identify.unseen_moves import beyond_unseen, within_unseen
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
@@ -95,6 +96,20 @@ class RatedEstimate(NamedEstimate, ABC):
             Unknown name or a level outside (0, 1).
         """
         return self._interval(name, level, self.evidence.unseen_moves)
+
+    @property
+    def size_interval(self) -> tuple[float, float]:
+        """95 % interval of the size of the lost motion, in units of OP: the one that every report shows.
+
+        :meth:`interval` is statistical: it holds if the valve is what the model is. Of a valve that sticks this one
+        counts as well what friction is and a play with a jump is not: 5 % of the size to either side, and more where
+        the valve slips between the rows of a loop at rest. (nan, nan) of a kind without a size.
+        """
+        name = self.kind.size
+        if name is None:
+            return np.nan, np.nan
+        slips = slips_at_rest(self.nonlinearity, self.evidence)
+        return with_model_error(self.interval(name), self.parameters[name], self.kind, slips)
 
     def _interval(self, name: str, level: float, moves: float) -> tuple[float, float]:
         """Interval of a parameter, where OP moves so between the rows."""

@@ -181,4 +181,4 @@ def _of_slower_scan(
         f"The record repeats or interpolates a slower scan: only every {factor}th row, from row {phase + 1} on, is a "
         f"measurement. These {len(slower)} rows, {slower.dt:g} s apart, were taken; row numbers count them."
     )
-    return replace(prepared, notes=(said, *prepared.notes))
+    return replace(prepared, notes=(said, *prepared.notes), origin=record.fingerprint)

@@ -67,6 +67,8 @@ class Prepared:
         Step in which the signal was stored; 0: none is visible.
     made_up : MadeUp or None
         Shares of the rows that a historian made up, see `lostmotion.records.compression`.
+    origin : str
+        Fingerprint of what was handed in, where `record` is the slower scan that it repeats; else "".
     """
 
     record: LoopRecord
@@ -78,6 +80,12 @@ class Prepared:
     op_step: float = 0.0
     pv_step: float = 0.0
     made_up: MadeUp | None = None
+    origin: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """That of the record as it was handed in."""
+        return self.origin or self.record.fingerprint
 
     @property
     def usable(self) -> bool:

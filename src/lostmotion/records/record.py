@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
@@ -263,6 +264,11 @@ class LoopRecord:
             for start, stop in pairwise(ordered)
             if not self.missing[start] and stop - start >= max(shortest, 2)
         ]
+
+
+def fingerprint_of(records: Sequence[str]) -> str:
+    """Fingerprint of several records from theirs, in this order; of a single one its own."""
+    return records[0] if len(records) == 1 else hashlib.sha256("".join(records).encode()).hexdigest()[:16]
 
 
 def _as_signal(value: npt.ArrayLike, name: str) -> FloatArray:

@@ -52,7 +52,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         return said + _open(diagnosis)
     if verdict == "cannot tell":
         if diagnosis.why:
-            return f"CANNOT TELL: {diagnosis.why}."
+            whom = " of the valve" if diagnosis.source else ""
+            return f"CANNOT TELL{whom}: {diagnosis.why}."
         if diagnosis.confidence >= SURE:
             return "CANNOT TELL: the record does not show how OP moves PV."
         return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
@@ -109,6 +110,11 @@ def where_from(diagnosis: Diagnosis) -> str:
         said, aside = "OP stands at its limit, where the process does not answer.", " of anything else"
     elif diagnosis.kind == "unknown" and fault > LIKELY and not drawn_share(diagnosis.fit.data):
         said = "It looks like the actuator; the record does not say which fault of it."
+    if diagnosis.source:
+        swing = None if diagnosis.kind == "sensor" else diagnosis.error_oscillation
+        said = (
+            diagnosis.source if swing is None else f"The loop swings every {plain(swing.period)} s. {diagnosis.source}"
+        )
     return f"{said}{_in_units(diagnosis)} Probabilities{aside}: {causes}.".strip()
 
 
@@ -281,5 +287,5 @@ def _whose_limits(diagnosis: Diagnosis) -> str:
 def _last(diagnosis: Diagnosis) -> str:
     lines = ["", "What to do", *(fill(f"- {text}") for text in diagnosis.advice), ""]
     lines += [fill(f"Note: {note}") for note in diagnosis.notes]
-    lines.append(f"Data fingerprint {diagnosis.fit.data.fingerprint}.")
+    lines.append(f"Data fingerprint {diagnosis.fingerprint}.")
     return "\n".join(lines)

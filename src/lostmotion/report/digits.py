@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 FINEST = 0.02  # of a size: no interval is finer than the digits of this error
+NORMAL = 1.96  # standard errors of a 95 % interval to either side
+WIDER = 1.1  # times a standard error, from which on an interval counts more than it
 HOPELESS = 1e3  # a standard error this many times its value says nothing about it
 
 
@@ -32,6 +34,20 @@ def digits(value: float, error: float) -> tuple[str, str]:
     if places < 0:
         return f"{round(value, places):.0f}", f"{round(error, places):.0f}"
     return f"{value:.{places}f}", f"{error:.{places}f}"
+
+
+def error_of(interval: tuple[float, float], error: float) -> float:
+    """Standard error that is shown beside a 95 % interval: that of the interval, where it counts more than `error`.
+
+    The likelihood of a valve that sticks has a narrow maximum: its curvature says nothing of how far the size may be.
+
+    Examples
+    --------
+    >>> round(error_of((2.0, 2.7), 0.00065), 2), error_of((1.9, 2.3), 0.1), error_of((0.0, math.inf), 0.1)
+    (0.18, 0.1, 0.1)
+    """
+    own = (interval[1] - interval[0]) / (2.0 * NORMAL)
+    return own if math.isfinite(own) and own > WIDER * error else error
 
 
 def span(low: float, high: float, error: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lostmotion.identify import FitFacts
-from lostmotion.report.digits import digits, plain, span
+from lostmotion.report.digits import digits, error_of, plain, span
 from lostmotion.report.fit_text import fill
 
 
@@ -29,6 +29,7 @@ def found_in(facts: FitFacts) -> str:
     name = facts.shown_size
     if name is None:
         return facts.preferred
-    error = facts.standard_errors[name]
+    interval = facts.size_interval
+    error = error_of(interval, facts.standard_errors[name])
     shown, deviation = digits(facts.parameters[name], error)
-    return f"{facts.preferred} of {name} {shown} +/- {deviation}, 95 % {span(*facts.interval(name), error)}"
+    return f"{facts.preferred} of {name} {shown} +/- {deviation}, 95 % {span(*interval, error)}"

@@ -46,7 +46,7 @@ def _size(fit: HammersteinFit) -> tuple[float, tuple[float, float]] | None:
     name = fit.kind.size
     if not fit.status.ok or name is None:
         return None
-    return fit.parameters[name], fit.interval(name)
+    return fit.parameters[name], fit.size_interval
 
 
 def _percent(fit: HammersteinFit) -> float | None:

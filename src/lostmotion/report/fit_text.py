@@ -14,7 +14,7 @@ from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
-from lostmotion.report.digits import bracketed, digits, span
+from lostmotion.report.digits import bracketed, digits, error_of, span
 
 WIDTH = 96
 UNEARNED = (
@@ -26,6 +26,10 @@ MEANING = {
     "offset": "PV at rest inside the dead zone",
     "load": "constant load, in units of OP",
 }
+STATISTICAL = (
+    "Intervals of this table are statistical: they hold if the valve is what the model is. That of the size above also "
+    "counts what real friction is beside it."
+)
 OF_PV, WITHOUT = ("offset",), ("slope_ratio", "left_slope", "right_slope")  # all else but the gain is in units of OP
 
 
@@ -147,11 +151,12 @@ def _size(fit: HammersteinFit, span_op: float | None) -> str:
     if name is None:
         ends = " and ".join(f"{fit.parameters[one]:.5g}" for one in kind.model.own)
         return f"{kind.name.capitalize()} at {ends}{unit}"
-    value, error = fit.parameters[name], fit.standard_errors[name]
+    value, interval = fit.parameters[name], fit.size_interval
+    error = error_of(interval, fit.standard_errors[name])
     shown, deviation = digits(value, error)
     text = (
         f"{kind.name.capitalize()} of {name} {shown} +/- {deviation}{unit}{_percent(value, span_op)}, "
-        f"95 % interval {span(*fit.interval(name), error)}{unit}"
+        f"95 % interval {span(*interval, error)}{unit}"
     )
     if kind.nests:
         extra = kind.model.own[-1]
@@ -195,6 +200,8 @@ def _table(fit: HammersteinFit) -> str:
     lines.append("-" * WIDTH)
     for name, value, deviation, between, said in parameter_rows(fit):
         lines.append(f"{name:14}{value:>14}{deviation:>13}   {between:<26}{said}")
+    if fit.shown_size is not None and fit.kind.sticks:
+        lines.append(fill(STATISTICAL))
     return "\n".join(lines)
 
 
@@ -207,12 +214,13 @@ def parameter_rows(fit: HammersteinFit) -> list[tuple[str, str, str, str, str]]:
         if name not in fit.parameters or (hidden and name not in (size, "gain")):
             continue
         source = fit.linear_alternative if hidden and name == "gain" and fit.linear_alternative is not None else fit
+        interval = source.interval(name)
         error = source.standard_errors[name]
+        error = error_of(interval, error) if name == size else error
         value, deviation = digits(source.parameters[name], error)
-        low, high = source.interval(name)
         if (hidden and name == size) or name in fit.unvisited:
             value, deviation = "not seen", ""
-        between = "" if deviation == "given" else span(low, high, error)
+        between = "" if deviation == "given" else span(*interval, error)
         elsewhere = name == "offset" and not fit.kind.family.relative
         said = "PV at rest where x = 0 (extrapolated)" if elsewhere else meaning
         rows.append((name, value, deviation, between, f"{said}{bracketed(_unit(fit, name))}"))

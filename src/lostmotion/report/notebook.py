@@ -13,7 +13,7 @@ from lostmotion.html_table import html_list, html_panel, html_table
 from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report import diagnosis_text, fit_text, pooled_text, recursive_text, solution_text, study_text
-from lostmotion.report.digits import bracketed, digits, plain, signed, span
+from lostmotion.report.digits import bracketed, digits, error_of, plain, signed, span
 from lostmotion.report.facts_text import found_in
 
 PARAMETERS = ("", "estimate", "std. error", "95 % interval", "")
@@ -37,9 +37,10 @@ def facts_html(facts: FitFacts) -> str:
     for parameter, meaning in {**facts.kind.words.meanings, **fit_text.MEANING}.items():
         if parameter not in facts.parameters or parameter in facts.unvisited or facts.status in HIDDEN:
             continue
-        error = facts.standard_errors[parameter]
+        error, interval = facts.standard_errors[parameter], facts.interval(parameter)
+        error = error_of(interval, error) if parameter == facts.kind.size else error
         shown, deviation = digits(facts.parameters[parameter], error)
-        rows.append((parameter, shown, deviation, span(*facts.interval(parameter), error), meaning))
+        rows.append((parameter, shown, deviation, span(*interval, error), meaning))
     table = html_table(rows, PARAMETERS, named=True)
     return html_panel(f"{name}: {facts.status.name}, {found_in(facts)}", table, said=(facts.status.value,))
 

@@ -9,7 +9,7 @@ from lostmotion.diagnose.evidence_words import probability
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.pooled.pooled_diagnosis import SPEAKS, RecordShare
 from lostmotion.identify.actuators.kind import NO_FAULT
-from lostmotion.report.diagnosis_text import not_excluded, verdict_sentence
+from lostmotion.report.diagnosis_text import diagnosis_summary, not_excluded, verdict_sentence
 from lostmotion.report.digits import bracketed, digits, plain, span
 from lostmotion.report.fit_text import WIDTH, fill
 from lostmotion.text_table import text_table
@@ -21,6 +21,8 @@ FINEST = 0.02  # of a size: finer digits are of no use
 
 def pooled_summary(found: PooledDiagnosis) -> str:
     """Report of a diagnosis of many records as plain text."""
+    if found.single:
+        return diagnosis_summary(found)
     what = "windows" if found.of_windows else "records"
     name = found.record.source if found.of_windows else ""
     heads = [f"{name + ': ' if name else ''}one valve, {_number(found, what)}", "=" * WIDTH]
@@ -48,6 +50,8 @@ def _number(found: PooledDiagnosis, what: str) -> str:
 
 def rests_on(found: PooledDiagnosis, what: str) -> str:
     """How many records spoke, and whether one of them carries the answer."""
+    if found.single:
+        return f"Of the {what} only {found.single} can be used: the verdict is that of it alone."
     counts = {said: found.counted(said) for said in ("for", "against", "nothing")}
     kind = _likeliest(found)
     said = (
@@ -119,4 +123,5 @@ def _last(found: PooledDiagnosis) -> str:
     lines = ["", "What to do", *(fill(f"- {text}") for text in found.advice), ""]
     lines += [fill(f"Note: {note}") for note in (*found.notes, *([whole] if whole else []))]
     lines.append(f"Tolerance {plain(found.tolerance)} of OP{bracketed(found.record.op_unit)}.")
+    lines.append(f"Data fingerprint {found.fingerprint}.")
     return "\n".join(lines)

@@ -12,10 +12,11 @@ from lostmotion.audit.assess.said import finite, said
 from lostmotion.audit.assess.stretches import Look, looks, recording
 from lostmotion.audit.assess.trace import trace_of
 from lostmotion.audit.assess.words import about_looks
-from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.of_loop import of_loop
 from lostmotion.audit.screen.screen import failed
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.advice import advise
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose_part
 from lostmotion.diagnose.op_span import op_span
@@ -56,7 +57,8 @@ def assess(
 ) -> tuple[AssessmentRow, TraceRow | None]:
     """Diagnose a window that was screened.
 
-    A first look is at the best stretch of each half of the window, joined; a second one, at others, confirms a fault
+    A window that is not long is diagnosed as `diagnose` would. Of a long one
+    a first look is at the best stretch of each half of the window, joined; a second one, at others, confirms a fault
     or settles what is worth it, and a third where one of them names a fault and the other cannot tell.
     Nothing is raised: what goes wrong makes a row of stage "failed" with its error.
 
@@ -75,7 +77,9 @@ def assess(
         rows = ScreenRows(of_loop(loop, record))
         with np.errstate(all="ignore"):
             seen, why = _seen(rows, row, settings.tolerance)
-            row = _limited(assessed(row, seen, why))
+            row = assessed(row, seen, why)
+            if not seen or not seen[0].look.whole:
+                row = _limited(row)
             if seen:
                 trace = _trace(rows, row, seen)
     except Exception as error:  # noqa: BLE001  one loop in thousands must not end the run

@@ -10,6 +10,8 @@ import numpy as np
 
 from lostmotion.audit.assess import trace
 from lostmotion.audit.assess.said import finite, said
+from lostmotion.audit.rules import RULES, Rule
+from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.shown_rows import shown_rows
 from lostmotion.plant import PlantLoop
@@ -18,12 +20,13 @@ from lostmotion.store.rows import AssessmentRow, Stage, TraceRow
 
 def row_of(loop: PlantLoop, window_start: datetime, window_end: datetime, diagnosis: Diagnosis) -> AssessmentRow:
     """What a diagnosis says of a loop in a window; label, split and priority are left to who ranks."""
-    record, performance, swing = diagnosis.record, diagnosis.performance, diagnosis.measured.pv
+    record, performance, swing = diagnosis.record, diagnosis.performance, _oscillation(diagnosis)
+    rule = _rule(diagnosis)
     return AssessmentRow(
         tag=loop.tag,
         window_start=window_start,
         window_end=window_end,
-        fingerprint=record.fingerprint,
+        fingerprint=diagnosis.fingerprint,
         stamp=loop.stamp,
         stage=Stage.ASSESSED,
         performance=performance.audit_class,
@@ -36,11 +39,26 @@ def row_of(loop: PlantLoop, window_start: datetime, window_end: datetime, diagno
         reversals=finite(performance.reversals),
         variability=_variability(diagnosis),
         harris=finite(performance.harris[0]),
-        period=finite(swing.period * record.dt),
+        period=finite(swing.period),
         regularity=finite(swing.regularity),
-        power=finite(swing.share),
+        power=finite(swing.power),
+        rule="" if rule is None else rule.name,
+        priority_reason="" if rule is None else f"{rule.opening}; {diagnosis.why}".removesuffix("; "),
         **_said(diagnosis),
     )
+
+
+def _oscillation(diagnosis: Diagnosis) -> ErrorOscillation:
+    """That of the error of control, as an audit screens it; of PV where the whole record was not looked at for it."""
+    if diagnosis.error_oscillation is not None:
+        return diagnosis.error_oscillation
+    pv = diagnosis.measured.pv
+    return ErrorOscillation(pv.period * diagnosis.record.dt, pv.regularity, pv.share)
+
+
+def _rule(diagnosis: Diagnosis) -> Rule | None:
+    """The rule of an audit that says where the oscillation comes from; None: the diagnosis says it."""
+    return next((rule for rule in RULES.values() if diagnosis.source and rule.where == diagnosis.source), None)
 
 
 def _said(diagnosis: Diagnosis) -> dict[str, Any]:

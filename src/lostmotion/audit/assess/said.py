@@ -18,7 +18,7 @@ def said(found: Diagnosis) -> dict[str, Any]:
 
     A size that is left open is inf where a valve that never moves would look the same. `indices` hold "op_span" (units
     of OP), "op_span_known" (0: % are of the range seen, or of one of several spans that OP may have, which then is
-    "op_span_assumed"), "tolerance" (units of OP), "integrating", "gate_open" (1: the gate and the study let this fit
+    "op_span_assumed"), "tolerance" (units of OP), "closed_loop", "integrating", "gate_open" (1: the gate and the study let this fit
     pass), and every index by its name, as far as they are finite.
     """
     low, high = found.interval
@@ -68,6 +68,7 @@ def _indices(found: Diagnosis) -> dict[str, float]:
         "op_span": 100.0 * span.percent,
         "op_span_known": float(span.known),
         "tolerance": found.tolerance,
+        "closed_loop": float(found.fit.evidence.closed_loop),
         "integrating": float(found.measured.integrating),
         "harris_worst": found.performance.harris[1],
         "fit_percent": found.fit.fit_percent,

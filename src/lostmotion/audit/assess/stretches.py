@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.audit.screen.rows import ScreenRows
-from lostmotion.diagnose.pooled.windows import MOVE
+from lostmotion.diagnose.control_error.rows import ScreenRows
+from lostmotion.diagnose.pooled.windows import LONG, MOVE
 from lostmotion.errors import DataError
 from lostmotion.identify.data import collect
 from lostmotion.identify.recording import Recording
@@ -19,6 +19,7 @@ from lostmotion.records import LoopRecord, limits, prepare
 from lostmotion.records.resample import pick
 from lostmotion.records.sampling import Bools, runs
 
+WHOLE = LONG  # rows: what `diagnose` reads whole is looked at whole, so that both say the same
 ROWS = 1500  # of a stretch after thinning
 EACH = 2  # stretches to a look, the best of each half of the window: three of 800 named fewer faults in no less time
 SHORT = 3200  # rows after thinning: a shorter record is looked at whole
@@ -39,11 +40,14 @@ class Look:
         First row of each in the window, best first.
     rows : int
         Of the window in each.
+    whole : bool
+        Whether it is the window as it was recorded.
     """
 
     record: LoopRecord
     places: tuple[int, ...]
     rows: int
+    whole: bool = False
 
 
 def thinning(period: float | None, dt: float) -> int:
@@ -60,6 +64,9 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
     period : float, optional
         Seconds of the swing, or of the fastest motion above the noise.
     """
+    if len(rows.record) <= WHOLE:
+        yield Look(rows.record, (0,), len(rows.record), whole=True)
+        return
     factor = thinning(period, rows.record.dt)
     masked = _masked(rows)
     if len(rows.record) <= SHORT * factor:
@@ -85,7 +92,7 @@ def recording(rows: ScreenRows, period: float | None) -> Recording | None:
     the next. Also None where the window is refused.
     """
     factor = thinning(period, rows.record.dt)
-    whole = _thinned(_masked(rows), factor) if len(rows.record) > SHORT * factor else None
+    whole = _thinned(_masked(rows), factor) if len(rows.record) > max(SHORT * factor, WHOLE) else None
     if whole is None:
         return None
     try:

@@ -8,7 +8,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.groups.swinging import LEAST_OVERLAP, POWER, Swinging, likeness, overlap, sharing
-from lostmotion.audit.screen.spectrum import BINS
+from lostmotion.diagnose.control_error.spectrum import BINS
 
 PEAK, BESIDE = 1.08, 1.6  # a peak is so far up and down in frequency; what it stands out of, up to so far
 GUARD = 1.18  # between both: the Hann window and the wandering of a period smear a peak

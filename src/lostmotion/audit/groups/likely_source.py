@@ -10,6 +10,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.groups.swinging import Swinging
 from lostmotion.audit.measurement import stuck
+from lostmotion.diagnose.control_error.amplitude import STEADY, WANDERS
 from lostmotion.store.rows import AssessmentRow, Stage
 
 # Share of the odds that a source must have to be named; of 89 groups of plants left out 80 are found, none wrong (0.6:
@@ -17,7 +18,6 @@ from lostmotion.store.rows import AssessmentRow, Stage
 LEAST_SURE = 0.65
 LEAST_LEAD = 2.0  # odds over the next
 CERTAIN = 0.97  # what a verdict can at most be worth
-STEADY, WANDERS = 0.1, 0.4  # spread of an amplitude: noise builds up none below; of a loop that rings it is about 0.5
 MOST_PURITY, PUREST = 16.0, 0.999  # log odds; share of the variance, of which no more is known
 USUAL_REGULAR = 20.0  # of loops that ring: their median in simulated plants
 COUPLED = 1.0, 3.0  # limit of the statistic of coupled phases, and what counts beyond it

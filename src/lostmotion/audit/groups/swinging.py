@@ -12,7 +12,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.audit.groups.shared import Shared, shared
 from lostmotion.audit.screen.lines import Lines, bands_in
-from lostmotion.audit.screen.spectrum import BINS
+from lostmotion.diagnose.control_error.spectrum import BINS
 from lostmotion.plant.loop import PlantLoop
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow
 

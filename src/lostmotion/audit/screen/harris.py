@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen.swing import thinned, usual_place
+from lostmotion.diagnose.control_error.swing import thinned, usual_place
 from lostmotion.diagnose.harris import harris_index
 from lostmotion.errors import DataError
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen.rows import ScreenRows
 from lostmotion.audit.screen.scatter import MOST_DT
+from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.records import LoopRecord, limits
 from lostmotion.records.compression import compression
 from lostmotion.records.quantum import quantum

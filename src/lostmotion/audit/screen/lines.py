@@ -14,7 +14,7 @@ import numpy as np
 import scipy.fft
 
 from lostmotion.arrays import ComplexArray, FloatArray
-from lostmotion.audit.screen.spectrum import LEAST_ROWS, Spectrum
+from lostmotion.diagnose.control_error.spectrum import LEAST_ROWS, Spectrum
 
 WIDTH = 4.0  # highest over lowest frequency of a band; the next begins an octave higher, so a swing lies inside of one
 MOST = 256  # lines of a band: 85 periods of its slowest and 341 of its fastest, from the start of the window

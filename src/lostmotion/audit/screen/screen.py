@@ -13,14 +13,16 @@ from lostmotion.arrays import FloatArray
 from lostmotion.audit.screen.harris import harris_of, natural_factor
 from lostmotion.audit.screen.health import Health, health_of
 from lostmotion.audit.screen.lines import lines_of
-from lostmotion.audit.screen.rows import ScreenRows, of_loop
+from lostmotion.audit.screen.of_loop import of_loop
 from lostmotion.audit.screen.scatter import scatter
-from lostmotion.audit.screen.spectrum import Spectrum, spectrum_of
-from lostmotion.audit.screen.swing import Swing, amplitude_spread, nonlinearity, phase_at, swing_of
 from lostmotion.audit.screen.windows import in_utc, seconds_of_rows
 from lostmotion.audit.screen.worth import Seen, worth
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.diagnose.audit_class import MOST_OPEN, audit_class
+from lostmotion.diagnose.control_error.rows import ScreenRows
+from lostmotion.diagnose.control_error.spectrum import Spectrum, spectrum_of
+from lostmotion.diagnose.control_error.swing import Swing, amplitude_spread, nonlinearity, phase_at, swing_of
+from lostmotion.diagnose.frozen import frozen_share
 from lostmotion.diagnose.performance import NOISE_BANDS
 from lostmotion.errors import LostMotionError
 from lostmotion.kernels.threads import one_thread
@@ -126,7 +128,7 @@ def _indices(rows: ScreenRows, one: _Loop, health: Health, seen: Seen) -> dict[s
         "op_range_percent": seen.op_range,
         "op_turns": seen.turns,
         "stale": health.stale,
-        "stuck": rows.share(rows.stuck & ~rows.stopped & rows.known & ~rows.manual),
+        "stuck": frozen_share(rows),
         "rows_in_block": float(one.factor),
         "swings": float(seen.steady),
         "pv_span_known": float(rows.record.pv_span is not None),

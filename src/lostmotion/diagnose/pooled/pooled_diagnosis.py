@@ -95,6 +95,8 @@ class PooledDiagnosis(Diagnosis):
         Windows of the long record that there were to choose from; 0 where records were given.
     diagnoses : tuple of Diagnosis
         Of each record that was heard, by itself; empty for a long record.
+    origin : str
+        Fingerprint of all that was given.
     """
 
     shares: tuple[RecordShare, ...] = ()
@@ -105,6 +107,18 @@ class PooledDiagnosis(Diagnosis):
     carried_by: str = ""
     of_windows: int = 0
     diagnoses: tuple[Diagnosis, ...] = field(default=(), repr=False)
+    origin: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the long record, or of all records together."""
+        return self.origin or super().fingerprint
+
+    @property
+    def single(self) -> str:
+        """The one record that could be used, whose diagnosis this is; "" where there are several."""
+        heard = [share.name for share in self.shares if share.rows]
+        return heard[0] if len(heard) == 1 else ""
 
     def counted(self, said: str) -> int:
         """Records that said so: "for", "against", "nothing", "left out"."""

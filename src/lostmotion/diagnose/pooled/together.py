@@ -26,6 +26,7 @@ from lostmotion.diagnose.pooled.verdict_of_many import PooledVerdict, weigh
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
 from lostmotion.records.loop_type import surely_integrates
+from lostmotion.records.record import fingerprint_of
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
 RATIO = 1.3  # of the sizes at which every record is profiled
@@ -111,13 +112,18 @@ def diagnose_together(
     asked, span = asked.of(records), _same_span(records)
     limit = 100.0 * asked.tolerance * span.strictest_percent
     shares, heard, reach = _hear(records, asked, starts, say, singly)
+    origin = fingerprint_of([record.fingerprint for record in records])
+    if len(heard) == 1:
+        return replace(_of_one(heard[0], shares, asked), of_windows=of_windows, origin=origin)
     heard, evidence = _finer(heard, SMALLEST * reach, LARGEST * reach)
     verdict = weigh(evidence, limit, span, _swing(heard))
     shares = _with_gains(shares, heard, evidence, verdict.likeliest)
     gains = evidence.gains(verdict.likeliest)
     told = heard[int(np.argmax(gains))]
     base = told.alone or asked.diagnosis(told.record)
-    return _packed(base, tuple(shares), heard, evidence, verdict, span, limit, starts is not None, of_windows)
+    timed = starts is not None
+    found = _packed(base, tuple(shares), heard, evidence, verdict, span, limit, timed, of_windows)
+    return replace(found, origin=origin)
 
 
 def _hear(
@@ -247,6 +253,28 @@ def _own_size(profile: RecordProfile, evidence: Evidence, kind: str) -> tuple[fl
     return float(sizes[best]), (low, high)
 
 
+def _of_one(one: _Heard, shares: list[RecordShare], asked: Asked) -> PooledDiagnosis:
+    """The diagnosis of the only record that can be used: its own, with why the others were left out."""
+    base = one.alone or asked.diagnosis(one.record)
+    gain = 0.0 if base.fit.kinds is None else base.fit.kinds.likelihoods.get(base.verdict, 0.0)
+    mine = replace(
+        shares[one.number],
+        rows=one.profile.rows,
+        alone=base.verdict,
+        gain=gain,
+        size=base.size,
+        interval=base.interval,
+    )
+    told = tuple(mine if number == one.number else share for number, share in enumerate(shares))
+    kept = {field.name: getattr(base, field.name) for field in fields(Diagnosis)}
+    kept["notes"] = (*base.notes, *_left_out(told))
+    return PooledDiagnosis(**kept, shares=told, diagnoses=(base,))
+
+
+def _left_out(shares: tuple[RecordShare, ...]) -> tuple[str, ...]:
+    return tuple(f"{share.name}: {share.note}." for share in shares if share.note)
+
+
 def _packed(
     base: Diagnosis,
     shares: tuple[RecordShare, ...],
@@ -322,4 +350,4 @@ def _notes(base: Diagnosis, shares: tuple[RecordShare, ...], hidden: str) -> tup
     """What was left out, whose fit and indices are shown, and why no size is."""
     about = f"Fit, indices and performance are of {base.record.tag or 'the record'}, which tells most."
     size = (f"How large it is the records do not tell: {hidden}.",) if hidden else ()
-    return (about, *(f"{share.name}: {share.note}." for share in shares if share.note), *size)
+    return (about, *_left_out(shares), *size)

@@ -9,6 +9,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
 from lostmotion.diagnose.pooled.together import DAY, Asked, Say, diagnose_together
+from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.errors import DataError
 from lostmotion.identify import identify
 from lostmotion.models.linear import SETTLING
@@ -57,7 +58,8 @@ def diagnose_long(record: LoopRecord, asked: Asked, say: Say | None = None) -> P
     if not windows:
         raise DataError.expected("a window in which OP and PV move", "none", "check the record")
     times = [float(start) * record.dt for start in starts[chosen]]
-    return diagnose_together(windows, asked, times, say, singly=False, of_windows=len(starts))
+    found = diagnose_together(windows, asked, times, say, singly=False, of_windows=len(starts))
+    return judged_by_amplitude(replace(found, origin=record.fingerprint), record)
 
 
 def _named(window: LoopRecord, start: float) -> LoopRecord:

@@ -154,7 +154,8 @@ class SlipLikelihood:
         bounds, turns = np.tile([0.0, np.inf, 0.0, np.inf], (n, 1)), np.empty(n, np.int64)
         sums, seen = np.empty((n, 3)), np.zeros((n, 2, len(self._directions)))
         begun = np.zeros((n, len(problem.segments), 2))
-        begun[:, : rests.shape[1], 0] = rests
+        here = rests[:, : len(problem.segments)]  # of a fit that was shortened, see `shortened`, there are more
+        begun[:, : here.shape[1], 0] = here
         left, turned = np.empty(problem.errors), np.empty(problem.errors)
         weigh_patterns(
             self.model, problem.u, problem.segments, etas, s.first - s.delay, s.start, s.noise_order, self._steps,

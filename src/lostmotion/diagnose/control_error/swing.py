@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.audit.screen.spectrum import Spectrum
+from lostmotion.diagnose.control_error.spectrum import Spectrum
 from lostmotion.diagnose.oscillation import FEWEST_CYCLES, LEAST, LEAST_SHARE, Oscillation, oscillation_near
 from lostmotion.errors import DataError
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.op_span import OpSpan, op_span
-from lostmotion.plant.loop import PlantLoop
 from lostmotion.records import LoopRecord, limits
 from lostmotion.records.modes import Kind, rows_of
 from lostmotion.records.record import StringArray
@@ -22,22 +20,6 @@ CREPT = 0.25  # of the usual range of OP: what integral action goes while PV sta
 ALIVE, SPREAD = 5, 0.5  # changes of OP, and the share of the time between them, after which its recording went on
 MOST = 0.5  # of the time
 USUAL = (0.02, 0.98)  # quantiles of OP: where it comes back from having run away is neither
-
-
-def of_loop(loop: PlantLoop, record: LoopRecord) -> LoopRecord:
-    """The record with what the loop list says of it; without a type that nothing is known of."""
-    loop_type = loop.loop_type or record.loop_type
-    return replace(
-        record,
-        tag=loop.tag or record.tag,
-        op_span=_proper(loop.op_span) or record.op_span,
-        pv_span=_proper(loop.pv_span) or record.pv_span,
-        loop_type=loop_type if loop_type in LEAST_INDEX else "",
-    )
-
-
-def _proper(span: tuple[float, float] | None) -> tuple[float, float] | None:
-    return span if span is not None and bool(np.isfinite(span).all()) and span[0] < span[1] else None
 
 
 @dataclass(frozen=True, eq=False)
