@@ -228,7 +228,7 @@ def test_what_is_no_table_gets_a_sentence_and_no_form(desk, columns):
     look = {**LOOK, "columns": columns, "rows": [], "roles": {}}
     item = made(desk, {"error": error}, look, "letter.csv")
     page = ask(desk, "GET", f"/files/{item.id}").text
-    assert "is not a table of a loop" in page
+    assert "No columns were found in the file" in page
     assert f"/files/{item.id}/columns" not in page
     assert f"/files/{item.id}/remove" in page
     assert "<select" not in ask(desk, "GET", f"/files/{item.id}/columns").text
