@@ -118,4 +118,5 @@ def _summary(folder: Path, truth: tuple[LoopTruth, ...], plant: PlantOptions) ->
 def _faults(truth: tuple[LoopTruth, ...]) -> str:
     """Number of each kind of fault."""
     found = Counter(one.fault for one in truth if one.fault != "none")
-    return ", ".join(f"{count} x {fault}" for fault, count in found.most_common()) or "no fault"
+    ordered = sorted(found.items(), key=lambda one: (-one[1], one[0]))
+    return ", ".join(f"{count} x {fault}" for fault, count in ordered) or "no fault"
