@@ -40,6 +40,7 @@ TEXTS = {  # text of a file, and the settings it is read with
     "no header": (rows().split("\n", 1)[1], {}),
     "no columns": ("speed\nhigh\nlow\n", {}),
     "one column with a blank line": ("FIC1.OP\n1\n\n2\n", {}),
+    "a letter": ("Dear colleague,\n\nplease find below our remarks.\n\nKind regards\n", {}),
     "a row too long": (changed(9, "8,1,2,3"), {}),
     "a quote that is not closed": ('time,OP,PV\n0,1,2\n1,"2,3\n2,3,4\n', {}),
     "one row": ("time,OP,PV\n0,1,2\n", {}),

@@ -9,10 +9,8 @@ evidence.
 from __future__ import annotations
 
 import argparse
-import io
 import tempfile
 from collections.abc import Sequence
-from contextlib import redirect_stdout, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,8 +20,9 @@ import polars as pl
 import lostmotion as lm
 from lostmotion.audit.plant_view import FAULTS, leading_rows
 from lostmotion.audit.rank import ranked
-from lostmotion.cli import main as command
+from lostmotion.evaluate.plants import random_plant
 from lostmotion.evaluate.plants.truth import VALVES
+from lostmotion.evaluate.plants.written import write_plant
 from lostmotion.store.rows import AssessmentRow
 
 FIRST = 12
@@ -36,22 +35,21 @@ def main() -> None:
     asked.add_argument("--loops", type=int, default=50)
     asked.add_argument("--days", type=float, default=2.0)
     asked.add_argument("--faults", type=int, default=10)
+    asked.add_argument("--moves", type=float, help="new set points a day, as `lostmotion demo-plant` makes them")
     given = asked.parse_args()
     print(
         f"| plant | faults in the first {FIRST} | valves at fault in them | named right | other loops called at fault |"
     )
     print("|---|---|---|---|---|")
     for seed in given.seeds:
-        print(line(seed, given.loops, given.days, given.faults), flush=True)
+        print(line(seed, given.loops, given.days, given.faults, given.moves), flush=True)
 
 
-def line(seed: int, loops: int, days: float, faults: int) -> str:
-    """Make and audit one plant, by the commands that a newcomer types."""
+def line(seed: int, loops: int, days: float, faults: int, moves: float | None) -> str:
+    """Make and audit one plant; without `moves` most set points rest, harder than that of `lostmotion demo-plant`."""
     with tempfile.TemporaryDirectory() as folder:
-        where = Path(folder) / "plant"
-        typed = ["--loops", loops, "--days", days, "--faults", faults, "--seed", seed]
-        with suppress(SystemExit), redirect_stdout(io.StringIO()):
-            command(["demo-plant", str(where), *map(str, typed)])
+        where, plant = Path(folder) / "plant", random_plant(seed, loops, days, faults, swings=1, moves=moves)
+        write_plant(where, plant, plant.truth(), "parquet", lambda _: None)
         truth = {one["tag"]: one for one in pl.read_csv(where / "truth.csv").to_dicts()}
         run = lm.audit(where, Path(folder) / "plant.db", loops=where / "loops.csv")
     equal = {loop.tag: replace(loop, weight=1.0) for loop in run.loops}

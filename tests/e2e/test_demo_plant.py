@@ -38,6 +38,24 @@ def test_a_plant_is_written_and_read_again(capsys, tmp_path, ending):
         assert (record.pv[record.pv == record.pv] >= row["pv_low"] - 0.02 * (row["pv_high"] - row["pv_low"])).all()
 
 
+def test_its_text_says_what_to_expect_and_what_to_type(capsys, tmp_path):
+    code, out, _ = run(capsys, "demo-plant", tmp_path / "my plant", *SMALL)
+    words = " ".join(out.split())
+    assert code == 0
+    for said in (
+        "6 loops in",
+        "1 x stiction, 1 x tight tuning",
+        "The answer key is truth.csv.",
+        "What to expect: the audit names about two of three",
+        'stay "cannot tell"',
+        "Then: lostmotion serve plant.db",
+    ):
+        assert said in words
+    assert f"Next: lostmotion audit '{tmp_path / 'my plant'}' --loops" in words
+    code, out, _ = run(capsys, "demo-plant", tmp_path / "resting", *SMALL, "--moves", 0)
+    assert (code, "only feedback moves OP" in " ".join(out.split())) == (0, True)
+
+
 def test_a_folder_that_is_there_is_left_alone(capsys, tmp_path):
     folder = tmp_path / "plant"
     run(capsys, "demo-plant", folder, *SMALL)

@@ -35,25 +35,40 @@ def test_nothing_scrolls_sideways_and_nothing_is_fetched_or_run(browser, address
 def test_sorting_and_filtering_by_keyboard(browser, address):
     page = browser.new_page()
     page.goto(address)
-    rows = page.locator("#ranking tbody tr")
-    assert rows.count() == 2
-    page.locator("#ranking thead button").nth(6).focus()
+    page.locator("#all summary").click()
+    rows = page.locator("#all tbody tr")
+    assert rows.count() == 5
+    page.locator("#all thead button").nth(6).focus()
     page.keyboard.press("Enter")
-    assert page.locator("#ranking thead th").nth(6).get_attribute("aria-sort") == "ascending"
-    assert rows.first.locator("td").first.inner_text() == "2"  # least priority first
-    page.locator("#ranking input").fill("stiction")
-    assert page.locator("#ranking [role=status]").inner_text() == "1 of 2 shown"
-    assert page.locator("#ranking tbody tr:visible").count() == 1
+    assert page.locator("#all thead th").nth(6).get_attribute("aria-sort") == "ascending"
+    assert rows.last.locator("td").first.inner_text() == "1"  # least priority first
+    page.locator("#all input").fill("stiction")
+    assert page.locator("#all [role=status]").inner_text() == "1 of 5 shown"
+    assert page.locator("#all tbody tr:visible").count() == 1
     page.close()
 
 
 def test_without_script_all_of_it_is_there(browser, address):
     page = browser.new_context(java_script_enabled=False).new_page()
     page.goto(address)
-    assert page.locator("#ranking tbody tr:visible").count() == 2
+    assert page.locator("#ranking tbody tr:visible").count() == 1
     assert page.locator("#ranking button").count() == 0
     page.locator("a[href='#loop-1']").first.click()
     assert page.url.endswith("#loop-1")
+    page.close()
+
+
+def test_a_link_opens_the_folded_loop_and_the_page_is_short(browser, address):
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.goto(address)
+    assert page.evaluate("document.documentElement.scrollHeight") < 4000
+    loop = page.locator("#loop-1")
+    assert not loop.is_visible()
+    page.locator("a[href='#loop-1']").first.click()
+    loop.wait_for(state="visible")
+    page.goto(address + "#loop-2")
+    page.reload()
+    assert page.locator("#loop-2").is_visible()
     page.close()
 
 

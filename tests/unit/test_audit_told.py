@@ -169,10 +169,10 @@ def test_loops_that_could_not_be_told_are_not_said_to_need_nothing() -> None:
     untold = tuple(judged(f"FIC-{number}", probability=0.1) for number in (6, 7))
     view = replace(plant(), rows=(sound(), *untold), loops=(), groups=(), traces=())
     page = plant_report(view)
-    assert "no area given: 2 loops that cannot be told: not cleared, priority low or none" in page
+    assert "no area given: 2 loops without a label: not cleared, priority low or none" in page
     assert "no area given: 1 loops normal, priority low or none" in page
     assert "need nothing" not in page
-    assert "cannot be told and are not cleared" in page
+    assert "those of the tile without a letter are not cleared" in page
 
 
 def test_reasons_that_differ_in_numbers_show_their_ends() -> None:

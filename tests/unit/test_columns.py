@@ -105,6 +105,18 @@ def test_a_temperature_at_an_outlet_is_no_controller_output():
         resolve(["T_out", "T_in", "PV"])
 
 
+def test_who_names_op_and_pv_is_not_asked_for_sp():
+    names = ["Time", "FIC1.OUT", "FIC1.MEAS", "FIC1.SP", "FIC2.OUT", "FIC2.MEAS", "FIC2.SP", "FIC2.SPT"]
+    assert resolve(names, op="FIC1.OUT", pv="FIC1.MEAS").sp == "FIC1.SP"
+    open_sp = resolve(names, op="FIC2.OUT", pv="FIC2.MEAS")
+    assert open_sp.sp is None
+    assert "SP was not read" in " ".join(open_sp.notes)
+    assert resolve(names, op="FIC2.OUT", pv="FIC2.MEAS", sp="FIC2.SPT").sp == "FIC2.SPT"
+    assert resolve(["A", "B", "SP", "FIC2.SP"], op="A", pv="B").sp == "SP"
+    with pytest.raises(ColumnError, match="one column for SP"):
+        resolve(["OP", "PV", "A.SP", "B.SP"])
+
+
 def test_explicit_name_is_exact_or_without_case():
     assert resolve(["lc74_20cv_pct", "PV"], op="LC74_20CV_pct").op == "lc74_20cv_pct"
     assert resolve(["Aa", "AA", "PV"], op="AA").op == "AA"

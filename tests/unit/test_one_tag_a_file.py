@@ -288,3 +288,12 @@ def test_one_number_a_line_is_not_shifted_by_a_blank_line(tmp_path):
     (tmp_path / "FIC101_PV.txt").write_text("1\n\n2\n3\n4\n")
     with pytest.raises(DataError, match="none in line 2"):
         lm.read_loop(tmp_path, dt=1.0)
+
+
+def test_a_letter_is_called_none(tmp_path):
+    file = tmp_path / "letter.csv"
+    file.write_text("Dear colleague,\n\nplease find below our remarks on the loop.\n\nKind regards\n")
+    with pytest.raises(
+        DataError, match="expected a table with columns for OP and PV, got text such as 'Dear colleague,'"
+    ):
+        lm.read_loop(file)

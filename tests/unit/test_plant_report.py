@@ -76,9 +76,17 @@ def test_script_and_style_can_be_taken_out(page):
     assert handlers == []
 
 
-def test_health_comes_before_the_ranking_and_says_why(page):
+def test_findings_come_first_and_undecided_loops_last(page):
     words = page.words
-    assert words.index("could be judged") < words.index("The first 2 of 5 loops")
+    places = (
+        "could be judged",
+        "Valves at fault",
+        "Group 1",
+        "Treemap by area",
+        "What to do about the undecided loops",
+    )
+    found = [words.index(one) for one in places]
+    assert found == sorted(found)
     said = "2 of 5 loops could be judged; 1 cannot be told from these records, 1 not assessed, 1 failed"
     assert f"{said}: they are not cleared." in words
     assert "not assessed: in manual for 97 % of the time" in words
@@ -95,6 +103,39 @@ def test_the_ranking_has_size_interval_confidence_priority_and_next_step(page):
     assert "new finding" in words
     assert "Group 1: 2 loops, period 10 min" in words
     assert "larger than at first" in words
+
+
+def test_the_same_advice_for_undecided_loops_is_given_once_and_all_of_it_is_folded():
+    advice = ("Move SP by {} % a few times.",)
+    undecided = [
+        finding(f"FIC-{n}", 9.0 + n, verdict="cannot tell", kind="unknown", advice=(advice[0].format(n),), label="")
+        for n in range(1, 8)
+    ]
+    view = replace(plant(), rows=(finding("FIC-9"), *undecided), traces=(), history=(), groups=())
+    text = plant_report(view)
+    opened = re.sub(r"<details.*?</details>", "", text, flags=re.DOTALL)
+    assert opened.count("Move SP by") == 1
+    assert "<strong>7 loops</strong>" in opened
+    assert "Move SP by 1 to 7 % a few times." in opened
+    assert "7 undecided loops, one by one" in text
+    assert '<section class="loop"' not in opened
+    assert text.count('<section class="loop"') == 8
+
+
+def test_a_link_leads_into_what_is_folded_and_paper_shows_it():
+    assert "beforeprint" in script()
+    assert "hashchange" in script()
+    assert "details::details-content" in stylesheet()
+
+
+def test_evidence_has_what_stands_before_it_and_the_sum():
+    row = finding(evidence=(("memory", 2.0, 3.0), ("shape", 0.1, 0.5)), indices={"log_odds": 2.25})
+    page = Page(loop_report(replace(plant(), rows=(row,)).loop_view("FIC-1")))
+    assert "before evidence -1.2" in page.words
+    assert "together +2.2" in page.words
+    assert "a fault of the actuator is 90 % likely" in page.words
+    older = replace(plant(), rows=(replace(row, indices={}),))
+    assert "before evidence" not in Page(loop_report(older.loop_view("FIC-1"))).words
 
 
 def test_tables_have_scopes_and_charts_have_words_and_a_table(page):

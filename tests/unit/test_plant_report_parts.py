@@ -16,7 +16,7 @@ from lostmotion.report.plant import plant_report, table
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.sizes import size_trends
 from lostmotion.report.plant.svg.axis import Axis
-from lostmotion.report.plant.svg.treemap import squarified
+from lostmotion.report.plant.svg.treemap import squarified, tiles_by_area, treemap
 from lostmotion.report.plant.table import COLUMNS
 from lostmotion.report.plant.words import headline
 from lostmotion.store.rows import Stage
@@ -93,6 +93,22 @@ def test_table_has_all_rows_and_one_order_of_columns(tmp_path):
     assert again.equals(frame)
     assert pl.read_csv(write_table(tmp_path / "a.csv", frame)).height == frame.height
     assert table([]).schema == frame.schema
+
+
+def test_only_an_undecided_loop_has_a_question_mark_in_the_treemap():
+    open_loop = {"verdict": "cannot tell", "kind": "unknown", "label": "", "confidence": None}
+    rows = {
+        "S": finding("FIC-1", label="out of specification"),
+        "!": finding("FIC-2", rule="ringing", **open_loop),
+        "~": finding("FIC-3", verdict="other oscillation", kind="disturbance", label=""),
+        "?": finding("FIC-4", **open_loop),
+    }
+    view = replace(plant(), rows=tuple(rows.values()), loops=())
+    ((_, tiles),) = tiles_by_area(view.leading, view.by_tag, str)
+    assert {tile.name: tile.mark for tile in tiles} == {row.tag: sign for sign, row in rows.items()}
+    drawn = str(treemap(view.leading, view.by_tag, str))
+    assert drawn.count("tile finding") == 1
+    assert drawn.count("tile cannot-tell") == 2
 
 
 @settings(max_examples=30, deadline=None)

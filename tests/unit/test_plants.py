@@ -111,6 +111,19 @@ def reaches(plant, source, target):
     return target in seen
 
 
+def test_set_points_move_in_every_loop_that_has_them_from_no_other():
+    plants = {moves: random_plant(4, 12, 0.5, 3, moves=moves) for moves in (None, 0.0, 24.0)}
+    moved = {}
+    for moves, plant in plants.items():
+        events = plant.events()
+        moved[moves] = {int(row[1]) for row in events if row[2] == kernel.SET_SP}
+    own = {number for number, loop in enumerate(plants[None].loops) if loop.master < 0}
+    assert moved[0.0] == set()
+    assert moved[24.0] == own
+    assert moved[None] < own
+    assert plants[24.0].loops == plants[None].loops
+
+
 def test_signals_stay_where_a_plant_can_be():
     signals = random_plant(7, 15, SHORT, 5).signals
     assert np.all((signals.op >= 0.0) & (signals.op <= 100.0))
@@ -156,6 +169,11 @@ def test_loops_of_the_list_have_different_tags():
     loops = random_plant(9, 60, SHORT, 0).plant_loops()
     assert len({one.tag for one in loops}) == len(loops) == 60
     assert {one.loop_type for one in loops} == set(TYPES)
+
+
+def test_a_number_of_moves_below_zero_is_refused():
+    with pytest.raises(ParameterError, match="moves"):
+        random_plant(1, 5, SHORT, 0, moves=-1.0)
 
 
 @pytest.mark.parametrize(("faults", "said"), [(-1, "faults >= 0"), (["rust"], "rust"), (["stiction"] * 9, "9 faults")])

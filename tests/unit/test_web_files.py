@@ -222,6 +222,18 @@ def test_an_error_is_said_with_its_ways_out_as_buttons(desk):
     assert ask(desk, "POST", f"/files/{item.id}/way", data={"way": "7"}).status_code == 404
 
 
+@pytest.mark.parametrize("columns", [[], ["Dear colleague"]])
+def test_what_is_no_table_gets_a_sentence_and_no_form(desk, columns):
+    error = {"text": "expected a header, got 'Dear colleague'", "parts": [], "ways": [], "type": "DataError"}
+    look = {**LOOK, "columns": columns, "rows": [], "roles": {}}
+    item = made(desk, {"error": error}, look, "letter.csv")
+    page = ask(desk, "GET", f"/files/{item.id}").text
+    assert "No columns were found in the file" in page
+    assert f"/files/{item.id}/columns" not in page
+    assert f"/files/{item.id}/remove" in page
+    assert "<select" not in ask(desk, "GET", f"/files/{item.id}/columns").text
+
+
 def test_columns_are_corrected(desk):
     item = made(desk, {"error": ERROR})
     form = {

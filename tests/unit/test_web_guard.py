@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import httpx
 import pytest
 
 from lostmotion.errors import ParameterError
+from lostmotion.web.app import create_app
+from lostmotion.web.page import Page
 from lostmotion.web.server.guard import HEADERS, Guard
 from lostmotion.web.server.serve import public_origin
 
@@ -52,6 +55,62 @@ async def test_a_look_ahead_does_not_use_the_token_up() -> None:
         await browser.get(f"/?token={TOKEN}")
         browser.cookies.clear()
         assert (await browser.get(f"/?token={TOKEN}")).status_code == 303
+
+
+async def let_in(guard: Guard, token: str) -> httpx.AsyncClient:
+    """A browser that has opened an address and come back."""
+    browser = httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url=BASE)
+    assert (await browser.get(f"/?token={token}")).status_code == 303
+    assert (await browser.get("/")).text == "secret"
+    return browser
+
+
+async def test_a_fresh_address_lets_one_more_browser_in_and_the_first_one_stays() -> None:
+    guard = Guard(app, TOKEN, HOSTS)
+    first = await let_in(guard, TOKEN)
+    fresh = guard.fresh_token()
+    second = await let_in(guard, fresh)
+    assert (await first.get("/")).text == "secret"
+    assert first.cookies[guard.cookie] != second.cookies[guard.cookie]
+    async with client() as third:
+        third._transport = httpx.ASGITransport(guard)
+        for token in (TOKEN, fresh):
+            refusal = await third.get(f"/?token={token}")
+            assert (refusal.status_code, "press Enter" in refusal.text) == (403, True)
+        assert (await third.get("/", headers={"authorization": f"Bearer {fresh}"})).status_code == 403
+
+
+async def test_a_newer_address_replaces_one_that_nobody_used() -> None:
+    guard = Guard(app, TOKEN, HOSTS)
+    old, new = guard.fresh_token(), guard.fresh_token()
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url=BASE) as browser:
+        for token in (TOKEN, old, ""):
+            assert (await browser.get(f"/?token={token}")).status_code == 403
+        assert (await browser.get("/", headers={"authorization": f"Bearer {TOKEN}"})).text == "secret"
+        assert (await browser.get(f"/?token={new}")).status_code == 303
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+async def test_the_page_gives_a_fresh_address_to_its_own_form_only(read_only: bool) -> None:
+    guard = Guard(create_app(Page(read_only=read_only, fresh_addresses=True)), TOKEN, HOSTS, read_only)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url=BASE) as browser:
+        assert (await browser.post("/address", headers={"origin": BASE})).status_code == 403, "without the cookie"
+        await browser.get(f"/?token={TOKEN}")
+        for headers in ({}, {"origin": "http://evil.example"}, {"origin": "null"}):
+            assert (await browser.post("/address", headers=headers)).status_code == 403
+        assert (await browser.get("/address")).status_code == 405
+        shown = await browser.post("/address", headers={"origin": BASE})
+        (token,) = re.findall(rf'value="{BASE}/\?token=([\w-]+)"', shown.text)
+        assert shown.headers["cache-control"] == "no-store"
+        browser.cookies.clear()
+        assert (await browser.get(f"/?token={token}")).status_code == 303
+
+
+async def test_with_the_token_of_a_file_there_are_no_fresh_addresses() -> None:
+    guard = Guard(create_app(Page()), TOKEN, HOSTS, once=False)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(guard), base_url=BASE) as browser:
+        await browser.get(f"/?token={TOKEN}")
+        assert (await browser.post("/address", headers={"origin": BASE})).status_code == 404
 
 
 @pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/?token=t0ke", "/?Token=t0ken"])

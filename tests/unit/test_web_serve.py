@@ -86,6 +86,31 @@ def test_a_browser_is_given_a_file_that_only_this_user_can_read(monkeypatch, tmp
     assert len(list(tmp_path.iterdir())) == 1 or sys.platform != "linux"
 
 
+@pytest.mark.skipif(os.name != "posix", reason="a terminal of its own")
+def test_enter_prints_the_address_of_one_more_browser():
+    ours, theirs = os.openpty()
+    words = [sys.executable, "-m", "lostmotion", "serve", "--no-open", "--port", "0"]
+    running = subprocess.Popen(words, stdin=theirs, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        first = running.stdout.readline().strip()
+        assert "Press Enter" in running.stderr.readline()
+        assert httpx.get(first, timeout=30, follow_redirects=False).status_code == 303
+        os.write(ours, b"\n")
+        second = running.stdout.readline().strip()
+        assert second.partition("?token=")[0] == first.partition("?token=")[0]
+        assert httpx.get(first, timeout=30).status_code == 403
+        with httpx.Client(follow_redirects=True, timeout=30) as browser:
+            assert "Open in another browser" in browser.get(second).text
+        running.send_signal(signal.SIGINT)
+        assert running.wait(30) == 0, "the thread that listens keeps nothing from ending"
+    finally:
+        running.kill()
+        _, said = running.communicate()
+        os.close(ours)
+        os.close(theirs)
+    assert said == ""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_the_real_command_answers_and_ends_cleanly(tmp_path):
     words = [sys.executable, "-m", "lostmotion", "serve", "--store", plant_store(tmp_path, data=False), "--no-open",

@@ -124,8 +124,8 @@ def health_of_rows(
         cannot_tell=said["cannot tell"],
         unfit=sum(not row.fit_for_use for row in rows),
         without_row=len(tags - seen),
-        not_judged=_reasons((row.tag, why_not(row)) for row in open_rows),
-        data=_reasons((row.tag, text) for row in rows for text in row.health),
+        not_judged=reasons_of((row.tag, why_not(row)) for row in open_rows),
+        data=reasons_of((row.tag, text) for row in rows for text in row.health),
         files=len(unread),
         files_failed=sum(one.failed for one in unread),
     )
@@ -145,8 +145,14 @@ def _form(text: str) -> str:
     return _NUMBER.sub("\0", text.replace("\0", ""))
 
 
-def _reasons(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
-    """Reasons that differ in their numbers only are one."""
+def reasons_of(pairs: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
+    """Texts about loops, the most frequent first; those that differ in their numbers only are one.
+
+    Examples
+    --------
+    >>> reasons_of([("FIC-1", "move SP by 2 %"), ("FIC-2", "retune"), ("FIC-3", "move SP by 4 %")])[0]
+    Reason(text='move SP by 2 to 4 %', tags=('FIC-1', 'FIC-3'))
+    """
     tags: dict[str, list[str]] = defaultdict(list)
     texts: dict[str, set[str]] = defaultdict(set)
     for tag, text in pairs:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,8 +57,9 @@ def serve(
 
     Example: lostmotion serve --store plant.db
 
-    The address that is printed lets one browser in; programs come with its token (docs/page.md). Alone it opens a page
-    on which a record is dropped. Files stay on this machine, and are removed at the end unless --keep names a folder.
+    The address that is printed lets one browser in; Enter prints a fresh one for another, and so does "Open in another
+    browser" on the page. Programs come with the token of the first (docs/page.md). Without a file it opens a page on
+    which records are dropped. Files stay on this machine, and are removed at the end unless --keep names a folder.
 
     Ctrl-C ends it, with exit code 0.
     """
@@ -75,6 +77,7 @@ def _serve(
     given: list[str], store: str | None, door: Door, open_browser: bool, read_only: bool, keep: Path | None,
     monitors: tuple[str, ...],
 ) -> None:  # fmt: skip
+    from lostmotion.cli.enter import print_on_enter
     from lostmotion.web.desk.desk import Desk
     from lostmotion.web.page import Page
     from lostmotion.web.server.browser import open_in_browser
@@ -85,14 +88,16 @@ def _serve(
         _check(store)
     desk = None if read_only and not files else Desk(keep, files)
 
-    def ready(address: str) -> None:
+    def ready(address: str, fresh: Callable[[], str]) -> None:
         typer.echo(address)
         sys.stdout.flush()
         if open_browser:
             open_in_browser(address)
+        if door.token is None:
+            print_on_enter(fresh)
 
     try:
-        answer(Page(store, desk, monitors, read_only), door, ready)
+        answer(Page(store, desk, monitors, read_only, fresh_addresses=door.token is None), door, ready)
     finally:
         if desk is not None:
             desk.close()

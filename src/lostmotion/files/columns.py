@@ -88,10 +88,13 @@ def resolve(
         found = {role: name for role, name in ours.items() if wanted[role] is not False} | found
         names = [name for name in names if name in found.values() or tag_and_role(name) is None]
     notes = [_note(role, name) for role, name in found.items() if not _is_named(role, wanted[role])]
+    chosen = _is_named("op", op) and _is_named("pv", pv)
     for role, name in wanted.items():
         if role in found or name is False:
             continue
         rest = [other for other in names if other not in found.values()]
+        if role == "sp" and chosen and len(usual(role, rest)) > 1:
+            rest = _of_tag(rest, found["pv"], notes)
         column = by_alias(role, rest)
         if column is None and isinstance(name, str) and role != "sp":
             raise _missing(role, names, found)
@@ -111,6 +114,19 @@ def resolve(
         found.get("mode"),
         tag,
     )
+
+
+def _of_tag(names: Sequence[str], pv: str, notes: list[str]) -> list[str]:
+    """Columns without those of SP that are of another loop than PV; without all of them where that leaves several.
+
+    Who has chosen OP and PV is not asked once more for a column that may be missing; what is not read is noted.
+    """
+    fits, tag = usual("sp", names), (tag_and_role(pv) or ("", ""))[0]
+    ours = [name for name in fits if tag and (tag_and_role(name) or ("", ""))[0] == tag]
+    if len(ours) != 1:
+        notes.append(f"SP was not read: {', '.join(map(repr, fits[:SHOWN]))} fit; name it with sp='<column>'.")
+        ours = []
+    return [name for name in names if name not in fits or name in ours]
 
 
 def _note(role: str, column: str) -> str:

@@ -76,6 +76,12 @@ def find_head(lines: list[str], places: list[int]) -> Head | None:
     return Head(top[chosen], top[rows[0]], tuple(notes), units)
 
 
+def no_table(line: str, source: str) -> DataError:
+    """Error for a text in whose lines stand neither columns nor numbers: a letter."""
+    got = f"text such as {line.strip()[:60]!r} in {source!r}"
+    return DataError.expected("a table with columns for OP and PV", got, "export the record of the loop as a table")
+
+
 def _columns(lines: list[str]) -> tuple[str, int]:
     """Delimiter that cuts all rows into the same number of columns, and that number."""
     for delimiter in DELIMITERS:

@@ -14,7 +14,7 @@ import numpy as np
 import polars as pl
 
 from lostmotion.errors import DataError
-from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head
+from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head, no_table
 from lostmotion.files.limits import need_few_columns
 from lostmotion.files.number_cells import BAD_WORDS
 from lostmotion.files.table import Table, unique_names
@@ -66,7 +66,7 @@ def parse_text(raw: bytes, source: str) -> Table:
     rows = _Rows(content, blocks, header, find_delimiter(header, body, source), source)
     numbers = numbers_of(blocks)
     if len(rows.names) == 1 and not isinstance(numbers, range):
-        raise _skipped(numbers, source)
+        raise _skipped(numbers, source) if any(map(_is_value, body)) else no_table(header, source)
     frame = rows.frame()
     aligned = numbers if len(frame) == len(numbers) else None  # a quoted cell may hold a line end
     found = Table(frame, source, aligned, rows.delimiter, (*notes, *_headers_again(again)))

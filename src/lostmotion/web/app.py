@@ -16,13 +16,14 @@ from starlette.staticfiles import StaticFiles
 
 from lostmotion.errors import FileAccessError, LostMotionError, one_line
 from lostmotion.report.plant import stylesheet
+from lostmotion.web import another_browser
 from lostmotion.web.desk import pages as file_pages
 from lostmotion.web.monitors import pages as monitor_pages
 from lostmotion.web.page import Page, told
 from lostmotion.web.plant import pages as plant_pages
 from lostmotion.web.trend import pages as trend_pages
 
-PARTS = (plant_pages, file_pages, trend_pages, monitor_pages)
+PARTS = (plant_pages, file_pages, trend_pages, monitor_pages, another_browser)
 STATIC = Path(__file__).with_name("static")
 BRIEFLY = {"cache-control": "private, max-age=60"}
 SAID = {

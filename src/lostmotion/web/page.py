@@ -30,12 +30,15 @@ class Page:
         Files of JSON lines or states of `lostmotion online`.
     read_only : bool
         Nothing can be changed: no drop, no review, no job.
+    fresh_addresses : bool
+        An address lets one browser in, so the page offers a fresh one for another.
     """
 
     store: str | None = None
     desk: Desk | None = None
     monitors: tuple[str, ...] = ()
     read_only: bool = False
+    fresh_addresses: bool = False
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:

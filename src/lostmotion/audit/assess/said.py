@@ -7,6 +7,7 @@ from typing import Any
 
 from lostmotion.compensate.gate import closed
 from lostmotion.diagnose.diagnosis import Diagnosis
+from lostmotion.diagnose.evidence_words import balance
 from lostmotion.diagnose.loop_stability import EXACT
 from lostmotion.diagnose.op_span import op_span
 
@@ -18,8 +19,9 @@ def said(found: Diagnosis) -> dict[str, Any]:
 
     A size that is left open is inf where a valve that never moves would look the same. `indices` hold "op_span" (units
     of OP), "op_span_known" (0: % are of the range seen, or of one of several spans that OP may have, which then is
-    "op_span_assumed"), "tolerance" (units of OP), "closed_loop", "integrating", "gate_open" (1: the gate and the study let this fit
-    pass), and every index by its name, as far as they are finite.
+    "op_span_assumed"), "tolerance" (units of OP), "closed_loop", "integrating", "gate_open" (1: the gate and the study
+    let this fit pass), "log_odds" (all that the lines of evidence add up to), and every index by its name, as far as
+    they are finite.
     """
     low, high = found.interval
     return {
@@ -73,6 +75,7 @@ def _indices(found: Diagnosis) -> dict[str, float]:
         "harris_worst": found.performance.harris[1],
         "fit_percent": found.fit.fit_percent,
         "gate_open": float(_gate_open(found)),
+        "log_odds": balance(found.probabilities, ()).total,
     }
     if stability is not None:
         known |= {"damping": stability.damping, "closed_loop_period": stability.period * found.record.dt}

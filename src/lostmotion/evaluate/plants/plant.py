@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lostmotion.arguments import positive, whole
+from lostmotion.arguments import not_negative, positive, whole
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.plants import operators
@@ -57,6 +57,8 @@ class MadePlant:
     dt, seconds : float
     healthy : tuple of MadeLoop
         The loops without their faults.
+    moves : float or None
+        New set points a day, about, of each loop that has them from no other; None: most loops get none.
     """
 
     seed: int
@@ -70,6 +72,7 @@ class MadePlant:
     dt: float
     seconds: float
     healthy: tuple[MadeLoop, ...] = field(repr=False, default=())
+    moves: float | None = None
 
     @property
     def rows(self) -> int:
@@ -92,7 +95,8 @@ class MadePlant:
         found: list[tuple[float, ...]] = []
         for number, loop in enumerate(self.loops):
             random = np.random.default_rng([self.seed, number, 2])
-            found += operators.events(random, number, loop, self.seconds, self.dt, self.faults[number] != "none")
+            busy = self.faults[number] != "none"
+            found += operators.events(random, number, loop, self.seconds, self.dt, busy, self.moves)
         return operators.table(found)
 
     def record(self, number: int) -> LoopRecord:
@@ -145,6 +149,7 @@ def random_plant(
     places: Sequence[int] | None = None,
     swings: int = 0,
     dt: float = 1.0,
+    moves: float | None = None,
 ) -> MadePlant:
     """Draw a plant.
 
@@ -163,6 +168,9 @@ def random_plant(
         Oscillations that come from outside.
     dt : float
         Seconds of a row.
+    moves : float, optional
+        New set points a day, about, of each loop that has them from no other, by operators and recipes. None: a third
+        of the loops get one to twelve, and the others none.
 
     Raises
     ------
@@ -178,6 +186,7 @@ def random_plant(
     seed, loops = whole("seed", seed, 0), whole("loops", loops, 2)
     seconds, dt = DAY * positive("days", days), positive("dt", dt)
     kinds = wanted(faults)
+    moves = None if moves is None else not_negative("moves", moves)
     made, wires = network(np.random.default_rng([seed, 1]), loops)
     rng = np.random.default_rng([seed, 4])
     places = _places(rng, made, kinds) if places is None else places
@@ -202,6 +211,7 @@ def random_plant(
         dt,
         seconds,
         tuple(in_order),
+        moves,
     )
 
 

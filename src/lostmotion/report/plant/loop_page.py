@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -9,7 +10,7 @@ from markupsafe import Markup
 from lostmotion.audit.plant_view import LoopView
 from lostmotion.audit.row_facts import of_what
 from lostmotion.audit.rules import advice_of
-from lostmotion.diagnose.evidence_words import LABEL
+from lostmotion.diagnose.evidence_words import LABEL, probability
 from lostmotion.plant import PlantLoop
 from lostmotion.report.digits import bracketed, plain, signed
 from lostmotion.report.plant.changes import said
@@ -65,6 +66,7 @@ class LoopPage:
     swings: bool
     op_unit: str
     evidence: list[tuple[str, str, str, Markup, str]]
+    sums: list[tuple[str, str, Markup, str]]
     excluded: list[tuple[str, str, str]]
     of_what: str
     history: Markup
@@ -109,6 +111,7 @@ def loop_page(view: LoopView, anchor: str = "loop") -> LoopPage:
         swings=swings(row),
         op_unit=bracketed(op_unit),
         evidence=_evidence(row),
+        sums=_sums(row),
         excluded=_excluded(row),
         of_what=of_what(row),
         history=history_picture(view.history, of_what(row)),
@@ -153,6 +156,19 @@ def _evidence(row: AssessmentRow) -> list[tuple[str, str, str, Markup, str]]:
         label, meaning = LABEL.get(name, (name.replace("_", " "), ""))
         found.append((label, f"{value:.2f}", signed(weight), odds_bar(weight), meaning))
     return found
+
+
+def _sums(row: AssessmentRow) -> list[tuple[str, str, Markup, str]]:
+    """Name, log-odds, bar and meaning of what stands before the evidence, and of both together; as far as known."""
+    total = row.indices.get("log_odds")
+    if total is None or not row.evidence:
+        return []
+    before = total - sum(weight for _, _, weight in row.evidence)
+    chance = probability(1.0 / (1.0 + math.exp(-total)))
+    return [
+        ("before evidence", signed(before), odds_bar(before), "without any of these lines"),
+        ("together", signed(total), odds_bar(total), f"a fault of the actuator is {chance} likely"),
+    ]
 
 
 def _excluded(row: AssessmentRow) -> list[tuple[str, str, str]]:

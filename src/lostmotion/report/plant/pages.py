@@ -16,7 +16,7 @@ from lostmotion.audit.plant_view import LoopView, PlantView
 from lostmotion.audit.rules import findings_counted
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
-from lostmotion.report.plant.ranking import lines
+from lostmotion.report.plant.ranking import lines, sections
 from lostmotion.report.plant.sizes import size_trends
 from lostmotion.report.plant.svg.bars import count_bar
 from lostmotion.report.plant.svg.treemap import treemap
@@ -73,6 +73,7 @@ def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Cal
     """Everything that an overview shows; `address` gives the address of a loop, "" for none."""
     found, health = changes(view), health_of(view)
     new = frozenset(one.tag for one in found if one.what in NEW)
+    ranking = lines(view, ranked, address, new)
     return {
         "run": view.run,
         "facts": _run_facts(view),
@@ -80,7 +81,9 @@ def plant_context(view: PlantView, ranked: Sequence[AssessmentRow], address: Cal
         "findings": health.findings(Counter(row.said for row in view.leading)),
         "unread": view.unread,
         "counts": _counts(view.leading),
-        "ranking": lines(view, ranked, address, new),
+        "ranking": ranking,
+        "urgent": sum(bool(row.priority) for row in view.leading),
+        "sections": sections(ranked, ranking),
         "all_lines": lines(view, view.leading[:MOST_LISTED], address, new),
         "loops": len(view.leading),
         "treemap_wide": treemap(view.leading, view.by_tag, address),

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from lostmotion.audit.plant_view import PlantView
+from lostmotion.audit.health import OPEN, Reason, reasons_of
+from lostmotion.audit.plant_view import FAULTS, PlantView
 from lostmotion.audit.row_facts import of_what
 from lostmotion.audit.rules import sure_of
 from lostmotion.report.plant.svg.bars import size_bar
@@ -67,6 +68,43 @@ class Line:
     size_key: float
     sure_key: float
     new: bool
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Lines of the ranking by what is to be done about them, each in the order of the ranking.
+
+    Attributes
+    ----------
+    valves, others : list of Line
+        Findings: valves at fault or at their limits; loops to retune, measurements to inspect, valves that never rest.
+    sound : list of Line
+        Judged, and nothing is wrong with the loop itself.
+    undecided : list of Line
+    advice : tuple of Reason
+        What to do about the undecided loops, once for all of them that need the same.
+    """
+
+    valves: list[Line]
+    others: list[Line]
+    sound: list[Line]
+    undecided: list[Line]
+    advice: tuple[Reason, ...]
+
+
+def sections(rows: Sequence[AssessmentRow], all_lines: Sequence[Line]) -> Sections:
+    """Sort the lines of rows, in the same order, into sections."""
+    found = Sections([], [], [], [], reasons_of((row.tag, next_step(row)) for row in rows if _undecided(row)))
+    for row, line in zip(rows, all_lines, strict=True):
+        if row.is_finding:
+            (found.valves if row.said in FAULTS else found.others).append(line)
+        else:
+            (found.undecided if row.said in OPEN else found.sound).append(line)
+    return found
+
+
+def _undecided(row: AssessmentRow) -> bool:
+    return row.said in OPEN and bool(next_step(row))
 
 
 def lines(

@@ -7,6 +7,7 @@ import shlex
 from datetime import datetime
 from pathlib import Path
 
+from lostmotion.audit.health import OPEN
 from lostmotion.audit.plant_view import FAULTS, RunFacts
 from lostmotion.audit.row_facts import ends_percent, of_what
 from lostmotion.audit.rules import advice_of, rule_of, sure_of
@@ -26,12 +27,29 @@ LETTER = {  # NE 107, with the letter that stands in its symbol
     "maintenance required": "M",
     "normal": "N",
 }
+FINDING, ELSEWHERE, UNDECIDED = "!", "~", "?"  # marks of loops without a label
 HEADLINE = {
     "none": "Nothing wrong with the actuator",
     "other oscillation": "The loop swings, but not because of the actuator",
     "cannot tell": "Cannot tell",
 }
 UNITS = ((172_800.0, 86_400.0, "days"), (7200.0, 3600.0, "h"), (180.0, 60.0, "min"), (0.0, 1.0, "s"))  # from .. s on
+
+
+def mark(row: AssessmentRow) -> str:
+    """Letter of a loop: of its label; without one of a finding, of a loop that is none, or of one that is undecided.
+
+    Examples
+    --------
+    >>> made = {"stage": Stage.ASSESSED, "verdict": "cannot tell"}
+    >>> mark(AssessmentRow("FIC-1", UNDATED, UNDATED, **made))
+    '?'
+    >>> mark(AssessmentRow("FIC-1", UNDATED, UNDATED, rule="ringing", priority=35.0, **made))
+    '!'
+    """
+    if row.label:
+        return LETTER[row.label]
+    return FINDING if row.is_finding else UNDECIDED if row.said in OPEN else ELSEWHERE
 
 
 def size_words(row: AssessmentRow) -> str:

@@ -119,6 +119,7 @@ def column_form(item: Item, parts: Sequence[str] = (), modes: Sequence[str] = ()
         "selects": selects,
         "columns": [(name, of_column.get(name, "").upper()) for name in look["columns"]],
         "rows": look["rows"],
+        "choosable": len(look["columns"]) > 1,
         "more": look["more"],
         "dt": asked.get("dt", ""),
         "low": span[0],

@@ -232,4 +232,4 @@ def _ranked(frame: pl.DataFrame) -> pl.DataFrame:
 def _counts(words: Mapping[str, int], name: str) -> tuple[tuple[str, int, str], ...]:
     if name != "label":
         return tuple((word, count, "") for word, count in words.items())
-    return tuple((word or NO_LABEL, count, LETTER.get(word, "?")) for word, count in words.items())
+    return tuple((word or NO_LABEL, count, LETTER.get(word, "")) for word, count in words.items())

@@ -3,6 +3,7 @@
 A page on 127.0.0.1 is open to every program of the machine, and by a name that resolves to 127.0.0.1 to every web page
 that a browser of the machine shows (DNS rebinding). So nothing is answered without the cookie that the token of the
 printed address has become, under another name than the page's own, or to a request that another page has made.
+Each address lets one browser in. Who is in already, and the person at the terminal, can have a fresh one.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 READS = ("GET", "HEAD", "OPTIONS")
+ANOTHER = "/address"  # a POST to it makes a fresh address; it changes nothing that is shown
+FRESH_TOKEN = "lostmotion.fresh_token"  # noqa: S105  key of a scope, under which routes find `Guard.fresh_token`
 HEADERS = {
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -30,6 +33,11 @@ HEADERS = {
     "cross-origin-resource-policy": "same-origin",
     "permissions-policy": "camera=(), microphone=(), geolocation=()",
 }
+
+
+UNKNOWN = "Refused: open the address that was printed when the page was started."
+USED = "This address was used already, or replaced by a newer one."
+WAYS = 'For a new address: press Enter in the terminal of the page, or "Open in another browser" in the open page.'
 
 
 class Guard:
@@ -63,10 +71,23 @@ class Guard:
         self._read_only = read_only
         self._once = once
         self._public = public
-        self._session = secrets.token_urlsafe(32)
-        self._spent = False
+        self._open = token  # of the address that lets the next browser in; empty: it is used up
+        self._cookie_of_next = secrets.token_urlsafe(32)
+        self._sessions: list[str] = []  # cookies that were given out
+        self._ended: list[str] = []  # tokens of addresses that are used up or replaced
         name = "lostmotion_" + "".join(sign for sign in min(self._hosts, default="") if sign.isalnum())
         self.cookie = name if public is None else f"__Host-{name}"  # no neighbouring name can set one that is called so
+
+    def fresh_token(self) -> str:
+        """Token of a new address for one more browser; one that nobody has used is replaced."""
+        self._end_address()
+        self._open, self._cookie_of_next = secrets.token_urlsafe(32), secrets.token_urlsafe(32)
+        return self._open
+
+    def _end_address(self) -> None:
+        if self._open:
+            self._ended.append(self._open)
+        self._open = ""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or have it answered."""
@@ -80,6 +101,8 @@ class Guard:
             await _answer(send, *refusal)
             return
         if self._known(headers):
+            if self._once:
+                scope[FRESH_TOKEN] = self.fresh_token
             await self._app(scope, receive, _with_headers(send))
             return
         await self._let_in(scope, headers, send)
@@ -90,7 +113,7 @@ class Guard:
             return 421, "This page is not known under that name. Use the address that was printed."
         if scope["method"] in READS:
             return None
-        if self._read_only:
+        if self._read_only and scope["path"] != ANOTHER:
             return 403, "The page is read-only here."
         origin = headers.get("origin")
         own = {self._public} if self._public is not None else {f"{scope['scheme']}://{host}" for host in self._hosts}
@@ -103,10 +126,10 @@ class Guard:
         if self._bears(headers):
             return True
         pairs = (one.strip().partition("=") for one in headers.get("cookie", "").split(";"))
-        if not any(name == self.cookie and _alike(value, self._session) for name, _, value in pairs):
-            return False
-        self._spent = True
-        return True
+        brought = [value for name, _, value in pairs if name == self.cookie and _among(value, self._sessions)]
+        if self._once and _among(self._cookie_of_next, brought):
+            self._end_address()
+        return bool(brought)
 
     def _bears(self, headers: dict[str, str]) -> bool:
         kind, _, given = headers.get("authorization", "").partition(" ")
@@ -124,14 +147,14 @@ class Guard:
         if not given and scope["method"] == "GET" and _from_elsewhere(headers):
             await _lead_on(send, _where(scope, fields))
             return
-        if scope["method"] != "GET" or not _alike(given, self._token):
-            await _answer(send, 403, "Refused: open the address that was printed when the page was started.")
+        if scope["method"] != "GET" or not given or not _alike(given, self._open):
+            used = scope["method"] == "GET" and _among(given, self._ended)
+            await _answer(send, 403, f"{USED if used else UNKNOWN} {WAYS if self._once else ''}".rstrip())
             return
-        if self._spent and self._once:
-            await _answer(send, 403, "This address was used already. Start the page again for a new one.")
-            return
+        if self._cookie_of_next not in self._sessions:
+            self._sessions.append(self._cookie_of_next)
         where = _where(scope, fields)
-        cookie = f"{self.cookie}={self._session}; HttpOnly; SameSite=Strict; Path=/"
+        cookie = f"{self.cookie}={self._cookie_of_next}; HttpOnly; SameSite=Strict; Path=/"
         secure = "; Secure" if self._public is not None or scope["scheme"] == "https" else ""
         if _by_itself(headers):
             await _answer(send, 303, "", {"location": where, "set-cookie": cookie + secure})
@@ -169,6 +192,11 @@ def _headers(scope: Scope) -> dict[str, str]:
 
 def _alike(one: str, other: str) -> bool:
     return hmac.compare_digest(one.encode(), other.encode())
+
+
+def _among(given: str, known: Iterable[str]) -> bool:
+    """Whether it is one of them."""
+    return any(_alike(given, one) for one in known)
 
 
 def _with_headers(send: Send) -> Send:

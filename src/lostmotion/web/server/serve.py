@@ -53,7 +53,10 @@ class Door:
     public: str | None = None
 
 
-def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
+Fresh = Callable[[], str]
+
+
+def serve(page: Page, door: Door, ready: Callable[[str, Fresh], None]) -> None:
     """Answer until Ctrl-C or SIGTERM.
 
     Parameters
@@ -61,7 +64,8 @@ def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
     page : Page
     door : Door
     ready : callable
-        Is given the address with the token as soon as the page answers.
+        Is given the address with the token as soon as the page answers, and a function that makes a fresh one for one
+        more browser (with a token of a file: returns the same, which lets everybody in).
 
     Raises
     ------
@@ -73,7 +77,11 @@ def serve(page: Page, door: Door, ready: Callable[[str], None]) -> None:
         token = door.token or secrets.token_urlsafe(32)
         guarded = Guard(create_app(page), token, hosts, page.read_only, once=door.token is None, public=door.public)
         shown = door.public or f"http://{hosts[0]}"
-        server = _Server(_config(Patience(guarded)), lambda: ready(f"{shown}/?token={token}"))
+
+        def fresh() -> str:
+            return f"{shown}/?token={token if door.token is not None else guarded.fresh_token()}"
+
+        server = _Server(_config(Patience(guarded)), lambda: ready(f"{shown}/?token={token}", fresh))
         server.run([bound])
 
 

@@ -18,6 +18,12 @@
     for (const field of document.querySelectorAll("form[data-filter] :disabled")) field.disabled = false;
   });
 
+  // an address to be copied: selected whole
+  for (const field of document.querySelectorAll("input[data-copied]")) {
+    field.addEventListener("focus", () => field.select());
+    field.focus();
+  }
+
   // who decides need not say so twice
   for (const form of document.querySelectorAll("form[data-remember]")) {
     const field = form.elements[form.dataset.remember], key = `lostmotion-${form.dataset.remember}`;

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from lostmotion.plant import PlantLoop
 from lostmotion.report.plant.svg.element import element, percent
-from lostmotion.report.plant.words import LETTER, headline
+from lostmotion.report.plant.words import FINDING, LETTER, headline, mark
 from lostmotion.store.rows import AssessmentRow
 
 LEAST = 6.0  # of the priority: a tile that can still be hit
@@ -33,9 +33,11 @@ class Tile:
     name, words : str
         Text inside, and the whole of it for who points or listens.
     label : str
-        NE 107; empty: cannot tell.
+        NE 107; empty: none.
     link : str
         Address; empty: none.
+    mark : str
+        Letter or sign below the name.
     """
 
     weight: float
@@ -43,6 +45,7 @@ class Tile:
     words: str
     label: str = ""
     link: str = ""
+    mark: str = ""
 
 
 def treemap(
@@ -126,7 +129,7 @@ def arranged(
     tiles: dict[str, list[Tile]] = defaultdict(list)
     for row in own:
         words = f"{row.tag}: {headline(row)}; priority {row.priority:.0f}"
-        tile = Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, address(row.tag))
+        tile = Tile(max(row.priority or 0.0, LEAST), row.tag, words, row.label, address(row.tag), mark(row))
         tiles[_named(loops[row.tag].area, known)].append(tile)
     counts: dict[tuple[str, str], int] = defaultdict(int)
     links: dict[tuple[str, str], str] = {}
@@ -135,9 +138,9 @@ def arranged(
         links[_named(area, known), label] = others(area, label) if others and area in known else ""
     for (name, label), count in counts.items():
         if count:
-            said = f"{name}: {count} loops {label or 'that cannot be told: not cleared'}, priority low or none"
+            said = f"{name}: {count} loops {label or 'without a label: not cleared'}, priority low or none"
             weight = max(OTHERS * count**0.5, 0.5 * LEAST)
-            tiles[name].append(Tile(weight, str(count), said, label, links[name, label]))
+            tiles[name].append(Tile(weight, str(count), said, label, links[name, label], LETTER.get(label, "")))
     found = [(area, sorted(inside, key=lambda tile: -tile.weight)) for area, inside in tiles.items()]
     return sorted(found, key=lambda pair: -sum(tile.weight for tile in pair[1]))
 
@@ -194,12 +197,11 @@ def _area(name: str, tiles: Sequence[Tile], box: Box, wide: int, high: int) -> M
 
 
 def _tile(tile: Tile, box: Box, wide: int, high: int) -> Markup:
-    letter = LETTER.get(tile.label, "?")
     texts = [
         element("text", _cut(tile.name, box[2]), class_="name", x="6", y="16", aria_hidden="true"),
-        element("text", letter, class_="letter", x="6", y="32", aria_hidden="true"),
+        element("text", tile.mark, class_="letter", x="6", y="32", aria_hidden="true"),
     ]
-    kind = (tile.label or "cannot tell").replace(" ", "-")
+    kind = (tile.label or ("finding" if tile.mark == FINDING else "cannot tell")).replace(" ", "-")
     placed = _placed(box, wide, high, f"tile {kind}", element("title", tile.words), *texts)
     return element("a", placed, href=tile.link) if tile.link else placed
 
