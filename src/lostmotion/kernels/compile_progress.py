@@ -36,4 +36,4 @@ def count_compiled() -> None:
         def on_end(self, event: Any) -> None:
             pass
 
-    event.register("numba:compile", Counter())
+    event.register("numba:compile", Counter())  # type: ignore[no-untyped-call]

@@ -12,6 +12,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.gradient_signals import BLOCK, ETA, TILE, H, X, Z, block_at, fill_block, is_quiet, keep_past
 from lostmotion.kernels.lanes import widest
+from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import answers_of
 from lostmotion.kernels.row_products import add_row_products, added_up, room
@@ -201,7 +202,7 @@ def normal_equations(
         c, sums, total = theta[place[-1] : place[-1] + nc], np.zeros(groups), 0.0
         parts[:] = 0.0
         buffer[:, :history] = 0.0
-        k0 = np.int64(0)  # of one type from the start: a literal 0 would compile all that it is handed to twice
+        k0 = no_literal(0)
         while k0 < n:
             m, skipped = block_at(k0, n, p), max(p - k0, 0)
             gone = nc if k0 > 0 and is_quiet(white[H, :history]) else 0

@@ -7,6 +7,7 @@ from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store, widest
+from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 
 TILE = 4 * WIDEST  # columns of a factor at a time
@@ -198,7 +199,7 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
     n, total = target.size, 0.0
     width = (n // TILE + 1) * TILE
     upper = np.zeros((n, width))  # L', and the target behind it
-    floats, zero = address(upper.reshape(-1)), np.int64(0)  # a literal 0 would compile what it is handed to once more
+    floats, zero = address(upper.reshape(-1)), no_literal(0)
     for i in range(n):
         for j in range(i, n):
             upper[i, j] = gram[j, i]
@@ -259,7 +260,7 @@ def _explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: f
     (k, r), m, total = basis.shape, table.shape[1], 0.0
     width = (m // TILE + 1) * TILE
     rows = np.zeros((r + m + k, width))  # of the k made orthonormal, of the m, and the k as they are; the target behind
-    floats, shares, zero = address(rows.reshape(-1)), address(basis.reshape(-1)), np.int64(0)
+    floats, shares, zero = address(rows.reshape(-1)), address(basis.reshape(-1)), no_literal(0)
     for i in range(k):
         for j in range(m):
             rows[r + m + i, j] = table[i, j]
@@ -331,7 +332,7 @@ def damped_step(hessian: FloatArray, gradient: FloatArray, damping: float) -> tu
     slope = np.empty(n)
     for i in range(n):
         slope[i] = gradient[i] / scale[i]
-    move = np.linalg.solve(scaled, slope)
+    move: FloatArray = np.linalg.solve(scaled, slope)  # type: ignore[assignment]  # of float64, as both are
     for i in range(n):
         move[i] = -move[i]
     # with (H + damping) move = -slope: move' H move = -slope' move - damping move' move

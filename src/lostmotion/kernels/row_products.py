@@ -7,6 +7,7 @@ from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.lanes import WIDEST, WIDTH, Quad, address, load_widest, plus_product, spread_widest, store
+from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 
 
@@ -109,13 +110,13 @@ def _add_row_products(
     sample. Behind m samples as many are read, and must be finite.
     """
     rows, one, whole = address(flat), address(single), m // WIDEST * WIDEST
-    _add_tiles(rows, one, singles, single.size - 1, lagged, lags, np.int64(0), whole, rows, parts)
+    _add_tiles(rows, one, singles, single.size - 1, lagged, lags, no_literal(0), whole, rows, parts)
     if whole < m:
         last, places = np.zeros(single.size * WIDEST), np.arange(0, single.size * WIDEST, WIDEST)
         for i in range(single.size):
             for k in range(m - whole):
                 last[i * WIDEST + k] = flat[single[i] + whole + k]
-        few = np.int64(WIDEST)
+        few = no_literal(WIDEST)
         _add_tiles(address(last), address(places), singles, single.size - 1, lagged, lags, whole, few, rows, parts)
 
 

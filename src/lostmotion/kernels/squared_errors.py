@@ -9,6 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.kernels.gradient_signals import BLOCK, TILE, block_at, fill_errors, keep_past, whiten
+from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 from lostmotion.kernels.pole_filters import answers_of
 
@@ -41,7 +42,7 @@ def squared_errors(
             continue
         c = theta[at : at + nc]
         raw[:, :history] = 0.0
-        k0 = np.int64(0)
+        k0 = no_literal(0)
         while k0 < n:
             m, skipped = block_at(k0, n, p), max(p - k0, 0)
             part = y[head + k0 : head + k0 + m]
@@ -49,7 +50,7 @@ def squared_errors(
                 a, answers, b, c, offset, k0, head - delay, x, part, raw[0], raw[1], raw[2], history, work, zero
             )
             if m > skipped or (early > 0.0 and k0 == 0):
-                whiten(d, raw[2], history, m, white, np.int64(0))
+                whiten(d, raw[2], history, m, white, no_literal(0))
                 if k0 == 0:
                     cost += early * np.dot(white[:skipped], white[:skipped])
                 errors = white[skipped:m]
