@@ -21,7 +21,7 @@ from lostmotion.records.sampling import Bools, runs, short_gaps
 ORDERS = (12, 6, 3)  # samples: the noise models of a fit reach back so far; fewer where few rows are complete
 ROWS_PER_COEFFICIENT = 10  # complete rows at least, or the autoregression itself is noise
 MAX_FIT_ROWS = 20_000  # more do not make the coefficients better than the values need
-MAX_RESIDUAL = 6.0  # standard deviations of PV: beyond, the controller did what SP and PV do not explain
+MAX_RESIDUAL = 6.0  # standard deviations of PV: beyond, the controller did something else (a move by hand, of SP)
 NEGLIGIBLE = 1e-10  # relative: directions that the rows do not tell of
 EXACT = 1e-12  # of the variance: a controller without noise of its own is known no better
 
@@ -52,8 +52,8 @@ def bridge_missing(record: LoopRecord, usable: Bools, missing: Bools) -> tuple[L
     bridged : LoopRecord
         The record itself where nothing was filled.
     rows : ndarray of bool, shape (n,)
-        Rows that were filled: runs of at most `limits.BRIDGE_ROWS` rows. What the autoregression cannot tell (the
-        first rows of a piece, rows at which the controller did something else) stays missing.
+        Rows that were filled: runs of at most `limits.BRIDGE_ROWS` rows. In the first rows of a piece, which the
+        autoregression needs, nothing is.
 
     Examples
     --------
@@ -155,31 +155,37 @@ def _most_likely(
         if not (rows & ~whole).any():
             break
         rows = rows & whole
-    filled, done = values.copy(), np.zeros_like(rows)
+    filled = values.copy()
     chosen = np.flatnonzero(rows)
     for part in np.split(chosen, np.flatnonzero(np.diff(chosen) > order) + 1) if len(chosen) else ():
         near = np.arange(part[0], min(part[-1] + order + 1, len(values)))
-        solved, residual = _solved(values, inputs, model, near[whole[near]], part)
-        if residual <= MAX_RESIDUAL:
-            filled[part] = solved
-            done[part] = True
-    return filled, done
+        near = near[whole[near]]
+        filled[part], residual = _solved(values, inputs, model, near, part, errors=2)
+        if residual > MAX_RESIDUAL:  # only the process is as elsewhere: OP is held, as an actuator does
+            values[part, 1] = _held(values[part[0] - 1 : part[-1] + 1, 1])[part - part[0] + 1]
+            filled[part], _ = _solved(values, inputs, model, near, part, errors=1)
+    return filled, rows
+
+
+def _held(signal: FloatArray) -> FloatArray:
+    """Signal whose missing values are the last one before, the first being known."""
+    return signal[np.maximum.accumulate(np.where(np.isnan(signal), 0, np.arange(len(signal))))]
 
 
 def _solved(
-    values: FloatArray, inputs: FloatArray, model: _Autoregression, rows: IntArray, part: IntArray
+    values: FloatArray, inputs: FloatArray, model: _Autoregression, rows: IntArray, part: IntArray, errors: int
 ) -> tuple[FloatArray, float]:
-    """Values (k, 2) of the rows `part` that make the errors of `rows` smallest, and the largest error of PV."""
-    lags = np.arange(model.order + 1)
-    window = np.nan_to_num(values[rows[:, None] - lags])
-    errors = np.einsum("kij,tkj->ti", model.weights, window) - inputs[rows] @ model.inputs
+    """Values (k, 2) of the rows `part` that make the first (PV) or both errors of `rows` smallest; largest of PV."""
+    weights = model.weights[:, :errors]
+    window = np.nan_to_num(values[rows[:, None] - np.arange(model.order + 1)])
+    known = np.einsum("kij,tkj->ti", weights, window) - inputs[rows] @ model.inputs[:, :errors]
     cells = np.argwhere(np.isnan(values[part]))
     lag = rows[:, None] - part[cells[:, 0]]
     reached = (lag >= 0) & (lag <= model.order)
-    effect = model.weights[np.where(reached, lag, 0), :, cells[:, 1]] * reached[:, :, None]  # (row, cell, error)
+    effect = weights[np.where(reached, lag, 0), :, cells[:, 1]] * reached[:, :, None]  # (row, cell, error)
     columns = effect.transpose(0, 2, 1).reshape(-1, len(cells))
-    missing = np.linalg.lstsq(columns, -errors.ravel(), rcond=NEGLIGIBLE)[0]
-    left = errors + (columns @ missing).reshape(errors.shape)
+    missing = np.linalg.lstsq(columns, -known.ravel(), rcond=NEGLIGIBLE)[0]
+    left = known + (columns @ missing).reshape(known.shape)
     solved = values[part]
     solved[cells[:, 0], cells[:, 1]] = missing
     return solved, float(np.abs(left[:, 0]).max())
