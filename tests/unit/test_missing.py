@@ -125,6 +125,15 @@ def test_values_at_a_step_of_an_unknown_set_point_are_not_made_up():
             assert np.abs(stretch.pv - LOOP.measured[start:stop]).max() < 1.5
 
 
+def test_a_transmitter_that_fails_is_no_scattered_missing_sample():
+    pv, rows = LOOP.measured.copy(), np.zeros(N, dtype=bool)
+    pv[1000:1012] = [-14.0, -14.5, -20.0, -20.0, -9.0, -8.0, -7.0, -6.0, -5.0, -4.0, -3.0, -2.0]
+    rows[[999, 1001, 2000]] = True
+    prepared = prepare(LoopRecord(LOOP.command, np.where(rows, np.nan, pv), LOOP.reference, dt=0.1))
+    assert {part.start for part in prepared.left_out if part.kind == "missing"} == {999, 1001}
+    assert prepared.notes[0].startswith("1 missing sample ")
+
+
 def test_values_stay_on_the_steps_and_within_the_range_of_the_record():
     pv, rows = np.round(LOOP.measured, 1), scattered(0.05)
     record = LoopRecord(LOOP.command, np.where(rows, np.nan, pv), LOOP.reference, dt=0.1)

@@ -22,6 +22,9 @@ ORDERS = (12, 6, 3)  # samples: the noise models of a fit reach back so far; few
 ROWS_PER_COEFFICIENT = 10  # complete rows at least, or the autoregression itself is noise
 MAX_FIT_ROWS = 20_000  # more do not make the coefficients better than the values need
 MAX_RESIDUAL = 6.0  # standard deviations of PV: beyond, the controller did something else (a move by hand, of SP)
+MAX_JUMP = (
+    12.0  # the same, with the process alone: beyond, the transmitter failed, and samples are not missing by chance
+)
 NEGLIGIBLE = 1e-10  # relative: directions that the rows do not tell of
 EXACT = 1e-12  # of the variance: a controller without noise of its own is known no better
 
@@ -53,7 +56,7 @@ def bridge_missing(record: LoopRecord, usable: Bools, missing: Bools) -> tuple[L
         The record itself where nothing was filled.
     rows : ndarray of bool, shape (n,)
         Rows that were filled: runs of at most `limits.BRIDGE_ROWS` rows. In the first rows of a piece, which the
-        autoregression needs, nothing is.
+        autoregression needs, and where PV jumps, nothing is.
 
     Examples
     --------
@@ -155,7 +158,7 @@ def _most_likely(
         if not (rows & ~whole).any():
             break
         rows = rows & whole
-    filled = values.copy()
+    filled, done = values.copy(), rows.copy()
     chosen = np.flatnonzero(rows)
     for part in np.split(chosen, np.flatnonzero(np.diff(chosen) > order) + 1) if len(chosen) else ():
         near = np.arange(part[0], min(part[-1] + order + 1, len(values)))
@@ -163,8 +166,10 @@ def _most_likely(
         filled[part], residual = _solved(values, inputs, model, near, part, errors=2)
         if residual > MAX_RESIDUAL:  # only the process is as elsewhere: OP is held, as an actuator does
             values[part, 1] = _held(values[part[0] - 1 : part[-1] + 1, 1])[part - part[0] + 1]
-            filled[part], _ = _solved(values, inputs, model, near, part, errors=1)
-    return filled, rows
+            filled[part], residual = _solved(values, inputs, model, near, part, errors=1)
+        if residual > MAX_JUMP:
+            filled[part], done[part] = np.nan, False
+    return filled, done
 
 
 def _held(signal: FloatArray) -> FloatArray:
@@ -180,6 +185,8 @@ def _solved(
     window = np.nan_to_num(values[rows[:, None] - np.arange(model.order + 1)])
     known = np.einsum("kij,tkj->ti", weights, window) - inputs[rows] @ model.inputs[:, :errors]
     cells = np.argwhere(np.isnan(values[part]))
+    if not len(cells):
+        return values[part], 0.0
     lag = rows[:, None] - part[cells[:, 0]]
     reached = (lag >= 0) & (lag <= model.order)
     effect = weights[np.where(reached, lag, 0), :, cells[:, 1]] * reached[:, :, None]  # (row, cell, error)
