@@ -239,10 +239,10 @@ def checked():
 def unusable():
     """Why prepare leaves a record alone."""
     random = np.random.default_rng(0).normal(size=(2, 600))
-    holes = np.where(np.arange(600) % 7 == 0, np.nan, random[0])
+    holes = np.where(np.arange(600) % 4 == 0, np.nan, random[0])
     lines = np.interp(np.arange(600), np.arange(0, 620, 20), random[1][:31])
     k = np.arange(600)
-    still, slow = np.where(k < 500, 1.0, np.where(k % 5, np.sin(k), np.nan)), np.sin(k / 50)
+    still, slow = np.where(k < 500, 1.0, np.where(k % 10 >= 6, np.sin(k), np.nan)), np.sin(k / 50)
     made = [
         (np.full(600, np.nan), random[1]),
         (np.full(600, 5.0), random[1]),

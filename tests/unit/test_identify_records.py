@@ -20,11 +20,11 @@ def record(seed=4, noise=0.05, decimals=12, **settings):
 def test_notes_of_preparing_are_in_the_report():
     given = record()
     pv = given.pv.copy()
-    pv[200] = np.nan
+    pv[200:206] = np.nan
     fit = lm.identify(lm.LoopRecord(given.op, pv, dt=1.0), **SETTINGS)
-    assert fit.data.segments.tolist() == [[0, 200], [200, 399]]
-    assert "row 201 (t = 200 s)" in " ".join(fit.summary().split())
-    assert any("row 201" in note for note in fit.to_dict()["data"]["notes"])
+    assert fit.data.segments.tolist() == [[0, 200], [200, 394]]
+    assert "rows 201 to 206 (t = 200 to 205 s)" in " ".join(fit.summary().split())
+    assert any("rows 201 to 206" in note for note in fit.to_dict()["data"]["notes"])
 
 
 def test_prepared_records_are_taken_as_they_are():
@@ -43,11 +43,11 @@ def test_several_records_of_one_loop_with_one_refused():
 def test_orders_given_ask_for_longer_pieces():
     given = record()
     pv = given.pv.copy()
-    pv[[90, 180]] = np.nan
+    pv[90:96] = pv[180:186] = np.nan
     holed = lm.LoopRecord(given.op, pv, dt=1.0)
     assert lm.identify(holed, **SETTINGS).data.segments[0].tolist() == [0, 90]
     assert lm.identify(holed, orders=(1, 0, 25), noise="white", nonlinearity="dead zone").data.segments.tolist() == [
-        [0, 219]
+        [0, 214]
     ]
 
 

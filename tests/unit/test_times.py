@@ -280,7 +280,8 @@ def test_counter_alone_is_one_second_with_a_note():
 
 def test_counter_with_missing_rows():
     rows = np.delete(np.arange(50), [10, 11, 30])
-    assert read(rows, dt=5.0).gaps == (10, 28)
+    record = read(rows, dt=5.0)
+    assert (record.gaps, np.flatnonzero(record.missing).tolist()) == ((), [10, 11, 30])
 
 
 def with_ts(times, ts, **settings):
@@ -343,7 +344,11 @@ def test_jitter_uses_the_median():
 def test_gaps_are_recorded():
     times = np.delete(2.5 * np.arange(100) + 7, [20, 21, 22, 70])
     record = read(times)
-    assert (record.dt, record.gaps) == (2.5, (20, 67))
+    assert (record.dt, record.gaps, len(record)) == (2.5, (), 100)
+    assert np.flatnonzero(record.missing).tolist() == [20, 21, 22, 70]
+    assert any("4 rows of the regular clock are absent" in note for note in record.notes)
+    record = read(np.delete(2.5 * np.arange(100) + 7, [20, 21, 22, *range(70, 80)]))
+    assert (record.gaps, record.gap_seconds, np.flatnonzero(record.missing).tolist()) == ((70,), (25.0,), [20, 21, 22])
 
 
 def test_rounded_stamps_use_the_mean():

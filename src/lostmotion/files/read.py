@@ -17,6 +17,7 @@ from lostmotion.files.quality import Trust
 from lostmotion.files.table import Table
 from lostmotion.files.tags import loop_type
 from lostmotion.files.units import unit_of
+from lostmotion.records.absent_rows import with_absent_rows
 from lostmotion.records.modes import holds
 from lostmotion.records.record import LoopRecord, StringArray
 
@@ -78,7 +79,8 @@ def read_loop(
     op_span, pv_span : (float, float), optional
         Engineering limits (low, high).
     missing : "keep" or "error"
-        Keep empty cells and bad values (Bad, No Data, I/O Timeout..) as NaN, or refuse them.
+        Keep empty cells and bad values (Bad, No Data, I/O Timeout..) as NaN, or refuse them. Single rows that are
+        absent from a regular clock are kept as NaN too.
     mode : str, None or False
         Column with the mode of the controller (AUTO, MAN, CAS..), taken as text. None: if there is one of its
         usual names.
@@ -92,8 +94,8 @@ def read_loop(
     Returns
     -------
     LoopRecord
-        Its ``notes`` say what was assumed, its ``gaps`` where rows are missing and ``gap_seconds`` for how long; its
-        ``start`` when it began, where the times are dates, and its units are those of the file.
+        Its ``notes`` say what was assumed, its ``gaps`` where many rows are absent and ``gap_seconds`` for how long;
+        its ``start`` when it began, where the times are dates, and its units are those of the file.
 
     Raises
     ------
@@ -132,7 +134,7 @@ def read_loop(
     by_columns = meaning.columns.loop if content.by_tags or plant.get("loop") else ""
     name = (part or by_columns or content.name) if tag is None else tag
     kind = loop_type(name) or loop_type(meaning.columns.loop)
-    return LoopRecord(
+    record = LoopRecord(
         **meaning.signals,
         dt=meaning.clock.dt,
         mode=None if word is None else _modes(meaning.table, word, plant),
@@ -149,6 +151,7 @@ def read_loop(
         op_unit=unit_of(meaning.table, meaning.columns.op),
         pv_unit=unit_of(meaning.table, meaning.columns.pv),
     )
+    return record if missing == "error" else with_absent_rows(record)
 
 
 def trust_of(plant: Mapping[str, Any]) -> Trust:

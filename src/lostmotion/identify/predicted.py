@@ -217,12 +217,14 @@ class Predictor:
 
 
 def _trusted(record: LoopRecord) -> LoopRecord:
-    """OP held over short holes and within its span; OP and PV missing where an identification does not trust them."""
+    """OP as the fit has it where it is missing; OP and PV missing where an identification does not trust them."""
     mended = clip_to_span(bridge(record)[0])[0]
     prepared = prepare(record)
     if len(prepared.record) != len(record):
         return mended  # it repeats a slower scan than that of the fit
     op, pv = mended.op.copy(), mended.pv.copy()
+    for (start, stop), piece in zip(prepared.rows, prepared.stretches, strict=True):
+        op[start:stop] = piece.op
     for part in prepared.left_out:
         for values, kinds in ((op, OP_UNKNOWN), (pv, PV_UNKNOWN)):
             if part.kind in kinds:

@@ -39,8 +39,8 @@ def about_sampling(sampling: Sampling) -> Iterator[Finding]:
         yield Finding(
             "warning" if sampling.missing_share > limits.MISSING_SHARE else "info",
             f"{sampling.missing} of {sampling.samples} rows miss OP or PV ({share}).",
-            "They cut the record into pieces.",
-            "Export the raw values again if you can; the pieces are used as they are.",
+            f"Runs of at most {limits.BRIDGE_ROWS} are bridged, longer ones cut the record into pieces.",
+            "Export the raw values again if you can.",
         )
     if sampling.gaps:
         yield Finding(

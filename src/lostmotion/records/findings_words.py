@@ -13,10 +13,27 @@ from lostmotion.records.loop_facts import saturation, sp_moves
 from lostmotion.records.modes import rows_of, unknown_words
 from lostmotion.records.pieces import Rows
 from lostmotion.records.record import LoopRecord
-from lostmotion.records.sampling import neighbours
+from lostmotion.records.sampling import Bools, neighbours, runs
 from lostmotion.records.signal_facts import describe_signal
 
 RAW = "or take the record as it is with --raw (raw=True)"
+
+
+def about_bridged(rows: Bools) -> list[str]:
+    """Missing samples that were given their most likely values.
+
+    Examples
+    --------
+    >>> about_bridged(np.arange(6000) % 50 == 7)[0][:64]
+    '120 missing samples (2 %) bridged, at most 1 in a row: each has '
+    """
+    if not rows.any():
+        return []
+    count, longest = int(rows.sum()), int(runs(rows)[1].max())
+    return [
+        f"{count} missing sample{'s' if count > 1 else ''} ({100 * count / len(rows):.2g} %) bridged, at most "
+        f"{longest} in a row: each has its most likely value given the rows before and after, and cuts nothing."
+    ]
 
 
 def about_operation(record: LoopRecord, words: Mapping[str, str] | None = None) -> list[str]:

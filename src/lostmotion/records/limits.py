@@ -32,7 +32,8 @@ FEWEST_THROUGH = 2  # steps of it through an odd value between: one may be a sli
 THROUGH_SHARE = 0.25  # of the steps: of means over k scans 1 - 1/k go through a value, up to half of them a round one
 
 # What prepare leaves out
-BRIDGE_ROWS = 2  # missing OP between equal neighbours: held in truth; longer ones may hide a move
+BRIDGE_ROWS = 5  # missing rows: a cut there costs the initial states of process and noise, which are as many numbers
+BRIDGE_SHARE = 0.2  # of rows: half of it is what intervals get too narrow; beyond, sizes moved by a standard error
 CHANCE = 1e-3  # expected number of runs by chance above which a run proves nothing
 SHORT_STILL = 8  # rows: shorter stand-stills are left to chance when its rate is estimated
 JOIN_ROWS = 6  # moving rows between two frozen runs that belong to one halt of the recording

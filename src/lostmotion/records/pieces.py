@@ -17,7 +17,7 @@ Rows = list[tuple[int, int]]
 
 
 def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
-    """Fill missing OP between equal neighbours, at most two rows: OP is held, and it has not moved.
+    """Fill missing OP between equal neighbours, a few rows at most: OP is held, and it has not moved.
 
     Examples
     --------

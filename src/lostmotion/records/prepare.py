@@ -12,8 +12,16 @@ import numpy.typing as npt
 from lostmotion.records import limits
 from lostmotion.records.clipping import clipped
 from lostmotion.records.compression import compression, made_up, scan_factor
-from lostmotion.records.findings_words import about_compression, about_drift, about_limits, about_operation, refusal
+from lostmotion.records.findings_words import (
+    about_bridged,
+    about_compression,
+    about_drift,
+    about_limits,
+    about_operation,
+    refusal,
+)
 from lostmotion.records.late_pv import moved, rows_late
+from lostmotion.records.missing import bridge_missing
 from lostmotion.records.modes import rows_of
 from lostmotion.records.outliers import wild
 from lostmotion.records.pieces import Rows, bridge, clip_to_span, longest_side, pieces
@@ -31,11 +39,12 @@ Kinds = npt.NDArray[np.str_]
 def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] | None = None) -> Prepared:
     """Find the stretches of a record that identification may use, and say why the rest is left out.
 
-    Left out are missing rows, stretches in which the recording had stopped, PV stuck or was at the end of its range,
-    OP was held for long or did not reach the actuator (mode column), single wild samples of PV, another recording
-    glued on, and pieces too short. Set-point moves, manual moves and OP at its limits stay: they are what happened.
-    Nothing is interpolated; missing OP is filled only between equal neighbours, for at most two rows. PV that
-    was plainly recorded some rows later than the controller saw it is moved there (`lostmotion.records.late_pv`).
+    Left out are longer runs of missing rows, stretches in which the recording had stopped, PV stuck or was at the end
+    of its range, OP was held for long or did not reach the actuator (mode column), single wild samples of PV, another
+    recording glued on, and pieces too short. Set-point moves, manual moves and OP at its limits stay: they are what
+    happened. Scattered missing samples, at most five in a row, get their most likely values
+    (`lostmotion.records.missing`); nothing else is interpolated. PV that was plainly recorded some rows later than the
+    controller saw it is moved there (`lostmotion.records.late_pv`).
 
     Parameters
     ----------
@@ -80,6 +89,8 @@ def _as_recorded(record: LoopRecord, shortest: int, words: Mapping[str, str] | N
     mended, more = clip_to_span(mended)
     kinds, joints = _reasons(mended, words)
     kinds, spared = _leave_out_wild(mended, kinds)
+    bridged, filled = bridge_missing(mended, kinds == "", kinds == "missing")
+    kinds[filled] = ""
     used = kinds == ""
     rows = pieces(used, mended.gaps + joints, shortest)
     for start, stop in rows:
@@ -87,19 +98,19 @@ def _as_recorded(record: LoopRecord, shortest: int, words: Mapping[str, str] | N
     kinds[used] = "short"
     left_out = _parts(kinds)
     told = sentences(left_out, record)
-    left = _without(mended, kinds)
+    left = _without(mended, kinds)  # without the bridged samples: nobody may take them for a historian's
     seen = made_up(left)
     shares = {"op": compression(left, "op"), "pv": seen.pv}
-    why = refusal(mended, rows, shares, shortest, told)
-    notes = [*said, *more, *told, *spared]
+    why = refusal(bridged, rows, shares, shortest, told)
+    notes = [*said, *more, *about_bridged(filled), *told, *spared]
     if why is None:
-        notes += [*about_operation(mended, words), *about_limits(mended)]
-        notes += [*about_drift(mended, rows), *about_compression(shares)]
+        notes += [*about_operation(bridged, words), *about_limits(bridged)]
+        notes += [*about_drift(bridged, rows), *about_compression(shares)]
     else:
         rows = []
     return Prepared(
         record,
-        _stretches(mended, rows),
+        _stretches(bridged, rows),
         tuple(rows),
         left_out,
         tuple(notes),
@@ -116,13 +127,13 @@ def _reasons(record: LoopRecord, words: Mapping[str, str] | None) -> tuple[Kinds
     joints = splices(record)
     detached = rows_of("detached", record.mode, words)
     found = {
-        "missing": record.missing,
         "splice": longest_side(len(record), joints),
         "mode": np.zeros(len(record), dtype=np.bool_) if detached is None else detached,
         "stopped": stopped(record),
         "held OP": held_op(record),
         "clipped PV": clipped(record.pv, record.pv_span),
         "stuck PV": stuck(record),
+        "missing": record.missing,
     }
     for kind, rows in found.items():
         kinds[rows & (kinds == "")] = kind

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.arrays import IntArray
+from lostmotion.records import limits
 from lostmotion.records.record import LoopRecord
 
 Bools = npt.NDArray[np.bool_]
@@ -30,7 +31,7 @@ class Sampling:
     missing : int
         Rows in which OP or PV is missing.
     longest_piece : int
-        Samples in the longest stretch without gap or missing row.
+        Samples in the longest stretch without gap or missing row; scattered missing samples do not end it.
     """
 
     samples: int
@@ -51,11 +52,13 @@ def describe_sampling(record: LoopRecord) -> Sampling:
 
     Examples
     --------
-    >>> describe_sampling(LoopRecord([1, 2, np.nan, 4], [1, 2, 3, 4], dt=0.5, gaps=(1,))).longest_piece
-    1
+    >>> op = np.where(np.arange(200) // 10 == 9, np.nan, 1.0)
+    >>> describe_sampling(LoopRecord(op, np.ones(200), dt=0.5, gaps=(130,))).longest_piece
+    90
     """
-    pieces = np.diff(np.flatnonzero(np.r_[True, _breaks(record), True]))
-    whole = pieces[~record.missing[np.r_[0, np.cumsum(pieces)[:-1]]]]
+    holes = record.missing & ~short_gaps(record)
+    pieces = np.diff(np.flatnonzero(np.r_[True, _breaks(record, holes), True]))
+    whole = pieces[~holes[np.r_[0, np.cumsum(pieces)[:-1]]]]
     return Sampling(
         samples=len(record),
         dt=record.dt,
@@ -66,9 +69,28 @@ def describe_sampling(record: LoopRecord) -> Sampling:
     )
 
 
-def _breaks(record: LoopRecord) -> Bools:
+def short_gaps(record: LoopRecord) -> Bools:
+    """Missing rows between others, few in a row and few in all: they need not cut the record; shape (n,).
+
+    Examples
+    --------
+    >>> pv = np.arange(100.0)
+    >>> pv[[0, 20, 21, 99]] = pv[40:50] = np.nan
+    >>> np.flatnonzero(short_gaps(LoopRecord(np.ones(100), pv, dt=1.0))).tolist()
+    [20, 21]
+    """
+    short = np.zeros(len(record), dtype=np.bool_)
+    ends = np.zeros(len(record) + 1, dtype=np.bool_)
+    ends[[0, *record.gaps, len(record)]] = True
+    for start, length in zip(*runs(record.missing), strict=True):
+        stop = start + length
+        short[start:stop] = length <= limits.BRIDGE_ROWS and not ends[start : stop + 1].any()
+    return short if short.mean() <= limits.BRIDGE_SHARE else np.zeros_like(short)
+
+
+def _breaks(record: LoopRecord, holes: Bools) -> Bools:
     """Tell for each row but the first whether a new piece starts there."""
-    breaks: Bools = np.diff(record.missing.astype(np.int8)) != 0
+    breaks: Bools = np.diff(holes.astype(np.int8)) != 0
     inside = [row - 1 for row in record.gaps if 0 < row < len(record)]
     breaks[inside] = True
     return breaks

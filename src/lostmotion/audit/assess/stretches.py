@@ -68,7 +68,7 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
         yield Look(rows.record, (0,), len(rows.record), whole=True)
         return
     factor = thinning(period, rows.record.dt)
-    masked = _masked(rows)
+    masked = _masked(rows, factor)
     if len(rows.record) <= SHORT * factor:
         whole = _thinned(masked, factor)
         if whole is not None:
@@ -92,7 +92,7 @@ def recording(rows: ScreenRows, period: float | None) -> Recording | None:
     the next. Also None where the window is refused.
     """
     factor = thinning(period, rows.record.dt)
-    whole = _thinned(_masked(rows), factor) if len(rows.record) > max(SHORT * factor, WHOLE) else None
+    whole = _thinned(_masked(rows, factor), factor) if len(rows.record) > max(SHORT * factor, WHOLE) else None
     if whole is None:
         return None
     try:
@@ -143,26 +143,26 @@ def _joined(record: LoopRecord, places: list[int], size: int, factor: int) -> Lo
     return Look(joined, tuple(places), size)
 
 
-def _masked(rows: ScreenRows) -> LoopRecord:
+def _masked(rows: ScreenRows, factor: int) -> LoopRecord:
     """The window with OP missing where the valve follows no controller for some time.
 
     Without a mode no row counts as manual here: `prepare` leaves out where OP is held.
     """
     aside = np.zeros(len(rows.record), dtype=np.bool_)
     if rows.modes_known:
-        aside |= _long(rows.manual)
-    aside |= _long(rows.limited)
+        aside |= _long(rows.manual, factor)
+    aside |= _long(rows.limited, factor)
     if not aside.any() or aside.all():
         return rows.record
     return replace(rows.record, op=np.where(aside, np.nan, rows.record.op))
 
 
-def _long(flags: Bools) -> Bools:
-    """Rows in runs that prepare could not take for a turn."""
-    rows = np.zeros(flags.size, dtype=np.bool_)
+def _long(flags: Bools, factor: int) -> Bools:
+    """Rows in runs that prepare could not take for a turn, nor, after thinning, for scattered missing samples."""
+    rows, least = np.zeros(flags.size, dtype=np.bool_), (limits.BRIDGE_ROWS + 1) * factor
     for start, length in zip(*runs(flags), strict=True):
         if length >= limits.FROZEN_RUN:
-            rows[start : start + length] = True
+            rows[start : start + max(length, least)] = True
     return rows
 
 
