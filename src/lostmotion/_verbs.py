@@ -1,4 +1,4 @@
-"""Verbs that results offer and that higher layers carry out: plot, compensator, block, indices, summary.
+"""Verbs that lower layers offer and that higher ones carry out: read, plot, compensator, block, indices, summary.
 
 A result lives low in the import order; what draws it or turns it into a block lives above. Each verb has a table of
 names, from the class of a result to its function, and imports that function alone when it is called: nothing below
@@ -50,6 +50,11 @@ def named(path: str) -> Callable[..., Any]:
     with any_extra():
         function: Callable[..., Any] = attrgetter(name)(import_module(module))
     return function
+
+
+def read(source: Any, **settings: Any) -> Any:
+    """Record or records of a path, a frame or a mapping of columns."""
+    return named("lostmotion.files.read_any:read_any")(source, **settings)
 
 
 def _carried_out_in(room: str, functions: Mapping[str, str]) -> Callable[[Callable[..., Answer]], Verb[Answer]]:

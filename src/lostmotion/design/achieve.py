@@ -22,7 +22,8 @@ from lostmotion.identify import RatedEstimate
 from lostmotion.identify.data import FEWEST_SAMPLES
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, RecordLike
+from lostmotion.records.as_record import as_records
 
 PLANTS = 16  # drawn: the worst of them is beyond 94 % of all plants in two of three cases
 
@@ -119,7 +120,7 @@ class Achievable:
 
 @one_thread
 def achievable(
-    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
+    u: npt.ArrayLike | RecordLike | Sequence[RecordLike],
     model: Hammerstein | RatedEstimate | Mapping[str, Any],
     noise: NoiseModel | float | None = None,
     *,
@@ -133,7 +134,7 @@ def achievable(
 
     Parameters
     ----------
-    u : array_like (n,), LoopRecord or list of LoopRecord
+    u : array_like (n,), LoopRecord, path, data frame, dict of columns or a list of these
         OP. A record brings its PV; gaps and missing samples cut it into pieces, each with an unknown initial state.
     model, noise, spread
         As in :func:`design`.
@@ -190,13 +191,12 @@ def achievable(
     )
 
 
-def _pieces(
-    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord], y: npt.ArrayLike | None, dt: float
-) -> tuple[FloatArray, FloatArray | None, IntArray]:
+def _pieces(u: Any, y: npt.ArrayLike | None, dt: float) -> tuple[FloatArray, FloatArray | None, IntArray]:
     """OP, PV (None where not given) and the segments."""
+    u = as_records(u) if y is None else u
     records = [u] if isinstance(u, LoopRecord) else u
     if not (isinstance(records, list | tuple) and records and isinstance(records[0], LoopRecord)):
-        op = finite_signal("u", u)  # type: ignore[arg-type]
+        op = finite_signal("u", u)
         pv = None if y is None else finite_signal("y", y, op.size)
         whole = np.array([[0, op.size]])
         _check_samples(op.size)
