@@ -16,6 +16,7 @@ from lostmotion.audit.plant_view import PlantView
 from lostmotion.audit.row_facts import order
 from lostmotion.audit.rules import finding_of
 from lostmotion.audit.run_view import view_of
+from lostmotion.brief import Brief, counted
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.changed import New
@@ -24,8 +25,8 @@ from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Store
 
 
-@dataclass(frozen=True, eq=False)
-class AuditRun:
+@dataclass(frozen=True, eq=False, repr=False)
+class AuditRun(Brief):
     """Result of :func:`lostmotion.audit`: a run of the store. Frozen; prints, draws and tabulates itself.
 
     Attributes
@@ -57,6 +58,14 @@ class AuditRun:
     groups: tuple[GroupRow, ...] = field(repr=False)
     unread: tuple[Unread, ...] = field(repr=False)
     news: tuple[New, ...] = field(repr=False)
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (
+            f"run {self.run.number} of {self.store}",
+            counted(len(self.loops), "loop"),
+            counted(len(self.rows), "row"),
+        )
 
     @classmethod
     def of(cls, address: str | os.PathLike[str], number: int | None = None) -> AuditRun:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.brief import Brief
 from lostmotion.compensate.gate import Said
 from lostmotion.design.bound import half_widths
 from lostmotion.design.plausible_plants import SPREAD
@@ -28,8 +29,8 @@ from lostmotion.records.as_record import as_records
 PLANTS = 16  # drawn: the worst of them is beyond 94 % of all plants in two of three cases
 
 
-@dataclass(frozen=True, eq=False)
-class Achievable:
+@dataclass(frozen=True, eq=False, repr=False)
+class Achievable(Brief):
     """Best intervals that any unbiased estimator can get from given data. Frozen; prints and writes itself.
 
     Attributes
@@ -61,6 +62,10 @@ class Achievable:
     beyond: tuple[int, int, int]
     feedback: bool
     settings: dict[str, Any]
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return f"width {self.width:.4g} +-{self.expected['width']:.2g}", f"{self.samples} samples"
 
     @property
     def duration(self) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief, between
 from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.loop_stability import LoopStability
@@ -45,8 +46,8 @@ class Item:
     meaning: str
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Brief):
     """Result of :func:`diagnose`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -114,6 +115,11 @@ class Diagnosis:
     def fingerprint(self) -> str:
         """Of the record as it was given, see ``LoopRecord.fingerprint``."""
         return self.record.fingerprint
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        size = f" {between(*self.interval)}" if np.isfinite(self.interval).all() else ""
+        return f"{self.verdict}{size}", f"severity {self.severity}", f"confidence {100.0 * self.confidence:.0f} %"
 
     @property
     def cleared(self) -> bool:

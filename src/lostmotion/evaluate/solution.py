@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.diagnose import Diagnosis
 from lostmotion.evaluate.study import CompensationStudy
@@ -55,8 +56,8 @@ class Step:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Brief):
     """Result of :func:`solve`. Frozen; prints and writes itself.
 
     Attributes
@@ -75,6 +76,11 @@ class Solution:
     fit: HammersteinFit | None = field(default=None, repr=False)
     study: CompensationStudy | None = field(default=None, repr=False)
     block: CompensatorBlock | None = None
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        where = f"closed at {self.closed.name}" if self.closed else self.outcome
+        return where, "" if self.block is None else f"{self.block.kind}"
 
     @property
     def closed(self) -> Step | None:

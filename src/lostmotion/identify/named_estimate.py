@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import ParameterError
 from lostmotion.identify.predicted import Predictor, as_scans
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import os
 
 
-class NamedEstimate:
+class NamedEstimate(Brief):
     """Base of results that hold a model, named parameters and their covariance in the same order."""
 
     model: Hammerstein

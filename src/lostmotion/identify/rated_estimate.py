@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import between
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
@@ -65,6 +66,12 @@ class RatedEstimate(NamedEstimate, ABC):
         if self.status is Status.OTHER_KIND and self.evidence.other_kind is not None:
             return self.evidence.other_kind[0]
         return self.nonlinearity.kind if self.status.ok or self.status in SEEN else "cannot tell"
+
+    @property
+    def found_in_words(self) -> str:
+        """Kind that the record supports, with the interval of its size."""
+        size = self.shown_size
+        return self.preferred if size is None else f"{self.preferred} {between(*self.interval(size))}"
 
     @property
     def shown_size(self) -> str | None:

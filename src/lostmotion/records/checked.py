@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from lostmotion.brief import Brief
 from lostmotion.html_table import html_panel, html_table
 from lostmotion.records.checks import check
 from lostmotion.records.prepare import prepare
@@ -19,8 +20,8 @@ HEAD = ("loop", "usable", "samples", "dt, s", "used, %", "errors", "warnings")
 WIDTHS = (NAME, 8, 9, 9, 9, 8, 8)
 
 
-@dataclass(frozen=True, eq=False)
-class CheckedRecord:
+@dataclass(frozen=True, eq=False, repr=False)
+class CheckedRecord(Brief):
     """Report and preparation of one record.
 
     Attributes
@@ -33,6 +34,13 @@ class CheckedRecord:
 
     report: RecordReport
     prepared: Prepared
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (
+            "usable" if self.usable else "NOT USABLE",
+            f"{100.0 * self.share:.3g} % of {len(self.prepared.record)} rows",
+        )
 
     @classmethod
     def of(cls, record: LoopRecord) -> CheckedRecord:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from lostmotion.brief import Brief, counted
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.sampling import Sampling
 from lostmotion.records.signal_facts import SignalFacts
@@ -33,8 +34,8 @@ class Finding:
         return f"{_MARKS[self.level]} {text}"
 
 
-@dataclass(frozen=True)
-class RecordReport:
+@dataclass(frozen=True, repr=False)
+class RecordReport(Brief):
     """Facts and findings about a record.
 
     Parameters
@@ -60,6 +61,12 @@ class RecordReport:
     loop: LoopFacts | None
     findings: list[Finding]
     notes: tuple[str, ...] = ()
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        levels = [finding.level for finding in self.findings]
+        counts = (counted(levels.count(level), level) for level in ("error", "warning"))
+        return "usable" if self.usable else "NOT USABLE", f"{self.sampling.samples} samples", *counts
 
     @property
     def usable(self) -> bool:

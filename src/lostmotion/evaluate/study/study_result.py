@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.reproduced import Reproduction
@@ -102,8 +103,8 @@ class MistakeCase:
         return {**asdict(self), **cycles, "larger_cycle": self.larger_cycle}
 
 
-@dataclass(frozen=True, eq=False)
-class CompensationStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class CompensationStudy(Brief):
     """Result of :func:`compensation_study`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -153,6 +154,11 @@ class CompensationStudy:
     responses: Mapping[str, LoopResponse] = field(repr=False)
     settings: Mapping[str, Any] = field(default_factory=dict)
     reproduction: Reproduction | None = None
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        ratio = f"IAE {self.cases['with'].ratio:.2f} times that of today" if "with" in self.cases else ""
+        return self.recommendation, f"{self.block.kind} block", ratio
 
     @property
     def worst(self) -> MistakeCase | None:
