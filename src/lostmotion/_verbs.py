@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 from lostmotion.errors import ParameterError
 from lostmotion.extras import any_extra
+from lostmotion.panel import Panel
 
 Answer = TypeVar("Answer")
 
@@ -121,34 +122,57 @@ def indices(result: Any, **options: Any) -> Any:
         "identify.recursive.recursive_estimate:RecursiveEstimate": "recursive_text:recursive_summary",
     },
 )
-def summary(result: Any, **options: Any) -> str:
+def text(result: Any, **options: Any) -> str:
     """Text of a result."""
     raise NotImplementedError(f"no summary for {type(result).__name__}")
 
 
-@_carried_out_in("report", {"audit.plant_view:PlantView": "audit_notebook:audit_frame"})
+@_carried_out_in(
+    "report",
+    {
+        "audit.plant_view:PlantView": "audit_notebook:audit_frame",
+        "compensate.block:CompensatorBlock": "tables:block_columns",
+        "design.achieve:Achievable": "tables:achievable_columns",
+        "design.designed:TestDesign": "tables:design_columns",
+        "diagnose.diagnosis:Diagnosis": "tables:diagnosis_columns",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "tables:pooled_columns",
+        "evaluate.monte_carlo:MonteCarloResult": "tables:monte_carlo_columns",
+        "evaluate.solution:Solution": "tables:solution_columns",
+        "evaluate.study.study_result:CompensationStudy": "tables:study_columns",
+        "identify.facts:FitFacts": "tables:parameter_columns",
+        "identify.fit:HammersteinFit": "tables:parameter_columns",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "tables:parameter_columns",
+        "records.checked:CheckedRecord": "tables:checked_columns",
+        "records.report:RecordReport": "tables:report_columns",
+    },
+)
 def frame(result: Any, **options: Any) -> Any:
-    """A result as a data frame."""
+    """Table of a result: columns by name, or a Polars frame."""
     raise NotImplementedError(f"no table of {type(result).__name__}")
 
 
 @_carried_out_in(
     "report",
     {
-        "audit.plant_view:PlantView": "audit_notebook:audit_html",
-        "compensate.block:CompensatorBlock": "notebook:block_html",
-        "diagnose.diagnosis:Diagnosis": "notebook:diagnosis_html",
-        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "notebook:pooled_html",
-        "evaluate.solution:Solution": "notebook:solution_html",
-        "evaluate.study.study_result:CompensationStudy": "notebook:study_html",
-        "identify.facts:FitFacts": "notebook:facts_html",
-        "identify.fit:HammersteinFit": "notebook:fit_html",
-        "identify.recursive.recursive_estimate:RecursiveEstimate": "notebook:recursive_html",
+        "audit.plant_view:PlantView": "audit_notebook:audit_panel",
+        "compensate.block:CompensatorBlock": "notebook:block_panel",
+        "design.achieve:Achievable": "notebook:achievable_panel",
+        "design.designed:TestDesign": "notebook:design_panel",
+        "diagnose.diagnosis:Diagnosis": "notebook:diagnosis_panel",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "notebook:pooled_panel",
+        "evaluate.monte_carlo:MonteCarloResult": "notebook:monte_carlo_panel",
+        "evaluate.solution:Solution": "notebook:solution_panel",
+        "evaluate.study.study_result:CompensationStudy": "notebook:study_panel",
+        "identify.facts:FitFacts": "notebook:facts_panel",
+        "identify.fit:HammersteinFit": "notebook:fit_panel",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "notebook:recursive_panel",
+        "records.checked:CheckedRecord": "notebook:checked_panel",
+        "records.report:RecordReport": "notebook:report_panel",
     },
 )
-def html(result: Any, **options: Any) -> str:
-    """A result as HTML for notebooks."""
-    raise NotImplementedError(f"no HTML of {type(result).__name__}")
+def panel(result: Any, **options: Any) -> Panel:
+    """Headline and tables of a result."""
+    raise NotImplementedError(f"no panel of {type(result).__name__}")
 
 
 @_carried_out_in("report", {"identify.fit:HammersteinFit": "remarks_on_fit:fit_remarks"})

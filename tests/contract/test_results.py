@@ -1,12 +1,19 @@
-"""The repr of a result is one line; its text is summary()."""
+"""Results by their looks: the repr is one line, the text is summary(), and that is a table too."""
+
+import json
+import pickle
+import re
+import sys
 
 import numpy as np
+import pandas as pd
+import polars as pl
 import pytest
 
 import lostmotion as lm
 from lostmotion.audit import AuditRun
 from lostmotion.evaluate import monte_carlo, random_faulty_loop, random_loop
-from lostmotion.records import prepare
+from lostmotion.records import Prepared, prepare
 from lostmotion.simulate.adaptive_loop import AdaptiveHistory
 
 LONGEST = 100
@@ -68,3 +75,39 @@ def test_what_it_says(results):
     assert repr(results[lm.LoopResponse]) == "LoopResponse(100 samples every 0.5 s)"
     assert repr(results[AuditRun]).startswith("AuditRun(run 1 of ")
     assert "closed at" in repr(results[lm.Solution])
+
+
+def test_summaries_are_tables(results):
+    found = {kind: one for kind, one in results.items() if hasattr(one, "summary") and kind is not Prepared}
+    assert len(found) >= 12
+    for kind, result in found.items():
+        summary = result.summary()
+        assert str(summary) == repr(summary) == str(result)
+        assert type(str(summary)) is str
+        frame = summary.to_frame()
+        assert isinstance(frame, pd.DataFrame), kind
+        assert frame.shape[1] >= 4, kind
+        assert summary.to_html() == summary._repr_html_()
+        latex = summary.to_latex()
+        assert latex.count(r"\begin{") == latex.count(r"\end{") > 0
+        assert latex.startswith("\\begin{table}\n\\caption{")
+        bare = re.sub(r"\\.", "", latex.replace(r"\\", ""))
+        assert not set("%_#$^~<>|") & set(bare), bare
+
+
+def test_what_a_summary_is_besides(results):
+    summary = results[lm.HammersteinFit].summary()
+    assert type(pickle.loads(pickle.dumps(summary))) is str  # noqa: S301  our own
+    assert json.loads(json.dumps(summary)) == str(summary)
+
+
+def test_numbers_of_a_fit(results, monkeypatch):
+    facts = results[lm.FitFacts]
+    frame = facts.summary().to_frame().set_index("parameter")
+    assert frame.estimate.to_dict() == facts.parameters
+    assert tuple(frame.loc["band", ["low", "high"]]) == facts.interval("band")
+    assert "\nband & " in facts.summary().to_latex()
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    without = facts.summary().to_frame()
+    assert isinstance(without, pl.DataFrame)
+    assert without.columns == ["parameter", *frame.columns]

@@ -23,6 +23,7 @@ from lostmotion.store.changed import New
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Store
+from lostmotion.summary import Summary
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,9 +150,9 @@ class AuditRun(Brief):
         """Polars frame of the rows, in their order: percentages of span, times in UTC."""
         return _verbs.frame(self.view)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text: what could not be judged, what was found, what to do first."""
-        return _verbs.summary(self.view)
+        return Summary(_verbs.text(self.view), self.view)
 
     def plot(self, **options: Any) -> Any:
         """Figure: verdicts, ranking with sizes, health. Needs the extra ``lostmotion[plot]``."""
@@ -184,7 +185,7 @@ class AuditRun(Brief):
 
     def _repr_html_(self) -> str:
         """Headline and table, for notebooks."""
-        return _verbs.html(self.view)
+        return _verbs.panel(self.view).html()
 
     def __str__(self) -> str:
         return self.summary()

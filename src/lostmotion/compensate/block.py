@@ -255,7 +255,7 @@ class CompensatorBlock(Brief):
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

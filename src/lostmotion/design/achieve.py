@@ -25,6 +25,7 @@ from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord, RecordLike
 from lostmotion.records.as_record import as_records
+from lostmotion.summary import Summary
 
 PLANTS = 16  # drawn: the worst of them is beyond 94 % of all plants in two of three cases
 
@@ -94,9 +95,9 @@ class Achievable(Brief):
         """Samples of data like these that a half-width of the width takes; infinite where they are blind."""
         return self.samples * (self.expected["width"] / half_width) ** 2
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready. Infinite numbers become None."""

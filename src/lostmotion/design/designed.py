@@ -16,6 +16,7 @@ from lostmotion.design.simulated_plant import Plant
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
 from lostmotion.simulate import PI
+from lostmotion.summary import Summary
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -167,9 +168,9 @@ class TestDesign(Brief):
         table = np.array(self.steps, dtype=np.float64)
         return {"time_s": table[:, 0], self.moved: table[:, 1]}
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: signal, predicted PV with its band and limits, expected interval against time.

@@ -16,6 +16,7 @@ from lostmotion.diagnose.performance import Performance
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import kind_names
 from lostmotion.records import LoopRecord
+from lostmotion.summary import Summary
 
 OTHERS = ("other oscillation", "cannot tell")
 
@@ -127,9 +128,9 @@ class Diagnosis(Brief):
         named = self.verdict in ("none", "other oscillation")
         return named and bool(self.excluded) and max(self.excluded.values()) <= self.tolerance
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text: verdict, evidence, advice."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: trend, PV over OP, evidence, verdict.
@@ -182,7 +183,7 @@ class Diagnosis(Brief):
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

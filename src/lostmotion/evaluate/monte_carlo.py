@@ -18,6 +18,7 @@ from lostmotion.evaluate.random_loops import SAMPLES, RandomLoop, random_loop
 from lostmotion.evaluate.scores import BREAK_POINTS, GROUPS, CaseResult, Score, score
 from lostmotion.evaluate.workers import Progress, run_all
 from lostmotion.identify import identify
+from lostmotion.summary import Summary
 
 if TYPE_CHECKING:
     import polars as pl
@@ -71,9 +72,9 @@ class MonteCarloResult(Brief):
 
         return pl.DataFrame([case.row() for case in self.cases], infer_schema_length=None)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Table of the figures as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: figures and all cases; what is not finite becomes None."""

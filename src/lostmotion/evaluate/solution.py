@@ -12,6 +12,7 @@ from lostmotion.compensate import CompensatorBlock
 from lostmotion.diagnose import Diagnosis
 from lostmotion.evaluate.study import CompensationStudy
 from lostmotion.identify import HammersteinFit
+from lostmotion.summary import Summary
 
 STEPS = ("check", "diagnose", "identify", "simulate", "block")
 OUTCOMES = ("block", "nothing wrong", "closed")
@@ -87,9 +88,9 @@ class Solution(Brief):
         """The gate at which the way ended; None where it did not."""
         return self.steps[-1] if self.outcome == "closed" else None
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: everything but the signals."""
@@ -102,7 +103,7 @@ class Solution(Brief):
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

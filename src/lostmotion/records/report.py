@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from lostmotion import _verbs
 from lostmotion.brief import Brief, counted
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.sampling import Sampling
 from lostmotion.records.signal_facts import SignalFacts
+from lostmotion.summary import Summary
 
 Level = Literal["info", "warning", "error"]
 _MARKS = {"error": "ERROR  ", "warning": "WARNING", "info": "info   "}
@@ -81,7 +83,7 @@ class RecordReport(Brief):
                 plain[name]["spikes"] = list(plain[name]["spikes"])
         return plain
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Several lines of text: the record, its signals, the findings."""
         lines = [self.title, f"  {_sampling_line(self.sampling)}"]
         if self.loop is not None:
@@ -90,10 +92,14 @@ class RecordReport(Brief):
         lines.extend(f"  note    {note}" for note in self.notes)
         lines.extend(f"  {finding}" for finding in self.findings)
         lines.append("  usable" if self.usable else "  not usable for identification")
-        return "\n".join(lines)
+        return Summary("\n".join(lines), self)
 
     def __str__(self) -> str:
         return self.summary()
+
+    def _repr_html_(self) -> str:
+        """What was found, worst first, for notebooks."""
+        return _verbs.panel(self).html()
 
 
 def _sampling_line(sampling: Sampling) -> str:

@@ -22,7 +22,7 @@ MEANING = {
 
 def design_summary(design: TestDesign) -> str:
     """Report of a test design as plain text."""
-    lines = [_fill(_headline(design)), "=" * WIDTH, _fill(_answer(design))]
+    lines = [_fill(headline(design)), "=" * WIDTH, _fill(_answer(design))]
     lines += [_fill(f"ACCEPTED behind a closed gate: {said}.") for said in _accepted(design)]
     lines += [_fill("To relax: " + sentence) for sentence in design.advice]
     lines += ["", _table(design), "", _fill(_rival(design)), _fill(_moves(design)), _fill(_seen(design))]
@@ -41,7 +41,8 @@ def _accepted(result: TestDesign | Achievable) -> list[str]:
     return [result.settings["accepted"]] if "accepted" in result.settings else []
 
 
-def _headline(design: TestDesign) -> str:
+def headline(design: TestDesign) -> str:
+    """What the test is."""
     kind = "OP steps in open loop" if design.loop == "open" else "SP steps in closed loop"
     return f"Test design: {kind}, {in_words(design.duration)} ({len(design.signal)} samples of {design.dt:g} s)"
 

@@ -15,6 +15,7 @@ from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.reproduced import Reproduction
 from lostmotion.models import Hammerstein
 from lostmotion.simulate import PI, LoopResponse
+from lostmotion.summary import Summary
 
 CYCLE_TOLERANCE = 1.1  # times the cycle without compensation: what two runs of an irregular swing may differ by
 
@@ -165,9 +166,9 @@ class CompensationStudy(Brief):
         """The plant on which the block does worst, by IAE."""
         return max(self.mistakes, key=lambda case: case.ratio, default=None)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: trend before and after, and the spread over the uncertainty (needs ``lostmotion[plot]``).
@@ -196,7 +197,7 @@ class CompensationStudy(Brief):
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

@@ -10,6 +10,7 @@ from lostmotion.brief import Brief, between
 from lostmotion.errors import Status
 from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.models import Hammerstein, NoiseModel
+from lostmotion.summary import Summary
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,9 +41,9 @@ class RecursiveEstimate(NamedEstimate):
         interval = f" {between(*self.interval(size))}" if size in self.parameters else ""
         return f"{self.nonlinearity.kind}{interval}", self.status.name, f"{self.samples} samples"
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text, with as many digits as the standard errors allow."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def __str__(self) -> str:
         return self.summary()
