@@ -90,7 +90,7 @@ def plot(result: Any, **options: Any) -> Any:
 )
 def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  those of the table take options
     """Ideal inverse of an actuator fault."""
-    remedy = "for stiction fit.block() knocks or makes two moves; for other faults repair the actuator"
+    remedy = "for stiction use a block, which knocks or makes two moves; for other faults repair the actuator"
     raise ParameterError.expected("a dead zone or a backlash, which have an inverse", type(model).__name__, remedy)
 
 

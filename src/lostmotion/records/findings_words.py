@@ -16,7 +16,7 @@ from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import neighbours
 from lostmotion.records.signal_facts import describe_signal
 
-RAW = "or take the record as it is with --raw (raw=True)"
+RAW = "or take the record as it is (raw)"
 
 
 def about_operation(record: LoopRecord, words: Mapping[str, str] | None = None) -> list[str]:

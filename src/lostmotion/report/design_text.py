@@ -31,7 +31,7 @@ def design_summary(design: TestDesign) -> str:
 
 
 NEXT = (
-    "Then: write the signal with columns() or --out, run it, record OP and PV at the same sampling time, and give the "
+    "Then: write the signal to a file, run it, record OP and PV at the same sampling time, and give the "
     "record to identify. The figures hold if the actuator is a dead zone; identify tests that."
 )
 
