@@ -117,16 +117,21 @@ def test_columns_by_their_names(name):
         call(RECORD, dt=2.0)
 
 
+def test_no_columns_of_arrays():
+    with pytest.raises(ParameterError, match="beside op, got ndarray"):
+        lm.identify(OP, PV, 1.0, op="U")
+
+
 def test_lists():
     several = [{"OP": OP[:200], "PV": PV[:200]}, {"OP": OP[200:], "PV": PV[200:]}]
     parts = [lm.LoopRecord(OP[:200], PV[:200], dt=1.0), lm.LoopRecord(OP[200:], PV[200:], dt=1.0)]
     for given in (several, [parts[0], several[1]]):
         assert lm.identify(given, dt=1.0, **ESTIMATE).parameters == lm.identify(parts, **ESTIMATE).parameters
-    with pytest.raises(InputError, match=r"expected a record: .*, got 2 records"):
+    with pytest.raises(InputError, match=r"expected one record, got 2 records; give them one by one"):
         lm.check(several, dt=1.0)
 
 
-@pytest.mark.parametrize("call", [lm.check, lm.solve, records.prepare])
+@pytest.mark.parametrize("call", [lm.check, lm.solve, records.prepare, lm.diagnose])
 @pytest.mark.parametrize("given", [OP, 3.0, None, [1.0, 2.0], records.prepare(RECORD)], ids=repr)
 def test_what_holds_no_record(call, given):
     with pytest.raises(InputError, match=r"expected a record: a LoopRecord, path, data frame or dict of columns"):

@@ -113,6 +113,8 @@ def diagnose(
     'stiction'
     """
     read: LoopRecord | list[LoopRecord] = as_records(record, op=op, pv=pv, sp=sp, time=time, dt=dt)
+    if not isinstance(read, list | tuple):
+        read = as_record(read)
     asked = Asked(integrating, loop_type, tolerance)
     if isinstance(read, list | tuple) and len(read) != 1:
         return diagnose_together([as_record(one) for one in read], asked, starts, progress)

@@ -133,7 +133,7 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
-    if y is None:
+    if y is None or any(name is not None for name in (op, pv, sp, time)):
         u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
     return _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
 

@@ -61,7 +61,9 @@ def as_record(source: Any, **columns: Any) -> LoopRecord:
         found = found[0]
     if isinstance(found, LoopRecord):
         return found
-    got = f"{len(found)} records" if isinstance(found, list | tuple) else type(found).__name__
+    if isinstance(found, list | tuple) and found and all(isinstance(one, LoopRecord) for one in found):
+        raise InputError.expected("one record", f"{len(found)} records", "give them one by one")
+    got = type(found).__name__
     remedy = "arrays are lm.LoopRecord(op=.., pv=.., dt=..), what prepare() made is its .record"
     raise InputError.expected("a record: a LoopRecord, path, data frame or dict of columns", got, remedy)
 
