@@ -105,11 +105,10 @@ def diagnose(
 
     Examples
     --------
-    >>> from lostmotion.evaluate import random_faulty_loop
-    >>> from lostmotion.records import LoopRecord
-    >>> loop = random_faulty_loop(4, cause="stiction", process="flow")
-    >>> record = LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0)
-    >>> diagnose(record).verdict
+    >>> import lostmotion as lm
+    >>> lm.diagnose(lm.datasets.load("FIC-101")).verdict
+    'stiction'
+    >>> lm.diagnose(lm.datasets.path("FIC-101")).verdict
     'stiction'
     """
     read: LoopRecord | list[LoopRecord] = as_records(record, op=op, pv=pv, sp=sp, time=time, dt=dt)
