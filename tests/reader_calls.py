@@ -150,6 +150,10 @@ def unreadable(patch, work):
 
 OTHERS = {  # what no file alone provokes
     "neither path nor frame": lambda _: read_loop(5),
+    "a dict without columns": lambda _: read_loop({}),
+    "a dict of two lengths": lambda _: read_loop({"OP": [1.0, 2.0], "PV": [1.0]}),
+    "a dict with one number": lambda _: read_loop({"OP": 1.0, "PV": [1.0]}),
+    "a dict of arrays and numbers": lambda _: read_loop({"OP": [np.array([1.0]), 2.0], "PV": [1.0, 2.0]}),
     "a lazy frame": lambda _: read_loop(pl.LazyFrame({"OP": [1.0]})),
     "an empty frame": lambda _: read_loop(pl.DataFrame({"OP": [], "PV": []})),
     "names that are numbers": lambda _: read_loop(pytest.importorskip("pandas").DataFrame([[1, 2], [3, 4]])),

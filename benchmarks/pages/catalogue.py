@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 REMARKS = "src/lostmotion/report/remarks_on_fit.py"  # loaded by the verb of a fit
 REPORT = "src/lostmotion/report/diagnosis_*.py"
-READERS = "src/lostmotion/files/coerced.py"  # loaded where a verb is given a path or a frame
+READERS = "src/lostmotion/files/read_any.py"  # loaded where a verb is given a path or a frame
 SHARED = "the real records in ../shared/data"
 COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
 EXPORT = ("benchmarks/export.md", "src/lostmotion/export/templates/*")

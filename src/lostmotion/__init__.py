@@ -18,7 +18,19 @@ from lostmotion.extras import any_extra as _any_extra
 
 __version__ = "0.1.0"
 
-_ROOMS = ("compensate", "evaluate", "export", "files", "models", "online", "plot", "records", "report", "simulate")
+_ROOMS = (
+    "compensate",
+    "datasets",
+    "evaluate",
+    "export",
+    "files",
+    "models",
+    "online",
+    "plot",
+    "records",
+    "report",
+    "simulate",
+)
 
 _attribute, _, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = [name for name in _names if name not in _ROOMS]

@@ -1,4 +1,4 @@
-from . import compensate, evaluate, export, files, models, online, plot, records, report, simulate
+from . import compensate, datasets, evaluate, export, files, models, online, plot, records, report, simulate
 from .audit import AuditRun, audit
 from .compensate import (
     AdaptiveCompensator,

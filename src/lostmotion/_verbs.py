@@ -1,4 +1,4 @@
-"""Verbs that results offer and that higher layers carry out: plot, compensator, block, indices, summary.
+"""Verbs that lower layers offer and that higher ones carry out: read, plot, compensator, block, indices, summary.
 
 A result lives low in the import order; what draws it or turns it into a block lives above. Each verb has a table of
 names, from the class of a result to its function, and imports that function alone when it is called: nothing below
@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 from lostmotion.errors import ParameterError
 from lostmotion.extras import any_extra
+from lostmotion.panel import Panel
 
 Answer = TypeVar("Answer")
 
@@ -52,6 +53,11 @@ def named(path: str) -> Callable[..., Any]:
     return function
 
 
+def read(source: Any, **settings: Any) -> Any:
+    """Record or records of a path, a frame or a mapping of columns."""
+    return named("lostmotion.files.read_any:read_any")(source, **settings)
+
+
 def _carried_out_in(room: str, functions: Mapping[str, str]) -> Callable[[Callable[..., Answer]], Verb[Answer]]:
     return lambda fallback: Verb(fallback, room, functions)
 
@@ -84,7 +90,7 @@ def plot(result: Any, **options: Any) -> Any:
 )
 def compensator(model: Any, **options: Any) -> Any:  # noqa: ARG001  those of the table take options
     """Ideal inverse of an actuator fault."""
-    remedy = "for stiction fit.block() knocks or makes two moves; for other faults repair the actuator"
+    remedy = "for stiction use a block, which knocks or makes two moves; for other faults repair the actuator"
     raise ParameterError.expected("a dead zone or a backlash, which have an inverse", type(model).__name__, remedy)
 
 
@@ -116,34 +122,57 @@ def indices(result: Any, **options: Any) -> Any:
         "identify.recursive.recursive_estimate:RecursiveEstimate": "recursive_text:recursive_summary",
     },
 )
-def summary(result: Any, **options: Any) -> str:
+def text(result: Any, **options: Any) -> str:
     """Text of a result."""
     raise NotImplementedError(f"no summary for {type(result).__name__}")
 
 
-@_carried_out_in("report", {"audit.plant_view:PlantView": "audit_notebook:audit_frame"})
+@_carried_out_in(
+    "report",
+    {
+        "audit.plant_view:PlantView": "audit_notebook:audit_frame",
+        "compensate.block:CompensatorBlock": "tables:block_columns",
+        "design.achieve:Achievable": "tables:achievable_columns",
+        "design.designed:TestDesign": "tables:design_columns",
+        "diagnose.diagnosis:Diagnosis": "tables:diagnosis_columns",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "tables:pooled_columns",
+        "evaluate.monte_carlo:MonteCarloResult": "tables:monte_carlo_columns",
+        "evaluate.solution:Solution": "tables:solution_columns",
+        "evaluate.study.study_result:CompensationStudy": "tables:study_columns",
+        "identify.facts:FitFacts": "tables:parameter_columns",
+        "identify.fit:HammersteinFit": "tables:parameter_columns",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "tables:parameter_columns",
+        "records.checked:CheckedRecord": "tables:checked_columns",
+        "records.report:RecordReport": "tables:report_columns",
+    },
+)
 def frame(result: Any, **options: Any) -> Any:
-    """A result as a data frame."""
+    """Table of a result: columns by name, or a Polars frame."""
     raise NotImplementedError(f"no table of {type(result).__name__}")
 
 
 @_carried_out_in(
     "report",
     {
-        "audit.plant_view:PlantView": "audit_notebook:audit_html",
-        "compensate.block:CompensatorBlock": "notebook:block_html",
-        "diagnose.diagnosis:Diagnosis": "notebook:diagnosis_html",
-        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "notebook:pooled_html",
-        "evaluate.solution:Solution": "notebook:solution_html",
-        "evaluate.study.study_result:CompensationStudy": "notebook:study_html",
-        "identify.facts:FitFacts": "notebook:facts_html",
-        "identify.fit:HammersteinFit": "notebook:fit_html",
-        "identify.recursive.recursive_estimate:RecursiveEstimate": "notebook:recursive_html",
+        "audit.plant_view:PlantView": "audit_notebook:audit_panel",
+        "compensate.block:CompensatorBlock": "notebook:block_panel",
+        "design.achieve:Achievable": "notebook:achievable_panel",
+        "design.designed:TestDesign": "notebook:design_panel",
+        "diagnose.diagnosis:Diagnosis": "notebook:diagnosis_panel",
+        "diagnose.pooled.pooled_diagnosis:PooledDiagnosis": "notebook:pooled_panel",
+        "evaluate.monte_carlo:MonteCarloResult": "notebook:monte_carlo_panel",
+        "evaluate.solution:Solution": "notebook:solution_panel",
+        "evaluate.study.study_result:CompensationStudy": "notebook:study_panel",
+        "identify.facts:FitFacts": "notebook:facts_panel",
+        "identify.fit:HammersteinFit": "notebook:fit_panel",
+        "identify.recursive.recursive_estimate:RecursiveEstimate": "notebook:recursive_panel",
+        "records.checked:CheckedRecord": "notebook:checked_panel",
+        "records.report:RecordReport": "notebook:report_panel",
     },
 )
-def html(result: Any, **options: Any) -> str:
-    """A result as HTML for notebooks."""
-    raise NotImplementedError(f"no HTML of {type(result).__name__}")
+def panel(result: Any, **options: Any) -> Panel:
+    """Headline and tables of a result."""
+    raise NotImplementedError(f"no panel of {type(result).__name__}")
 
 
 @_carried_out_in("report", {"identify.fit:HammersteinFit": "remarks_on_fit:fit_remarks"})

@@ -59,7 +59,7 @@ def coefficients(name: str, values: npt.ArrayLike) -> tuple[float, ...]:
     except (TypeError, ValueError):
         good = False
     if not good:
-        raise ParameterError.expected(f"{name} as finite numbers in one dimension", values, "see the docstring")
+        raise ParameterError.expected(f"{name} as finite numbers in one dimension", values, "give a list of numbers")
     return tuple(float(value) for value in array)
 
 

@@ -105,4 +105,4 @@ def test_a_store_that_cannot_be_used_is_told_before_anything_is_watched(tmp_path
     process = live(1, tmp_path / "a.csv", "FIC-2")
     _, said = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert "got a file that is none; give another name to --store" in said
+    assert "got a file that is none; give the store another name" in said

@@ -85,7 +85,7 @@ def only(**loop):
 
 
 def test_a_loop_needs_orders_or_a_fit_and_a_sampling_time():
-    with pytest.raises(ParameterError, match="--orders or --fit"):
+    with pytest.raises(ParameterError, match="orders or a fit"):
         only(dt=1.0).model()
     with pytest.raises(ParameterError, match="dt of loop 'A'"):
         only(orders=[1, 0, 1]).model()

@@ -139,7 +139,7 @@ def test_a_scheduler_by_its_address_and_one_that_goes_away(monkeypatch):
         ("threads", "expected an engine .*, got 'threads'; "), ("tcp://host", "expected an engine"),
         ("tcp://host:x", "expected an engine"), ("http://localhost:80", "expected an engine"),
         ("tcp://10.0.0.1:8786", r"expected tls:// for a scheduler on another machine \(10.0.0.1\), got tcp://, "),
-        ("tcp://cluster.plant:8786", "allow it with --insecure"),
+        ("tcp://cluster.plant:8786", "allow it with insecure=True"),
     ],
 )  # fmt: skip
 def test_addresses_that_are_refused(name, match):

@@ -170,7 +170,7 @@ def test_a_loop_that_kills_its_worker_is_a_row(tmp_path):
 # the interruption may hit a callback of the garbage collector, which drops it; it comes again after a second
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_loop_that_never_ends_is_a_row(tmp_path):
-    slow = "expected a result within 0.005 minutes, got none; give it more with --loop-minutes, or a shorter --window"
+    slow = "expected a result within 0.005 minutes, got none; give a loop more minutes, or a shorter window"
     limited = AuditSettings(loop_minutes=0.005)
     with Store(tmp_path / "a.db") as store:
         run = audited(store, MadePlant((*TAGS[:3], "endless")), limited)

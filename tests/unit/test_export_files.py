@@ -201,7 +201,7 @@ def test_written_files_are_not_overwritten(tmp_path):
     paths = done.write(tmp_path / "new")
     assert [path.name for path in paths] == list(done.files)
     paths[0].unlink()
-    with pytest.raises(FileAccessError, match=r"FY_101\.c.*--force"):
+    with pytest.raises(FileAccessError, match=r"FY_101\.c.*force=True"):
         done.write(tmp_path / "new")
     assert not paths[0].exists()
     assert done.write(tmp_path / "new", force=True) == paths

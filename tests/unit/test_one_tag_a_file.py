@@ -258,7 +258,7 @@ def test_whole_records_stay_one_result_each(capsys, tmp_path, folder):
 
 
 def test_a_list_of_the_files_is_one_record_for_every_function(folder):
-    from lostmotion.files.coerced import as_records
+    from lostmotion.records.as_record import as_records
 
     assert_whole(as_records(sorted(folder.iterdir())))
 

@@ -35,7 +35,7 @@ def test_a_figure_is_whole_and_replaces_nothing(tmp_path, ending):
     OutputOptions().write_figure(path, Drawn())
     before = path.read_bytes()
     assert before[:4] in (b"\x89PNG", b"%PDF", b"<?xm")
-    with pytest.raises(FileAccessError, match="--force"):
+    with pytest.raises(FileAccessError, match="force=True"):
         OutputOptions().write_figure(path, Drawn())
     OutputOptions(force=True).write_figure(path, Drawn())
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]

@@ -159,7 +159,7 @@ def test_a_newer_store_is_refused(tmp_path):
 
 def test_files_that_are_no_store(tmp_path):
     (tmp_path / "a.csv").write_text("time,OP,PV\n" * 200)
-    assert_refused("got a file that is none; give another name to --store", tmp_path / "a.csv")
+    assert_refused("got a file that is none; give the store another name", tmp_path / "a.csv")
     with closing(sqlite3.connect(tmp_path / "history.db")) as plain, plain:
         plain.execute("CREATE TABLE samples (t, v)")
     assert_refused(r"got a database with other tables \(samples\); ", tmp_path / "history.db")

@@ -11,7 +11,7 @@ import typer
 import lostmotion
 from lostmotion.cli import app, main
 from lostmotion.cli.wording import SETTING, advice, as_options, message, named_options
-from lostmotion.errors import ColumnError, DataError, TimeError
+from lostmotion.errors import DataError, FileAccessError, TimeError
 
 SOURCE = Path(lostmotion.__file__).parent
 COMMANDS = typer.main.get_command(app).commands
@@ -91,7 +91,9 @@ def test_what_was_got_is_not_reworded():
     error = DataError.expected("6 fields", "'dt=5;time=False'", "repair the line, or give dt=<seconds>")
     assert message(error, ["--dt"]) == "expected 6 fields, got 'dt=5;time=False'; repair the line, or give --dt SECONDS"
     assert str(error).endswith("give dt=<seconds>")
-    assert message(ColumnError("FIC: take it with --raw (raw=True)"), []) == "FIC: take it with --raw"
+    assert message(FileAccessError("expected a new file, got raw=True.csv; use force=True to replace it"), []) == (
+        "expected a new file, got raw=True.csv; use --force to replace it"
+    )
 
 
 ROWS = range(300)

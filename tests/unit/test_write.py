@@ -24,7 +24,7 @@ def test_what_is_written_can_be_read(tmp_path, name):
 def test_existing_file_is_kept_unless_forced(tmp_path):
     path = files.write_columns(tmp_path / "a.csv", COLUMNS)
     before = path.read_bytes()
-    with pytest.raises(FileAccessError, match="exists; use --force"):
+    with pytest.raises(FileAccessError, match="exists; use force=True"):
         files.write_columns(path, {"OP": [1.0]})
     assert path.read_bytes() == before
     files.write_columns(path, {"OP": [1.0]}, force=True)

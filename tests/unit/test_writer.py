@@ -32,7 +32,7 @@ def way(request, monkeypatch):
 
 def test_new_and_replaced(way, tmp_path):
     path = writer.write_bytes(tmp_path / "a", b"one")
-    with pytest.raises(FileAccessError, match="exists; use --force"):
+    with pytest.raises(FileAccessError, match="exists; use force=True"):
         writer.write_bytes(path, b"two")
     path.chmod(0o640)
     writer.write_bytes(path, b"three", force=True)

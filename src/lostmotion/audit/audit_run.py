@@ -16,16 +16,18 @@ from lostmotion.audit.plant_view import PlantView
 from lostmotion.audit.row_facts import order
 from lostmotion.audit.rules import finding_of
 from lostmotion.audit.run_view import view_of
+from lostmotion.brief import Brief, counted
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.changed import New
 from lostmotion.store.rows import AssessmentRow, GroupRow, Stage, TraceRow
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Store
+from lostmotion.summary import Summary
 
 
-@dataclass(frozen=True, eq=False)
-class AuditRun:
+@dataclass(frozen=True, eq=False, repr=False)
+class AuditRun(Brief):
     """Result of :func:`lostmotion.audit`: a run of the store. Frozen; prints, draws and tabulates itself.
 
     Attributes
@@ -57,6 +59,14 @@ class AuditRun:
     groups: tuple[GroupRow, ...] = field(repr=False)
     unread: tuple[Unread, ...] = field(repr=False)
     news: tuple[New, ...] = field(repr=False)
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (
+            f"run {self.run.number} of {self.store}",
+            counted(len(self.loops), "loop"),
+            counted(len(self.rows), "row"),
+        )
 
     @classmethod
     def of(cls, address: str | os.PathLike[str], number: int | None = None) -> AuditRun:
@@ -140,9 +150,9 @@ class AuditRun:
         """Polars frame of the rows, in their order: percentages of span, times in UTC."""
         return _verbs.frame(self.view)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text: what could not be judged, what was found, what to do first."""
-        return _verbs.summary(self.view)
+        return Summary(_verbs.text(self.view), self.view)
 
     def plot(self, **options: Any) -> Any:
         """Figure: verdicts, ranking with sizes, health. Needs the extra ``lostmotion[plot]``."""
@@ -175,7 +185,7 @@ class AuditRun:
 
     def _repr_html_(self) -> str:
         """Headline and table, for notebooks."""
-        return _verbs.html(self.view)
+        return _verbs.panel(self.view).html()
 
     def __str__(self) -> str:
         return self.summary()

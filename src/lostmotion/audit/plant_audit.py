@@ -44,7 +44,7 @@ def audit(
 
     Parameters
     ----------
-    source : path, list of paths, data frame, mapping of records, or URL of a database
+    source : path, list of paths, data frame, list of records or mapping of tags to them, or URL of a database
         A folder, a pattern, files with one loop or many, Parquet in pieces (:func:`lostmotion.plant.open_plant`).
     store : path or URL
         An SQLite file, made if it is not there, or ``postgresql://..``. It may lie in no folder of a network.

@@ -8,6 +8,7 @@ from datetime import datetime
 from functools import cached_property
 
 from lostmotion.audit.row_facts import order
+from lostmotion.brief import Brief, counted
 from lostmotion.plant import PlantLoop, Unread
 from lostmotion.store.rows import DENIED, FAULTS, AssessmentRow, GroupRow, Stage, TraceRow
 
@@ -86,8 +87,8 @@ class SizePoint:
     live: bool = False
 
 
-@dataclass(frozen=True)
-class PlantView:
+@dataclass(frozen=True, repr=False)
+class PlantView(Brief):
     """All that a report of a plant shows: plain rows.
 
     Attributes
@@ -119,6 +120,10 @@ class PlantView:
     unread: tuple[Unread, ...] = ()
     growth: Mapping[str, str] = field(default_factory=dict)
     reviews: Mapping[str, str] = field(default_factory=dict)
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return f"run {self.run.number}", counted(len(self.loops), "loop"), counted(len(self.rows), "row")
 
     @cached_property
     def by_tag(self) -> dict[str, PlantLoop]:

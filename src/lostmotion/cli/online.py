@@ -153,6 +153,8 @@ def _model(
     from lostmotion.online.watched_fit import watched_model
 
     known = None if fit is None else lm.read_fit(fit)
+    if orders is None and fit is None:
+        raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
     wanted = None if orders is None else read_orders(orders)
     return watched_model(known, wanted, gain, read_noise(noise), **gate.given())
 

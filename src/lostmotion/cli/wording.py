@@ -43,6 +43,8 @@ FLAGS = {
     ("time", "False"): "--ignore-time",
     ("quality", "False"): "--ignore-quality",
     ("raw", "True"): "--raw",
+    ("force", "True"): "--force",
+    ("insecure", "True"): "--insecure",
     ("retune", "True"): "--retune",
 }
 OVERRIDE = OPTIONS["accept"]
@@ -73,7 +75,8 @@ def message(error: Exception, options: Collection[str] | None = None) -> str:
     """
     said = getattr(error, "said", None)
     if said is None:
-        return re.sub(r"(--raw) \(raw=True\)", r"\1", str(error))
+        before, end, remedy = str(error).rpartition("; ")
+        return before + end + as_options(remedy)
     expected, got, remedy = said
     return (
         f"expected {as_options(expected)}, got {got}; {advice(remedy, OFFERED.get() if options is None else options)}"
@@ -122,6 +125,7 @@ def as_options(text: str) -> str:
     >>> as_options("give op_span where it is not")
     'give --op-span LOW HIGH where it is not'
     """
+    text = text.replace("record.split()", "--split")
     options = SETTING.sub(lambda found: _as_option(found.group(0), *found.groups()), text)
     options = BARE.sub(r"\1--op-span LOW HIGH", options)
     return re.sub(r"(--dt \S+) and (?=--ignore-time)", r"\1 ", options)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arguments import numbers, positive
 from lostmotion.arrays import FloatArray, IntArray, Reals
+from lostmotion.brief import Brief, counted
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification, present_names
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels.blocks import core as kernel
@@ -24,8 +25,8 @@ REFUSED = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class BlockResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class BlockResponse(Brief):
     """Outputs of a block over a record, each of shape (n,); the same names as in the PLC, in lower case.
 
     Attributes
@@ -47,12 +48,16 @@ class BlockResponse:
     ramping: npt.NDArray[np.bool_]
     error: IntArray
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (f"{len(self)} scans",)
+
     def __len__(self) -> int:
         return len(self.op_out)
 
 
-@dataclass(frozen=True)
-class CompensatorBlock:
+@dataclass(frozen=True, repr=False)
+class CompensatorBlock(Brief):
     """Compensating block as it runs in a PLC: the same kernel, the same settings.
 
     Made from a fit by ``fit.block()``, from a model by :func:`~lostmotion.compensate.block_from_model`, or here from
@@ -90,6 +95,10 @@ class CompensatorBlock:
     accepted: str = ""
     _memory: Reals = field(init=False, repr=False, compare=False)
     _outputs: Reals = field(init=False, repr=False, compare=False)
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return self.kind, f"every {self.scan_time:g} s", counted(len(self.values), "setting")
 
     def __post_init__(self) -> None:
         if not isinstance(self.kind, str) or self.kind not in SPECIFICATIONS:
@@ -246,7 +255,7 @@ class CompensatorBlock:
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

@@ -138,7 +138,7 @@ def verdict_of(diagnosis: Said) -> str:
     found = diagnosis.get("verdict") if isinstance(diagnosis, Mapping) else getattr(diagnosis, "verdict", diagnosis)
     if not isinstance(found, str):
         got = sorted(diagnosis) if isinstance(diagnosis, Mapping) else type(diagnosis).__name__
-        raise DataError.expected("a diagnosis with its verdict", got, "use what diagnose() or diagnose --out gave")
+        raise DataError.expected("a diagnosis with its verdict", got, "use a diagnosis, or the JSON of one")
     return found
 
 
@@ -230,7 +230,7 @@ def block_behind_gate(
     if facts is not None:
         found = closed(facts, diagnosis)
         if found is None and facts.kind.name != fault:
-            found = Closed(f"a fit that shows a {fault}", facts.kind.name, "make the block from this fit: fit.block()")
+            found = Closed(f"a fit that shows a {fault}", facts.kind.name, "make the block from this fit")
     elif diagnosis is not None:
         found = _contradicted(fault, verdict_of(diagnosis))
     if found is None or (block.accepted and reason is None):

@@ -15,9 +15,9 @@ from lostmotion.identify.saved_fit import LONGEST, SHORTEST
 
 KEYS = ("kind", "scan_time", "settings")
 OTHER_KEYS = ("notes", "accepted")
-REMEDY = "use what simulate --block-out wrote, or block.to_dict()"
+REMEDY = "use the JSON of a compensating block"
 ORIGIN = ("data", "fit", "interval")  # where the settings come from: beside the block in its file, in words
-EITHER = "use what identify --out or simulate --block-out wrote"
+EITHER = "use the JSON of a fit or of a compensating block"
 
 
 def read_block(path: str | os.PathLike[str]) -> CompensatorBlock:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from lostmotion import _verbs
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.brief import Brief
 from lostmotion.compensate.gate import Said
 from lostmotion.design.bound import half_widths
 from lostmotion.design.plausible_plants import SPREAD
@@ -22,13 +23,15 @@ from lostmotion.identify import RatedEstimate
 from lostmotion.identify.data import FEWEST_SAMPLES
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, RecordLike
+from lostmotion.records.as_record import as_records
+from lostmotion.summary import Summary
 
 PLANTS = 16  # drawn: the worst of them is beyond 94 % of all plants in two of three cases
 
 
-@dataclass(frozen=True, eq=False)
-class Achievable:
+@dataclass(frozen=True, eq=False, repr=False)
+class Achievable(Brief):
     """Best intervals that any unbiased estimator can get from given data. Frozen; prints and writes itself.
 
     Attributes
@@ -61,6 +64,10 @@ class Achievable:
     feedback: bool
     settings: dict[str, Any]
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return f"width {self.width:.4g} +-{self.expected['width']:.2g}", f"{self.samples} samples"
+
     @property
     def duration(self) -> float:
         """Seconds."""
@@ -88,9 +95,9 @@ class Achievable:
         """Samples of data like these that a half-width of the width takes; infinite where they are blind."""
         return self.samples * (self.expected["width"] / half_width) ** 2
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready. Infinite numbers become None."""
@@ -119,7 +126,7 @@ class Achievable:
 
 @one_thread
 def achievable(
-    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord],
+    u: npt.ArrayLike | RecordLike | Sequence[RecordLike],
     model: Hammerstein | RatedEstimate | Mapping[str, Any],
     noise: NoiseModel | float | None = None,
     *,
@@ -133,7 +140,7 @@ def achievable(
 
     Parameters
     ----------
-    u : array_like (n,), LoopRecord or list of LoopRecord
+    u : array_like (n,), LoopRecord, path, data frame, dict of columns or a list of these
         OP. A record brings its PV; gaps and missing samples cut it into pieces, each with an unknown initial state.
     model, noise, spread
         As in :func:`design`.
@@ -190,13 +197,12 @@ def achievable(
     )
 
 
-def _pieces(
-    u: npt.ArrayLike | LoopRecord | Sequence[LoopRecord], y: npt.ArrayLike | None, dt: float
-) -> tuple[FloatArray, FloatArray | None, IntArray]:
+def _pieces(u: Any, y: npt.ArrayLike | None, dt: float) -> tuple[FloatArray, FloatArray | None, IntArray]:
     """OP, PV (None where not given) and the segments."""
+    u = as_records(u) if y is None else u
     records = [u] if isinstance(u, LoopRecord) else u
     if not (isinstance(records, list | tuple) and records and isinstance(records[0], LoopRecord)):
-        op = finite_signal("u", u)  # type: ignore[arg-type]
+        op = finite_signal("u", u)
         pv = None if y is None else finite_signal("y", y, op.size)
         whole = np.array([[0, op.size]])
         _check_samples(op.size)

@@ -10,15 +10,17 @@ import numpy as np
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 from lostmotion.design.operating_limits import Limits
 from lostmotion.design.simulated_plant import Plant
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records import LoopRecord
 from lostmotion.simulate import PI
+from lostmotion.summary import Summary
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(Brief):
     """What is expected to be seen, each of shape (n,).
 
     Attributes
@@ -35,9 +37,13 @@ class Prediction:
     op_low: FloatArray
     op_high: FloatArray
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (f"{self.op.size} samples",)
 
-@dataclass(frozen=True, eq=False)
-class TestDesign:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TestDesign(Brief):
     """Result of :func:`design`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -103,6 +109,11 @@ class TestDesign:
     limits: Limits
     settings: dict[str, Any] = field(repr=False)
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        reach = f"width +-{self.expected['width']:.3g}"
+        return f"{self.loop} loop", f"{self.duration:g} s", reach, "" if self.reached else "NOT reached"
+
     @property
     def duration(self) -> float:
         """Seconds."""
@@ -157,9 +168,9 @@ class TestDesign:
         table = np.array(self.steps, dtype=np.float64)
         return {"time_s": table[:, 0], self.moved: table[:, 1]}
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: signal, predicted PV with its band and limits, expected interval against time.

@@ -97,7 +97,7 @@ def check(
     longest = _longest(plant, hold, samples or most)
     limits = Limits(levels, EVERYTHING if controller is None else op, pv, hold, longest, rate, now)
     if target not in TARGETS:
-        raise ParameterError.expected(f"target as one of {list(TARGETS)}", repr(target), "see the docstring")
+        raise ParameterError.expected(f"target as one of {list(TARGETS)}", repr(target), "choose one of them")
     return Asked(plant, limits, samples, fewest, most, _wanted(wanted), target, assumed)
 
 
@@ -105,7 +105,7 @@ def _check_loop(
     loop: str, controller: PI | None, op_limits: Range | None, sp_limits: Range | None, known: Known
 ) -> None:
     if loop not in ("open", "closed"):
-        raise ParameterError.expected('loop as "open" or "closed"', repr(loop), "see the docstring")
+        raise ParameterError.expected('loop as "open" or "closed"', repr(loop), "choose one of them")
     if loop == "open" and op_limits is None:
         raise ParameterError.expected("op_limits=(low, high)", None, "say how far OP may be moved")
     if loop == "closed" and (controller is None or sp_limits is None):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from os import PathLike
 from typing import overload
 
 from lostmotion.diagnose.diagnosis import Diagnosis
@@ -12,40 +11,56 @@ from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.diagnose.pooled.together import Asked, diagnose_together
 from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
 from lostmotion.errors import ParameterError
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, RecordLike
+from lostmotion.records.as_record import Column, as_record, as_records
 
 
 @overload
 def diagnose(
-    record: LoopRecord | str | PathLike[str],
+    record: RecordLike,
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
     progress: Callable[[str], None] | None = None,
+    op: str | None = None,
+    pv: str | None = None,
+    sp: Column = None,
+    time: Column = None,
+    dt: float | None = None,
 ) -> Diagnosis: ...
 
 
 @overload
 def diagnose(
-    record: Sequence[LoopRecord | PathLike[str]],
+    record: Sequence[RecordLike],
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
     starts: Sequence[float] | None = None,
     progress: Callable[[str], None] | None = None,
+    op: str | None = None,
+    pv: str | None = None,
+    sp: Column = None,
+    time: Column = None,
+    dt: float | None = None,
 ) -> Diagnosis: ...
 
 
 def diagnose(
-    record: LoopRecord | str | PathLike[str] | Sequence[LoopRecord | PathLike[str]],
+    record: RecordLike | Sequence[RecordLike],
     *,
     integrating: bool | None = None,
     loop_type: str | None = None,
     tolerance: float = TOLERANCE,
     starts: Sequence[float] | None = None,
     progress: Callable[[str], None] | None = None,
+    op: str | None = None,
+    pv: str | None = None,
+    sp: Column = None,
+    time: Column = None,
+    dt: float | None = None,
 ) -> Diagnosis:
     """Say what is wrong with a loop, from its routine record or from many records of it.
 
@@ -56,8 +71,8 @@ def diagnose(
 
     Parameters
     ----------
-    record : LoopRecord, path or data frame, or a sequence of them
-        OP and PV, with SP where known; a path or a frame is read by :func:`lostmotion.read_loop`. Each is prepared
+    record : LoopRecord, path, data frame or dict of columns, or a sequence of them
+        OP and PV, with SP where known; what is no record yet is read by :func:`lostmotion.read_loop`. Each is prepared
         first (:func:`lostmotion.records.prepare`).
     integrating : bool, optional
         Whether the process integrates (a level); `identify` looks at no other. None: as identified, but for a flow,
@@ -71,6 +86,9 @@ def diagnose(
         Of many records: when each begins, in seconds, for the trend of the size. None: only their order is known.
     progress : callable, optional
         Told in words how far a diagnosis of many records is.
+    op, pv, sp, time, dt : optional
+        Columns of a path, a frame or a dict where they have other names, and the sampling time in seconds where there
+        is no column of times: as in :func:`lostmotion.read_loop`, which takes more.
 
     Returns
     -------
@@ -87,25 +105,21 @@ def diagnose(
 
     Examples
     --------
-    >>> from lostmotion.evaluate import random_faulty_loop
-    >>> from lostmotion.records import LoopRecord
-    >>> loop = random_faulty_loop(4, cause="stiction", process="flow")
-    >>> record = LoopRecord(loop.op, loop.pv, loop.sp, dt=1.0)
-    >>> diagnose(record).verdict
+    >>> import lostmotion as lm
+    >>> lm.diagnose(lm.datasets.load("FIC-101")).verdict
+    'stiction'
+    >>> lm.diagnose(lm.datasets.path("FIC-101")).verdict
     'stiction'
     """
-    if not isinstance(record, LoopRecord):
-        from lostmotion.files.coerced import as_records  # noqa: PLC0415  readers are heavy, and records need none
-
-        read: LoopRecord | list[LoopRecord] = as_records(record)
-    else:
-        read = record
+    read: LoopRecord | list[LoopRecord] = as_records(record, op=op, pv=pv, sp=sp, time=time, dt=dt)
+    if not isinstance(read, list | tuple):
+        read = as_record(read)
     asked = Asked(integrating, loop_type, tolerance)
-    if not isinstance(read, LoopRecord) and len(read) != 1:
-        return diagnose_together(read, asked, starts, progress)
-    if not isinstance(read, LoopRecord):
+    if isinstance(read, list | tuple) and len(read) != 1:
+        return diagnose_together([as_record(one) for one in read], asked, starts, progress)
+    if isinstance(read, list | tuple):
         _check_single(starts)
-        (read,), starts = read, None
+        read, starts = as_record(read), None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
     if len(read) > LONG:

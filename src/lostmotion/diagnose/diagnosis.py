@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief, between
 from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.features import Measured
 from lostmotion.diagnose.loop_stability import LoopStability
@@ -15,6 +16,7 @@ from lostmotion.diagnose.performance import Performance
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.kind import kind_names
 from lostmotion.records import LoopRecord
+from lostmotion.summary import Summary
 
 OTHERS = ("other oscillation", "cannot tell")
 
@@ -45,8 +47,8 @@ class Item:
     meaning: str
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Brief):
     """Result of :func:`diagnose`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -115,15 +117,20 @@ class Diagnosis:
         """Of the record as it was given, see ``LoopRecord.fingerprint``."""
         return self.record.fingerprint
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        size = f" {between(*self.interval)}" if np.isfinite(self.interval).all() else ""
+        return f"{self.verdict}{size}", f"severity {self.severity}", f"confidence {100.0 * self.confidence:.0f} %"
+
     @property
     def cleared(self) -> bool:
         """Whether no lost motion that matters is left open: `excluded` is known and all of it within `tolerance`."""
         named = self.verdict in ("none", "other oscillation")
         return named and bool(self.excluded) and max(self.excluded.values()) <= self.tolerance
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text: verdict, evidence, advice."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: trend, PV over OP, evidence, verdict.
@@ -176,7 +183,7 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 from lostmotion import _verbs
 from lostmotion.arguments import whole
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief, counted
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate.random_loops import SAMPLES, RandomLoop, random_loop
 from lostmotion.evaluate.scores import BREAK_POINTS, GROUPS, CaseResult, Score, score
 from lostmotion.evaluate.workers import Progress, run_all
 from lostmotion.identify import identify
+from lostmotion.summary import Summary
 
 if TYPE_CHECKING:
     import polars as pl
@@ -26,8 +28,8 @@ PRESETS = {"small": 40, "large": 500}  # loops: for a look, and as in docs/famil
 NAMES = ("left", "right", "width", "slope_ratio")
 
 
-@dataclass(frozen=True, eq=False)
-class MonteCarloResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class MonteCarloResult(Brief):
     """Every case of a run, and its figures.
 
     Attributes
@@ -41,6 +43,10 @@ class MonteCarloResult:
     cases: tuple[CaseResult, ...]
     seed: int
     samples: int
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return counted(len(self.cases), "case"), f"seed {self.seed}", f"{self.samples} samples each"
 
     def score(self, group: str = "all") -> Score:
         """Figures of one group of cases; see :func:`lostmotion.evaluate.scores.score`.
@@ -66,9 +72,9 @@ class MonteCarloResult:
 
         return pl.DataFrame([case.row() for case in self.cases], infer_schema_length=None)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Table of the figures as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: figures and all cases; what is not finite becomes None."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from lostmotion.arguments import positive, whole
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 from lostmotion.models import (
     Backlash,
     DeadZone,
@@ -36,8 +37,8 @@ BEYOND = (0.05, 0.67)  # share of the time beyond a limit at which a saturation 
 SCAN = 0.02  # smallest stored step of PV and OP in % of span, where the historian rounds
 
 
-@dataclass(frozen=True, eq=False)
-class FaultyLoop:
+@dataclass(frozen=True, eq=False, repr=False)
+class FaultyLoop(Brief):
     """A record with its truth.
 
     Attributes
@@ -66,6 +67,10 @@ class FaultyLoop:
     sp: FloatArray
     dt: float
     noise_in_op: float
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return self.cause, self.process, f"{self.op.size} samples"
 
     @property
     def visible(self) -> bool:

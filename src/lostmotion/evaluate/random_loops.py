@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from lostmotion.arguments import whole
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 from lostmotion.errors import LostMotionError
 from lostmotion.evaluate.cramer_rao import cramer_rao
 from lostmotion.evaluate.delay_margin import delay_margin
@@ -31,8 +32,8 @@ ROUNDS = 40  # of both tolerances: noise and set points change each other throug
 SHARE_TOLERANCE, SNR_TOLERANCE = 0.05, 0.05  # relative, dB
 
 
-@dataclass(frozen=True, eq=False)
-class RandomLoop:
+@dataclass(frozen=True, eq=False, repr=False)
+class RandomLoop(Brief):
     """One member of the family: a record and everything that is true about it.
 
     Attributes
@@ -67,6 +68,10 @@ class RandomLoop:
     process: str
     snr_db: float
     controller: PI | None
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return f"number {self.index}", f"{self.process} process", f"{self.u.size} samples"
 
     @property
     def zone(self) -> DeadZone:

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.diagnose import Diagnosis
 from lostmotion.evaluate.study import CompensationStudy
 from lostmotion.identify import HammersteinFit
+from lostmotion.summary import Summary
 
 STEPS = ("check", "diagnose", "identify", "simulate", "block")
 OUTCOMES = ("block", "nothing wrong", "closed")
@@ -55,8 +57,8 @@ class Step:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Brief):
     """Result of :func:`solve`. Frozen; prints and writes itself.
 
     Attributes
@@ -76,14 +78,19 @@ class Solution:
     study: CompensationStudy | None = field(default=None, repr=False)
     block: CompensatorBlock | None = None
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        where = f"closed at {self.closed.name}" if self.closed else self.outcome
+        return where, "" if self.block is None else f"{self.block.kind}"
+
     @property
     def closed(self) -> Step | None:
         """The gate at which the way ended; None where it did not."""
         return self.steps[-1] if self.outcome == "closed" else None
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready: everything but the signals."""
@@ -96,7 +103,7 @@ class Solution:
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

@@ -19,7 +19,8 @@ from lostmotion.evaluate.study import CompensationStudy, compensation_study
 from lostmotion.evaluate.study.trial import SHARES
 from lostmotion.identify import HammersteinFit, identify
 from lostmotion.identify.actuators.kind import NO_FAULT, faults
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, RecordLike
+from lostmotion.records.as_record import Column, as_record
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.simulate import PI
 
@@ -28,7 +29,7 @@ OUTSIDE = 0.05  # of the rows beyond the span, from which on it is no stray valu
 
 
 def solve(
-    record: LoopRecord,
+    record: RecordLike,
     *,
     controller: PI | None = None,
     gain: float | None = None,
@@ -38,6 +39,11 @@ def solve(
     accept: str | None = None,
     retune: bool = False,
     progress: Callable[[str], None] | None = None,
+    op: str | None = None,
+    pv: str | None = None,
+    sp: Column = None,
+    time: Column = None,
+    dt: float | None = None,
     **study: Any,
 ) -> Solution:
     """Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.
@@ -46,7 +52,8 @@ def solve(
 
     Parameters
     ----------
-    record : LoopRecord
+    record : LoopRecord, path, data frame or dict of columns
+        What is no record yet is read by :func:`lostmotion.read_loop`.
     controller : PI, optional
         Of the plant. None: estimated from the record, where a PI explains the moves of OP.
     gain : float, optional
@@ -61,6 +68,9 @@ def solve(
         The controller is retuned together with the block, where that is what the study says; the block notes the gains.
     progress : callable, optional
         Is given a line on what is done next.
+    op, pv, sp, time, dt : optional
+        Columns of a path, a frame or a dict where they have other names, and the sampling time in seconds where there
+        is no column of times: as in :func:`lostmotion.read_loop`, which takes more.
     **study
         Further arguments of :func:`compensation_study`, e.g. `runs`, `draws`, `factor`.
 
@@ -84,6 +94,7 @@ def solve(
     ('closed', 'check', 'OP is constant (42).')
     """
     reason_of(accept)
+    record = as_record(record, op=op, pv=pv, sp=sp, time=time, dt=dt)
     way = _Way(record, accept, progress or _silent, gain, integrating)
     way.check(span or record.op_span)
     if way.open:

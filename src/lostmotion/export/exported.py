@@ -70,7 +70,7 @@ class Exported:
         names = (*self.code, *(f"{self.source.name}_{rest}" for rest in others))
         there = [str(place / name) for name in names if os.path.lexists(place / name)]
         if there and not force:
-            raise FileAccessError(f"expected new files, got {', '.join(there)}; use --force to replace them")
+            raise FileAccessError(f"expected new files, got {', '.join(there)}; use force=True to replace them")
         refuse_folder(place, names)
 
     def write(self, folder: str | os.PathLike[str], force: bool = False) -> list[Path]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from lostmotion.files.apart import leaves_apart
 from lostmotion.files.columns import several_loops
 from lostmotion.files.database import SQLITE, read_query
 from lostmotion.files.dataset import pieces_of, read_dataset
+from lostmotion.files.from_mapping import frame_of
 from lostmotion.files.limits import most_bytes, need_few_columns, too_large
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
@@ -61,7 +62,7 @@ def tables(source: Any, query: str | None = None) -> dict[str, Table]:
     ----------
     source : path, data frame or Table
         Path to delimited text, Parquet, Feather, a MAT file or a spreadsheet (told by its content; .gz, and .zip of one
-        file, are unpacked), or an eager frame that narwhals knows.
+        file, are unpacked), an eager frame that narwhals knows, or a mapping of columns.
 
     Raises
     ------
@@ -85,11 +86,13 @@ def tables(source: Any, query: str | None = None) -> dict[str, Table]:
         raise ParameterError.expected("a query of a database only", "a file or a frame", "leave it out")
     if is_path(source):
         return _from_path(Path(source))
+    if isinstance(source, Mapping):
+        return {"": _checked(nw.from_native(frame_of(source), eager_only=True), "dict of columns")}
     try:
         frame: nw.DataFrame[Any] = nw.from_native(source, eager_only=True)
     except TypeError as error:
         raise InputError.expected(
-            "a path or an eager data frame (pandas, Polars, PyArrow)",
+            "a path, an eager data frame (pandas, Polars, PyArrow) or a dict of columns",
             type(source).__name__,
             "collect a lazy frame first; for arrays build LoopRecord(op=..., pv=..., dt=...)",
         ) from error

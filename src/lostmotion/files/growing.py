@@ -136,7 +136,7 @@ class GrowingFile:
         return DataError.expected(
             f"{self.name!r} to be the file that was read before, only longer",
             got,
-            "give the old file, or start anew with another --state; rotated logs can be piped in (tail -F | .. -)",
+            "give the old file, or start anew with another state file; rotated logs can be piped in (tail -F | .. -)",
         )
 
 

@@ -55,11 +55,12 @@ def read_loop(
 
     Parameters
     ----------
-    source : path, data frame or list of paths
+    source : path, data frame, dict of columns or list of paths
         CSV or text (``,`` ``;`` tab or blanks, decimal point or comma), Parquet, a MAT file (one struct of vectors,
         or vectors; ``save -v7``), Feather, a spreadsheet (``lostmotion[excel]``), all of them also in .gz or in a .zip
-        of one file; or a pandas, Polars or PyArrow frame. A list of files, a folder or a pattern (``FIC101_*.csv``):
-        files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one record; Parquet in partitions
+        of one file; or a pandas, Polars or PyArrow frame, or ``{"OP": .., "PV": ..}``. A list of files, a folder or a
+        pattern (``FIC101_*.csv``): files of one tag each, such as FIC101_OP.csv and FIC101_PV.csv, are joined to one
+        record; Parquet in partitions
         (year=2024/month=1/..) or in numbered or dated pieces is one table.
     op, pv : str
         Columns of controller output and measurement, exact or without regard to case. The defaults also

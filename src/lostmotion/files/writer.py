@@ -301,7 +301,7 @@ def _refuse_present(target: Path, mode: int, force: bool) -> None:
     if not stat.S_ISREG(mode):
         raise FileAccessError(f"expected a file, got {said}, which is a device or a pipe; give a new name")
     if not force:
-        raise FileAccessError(f"expected a new file, got {said}, which exists; use --force to replace it")
+        raise FileAccessError(f"expected a new file, got {said}, which exists; use force=True to replace it")
 
 
 def _refuse_folder(folder: Path) -> None:
@@ -321,7 +321,7 @@ def _told(target: Path, size: int | None = None) -> Iterator[None]:
     except (OSError, ValueError) as error:
         if getattr(error, "errno", None) in TAKEN:
             raise FileAccessError(
-                f"expected a new file, got {str(target)!r}, which exists; use --force to replace it"
+                f"expected a new file, got {str(target)!r}, which exists; use force=True to replace it"
             ) from error
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         if getattr(error, "errno", None) in FULL:

@@ -245,7 +245,7 @@ def _from_arrays(u: Any, y: npt.ArrayLike | None, dt: float | None) -> Identific
 def _from_records(records: Sequence[LoopRecord], notes: tuple[str, ...], dt: float | None) -> IdentificationData:
     times = sorted({record.dt for record in records})
     if len(times) > 1:
-        raise ParameterError.expected("records with one dt", times, "resample them first: record.resample(factor)")
+        raise ParameterError.expected("records with one dt", times, "resample them to one first")
     if dt is not None and abs(dt - times[0]) > 1e-9 * times[0]:
         raise ParameterError.expected(f"dt={times[0]} as in the record", dt, "leave dt out")
     for record in records:
@@ -285,7 +285,7 @@ def _set_point(records: Sequence[LoopRecord]) -> FloatArray | None:
 
 
 def _refuse_holes(record: LoopRecord) -> None:
-    split = "leave out raw=True, or use record.split() and pass the list"
+    split = "leave out raw=True, or fit its pieces: record.split()"
     _refuse_missing("OP", record.op, record.dt, split)
     _refuse_missing("PV", record.pv, record.dt, split)
     if record.gaps:

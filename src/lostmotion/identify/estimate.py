@@ -38,7 +38,8 @@ from lostmotion.identify.settings import check_choice, check_length, integrating
 from lostmotion.identify.status import decide, excluded_above, weigh
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import NoiseModel
-from lostmotion.records import LoopRecord, Prepared
+from lostmotion.records import LoopRecord, Prepared, RecordLike
+from lostmotion.records.as_record import Column, as_records
 from lostmotion.records.loop_type import surely_integrates
 
 ENDLESS = (Status.NO_PROCESS, Status.NOT_CONVERGED)
@@ -48,7 +49,7 @@ FLOW = "The process was taken as self-regulating, as this loop is one of flow; s
 
 @one_thread
 def identify(
-    u: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
+    u: npt.ArrayLike | RecordLike | Prepared | Sequence[RecordLike | Prepared],
     y: npt.ArrayLike | None = None,
     dt: float | None = None,
     *,
@@ -59,6 +60,10 @@ def identify(
     offset: str = "auto",
     raw: bool = False,
     integrating: bool | None = None,
+    op: str | None = None,
+    pv: str | None = None,
+    sp: Column = None,
+    time: Column = None,
 ) -> HammersteinFit:
     """Identify a Hammerstein model from commands and measurements, in open or closed loop.
 
@@ -67,14 +72,14 @@ def identify(
 
     Parameters
     ----------
-    u : array_like (n,), LoopRecord, Prepared, path, data frame or a list of these
-        Command to the actuator (OP), or the record(s) of a loop; paths and frames are read by ``read_loop``. A list
+    u : array_like (n,), LoopRecord, Prepared, path, data frame, dict of columns or a list of these
+        Command to the actuator (OP), or the record(s) of a loop; what is none yet is read by ``read_loop``. A list
         is fitted as one data set, each piece with its own initial state. Records are prepared first
         (:func:`lostmotion.records.prepare`): what cannot be used is left out, and the report says so.
     y : array_like (n,), optional
         Measurement (PV), with arrays only.
     dt : float, optional
-        Sampling time in seconds, required with arrays.
+        Sampling time in seconds, required with arrays, and with a table that has no times.
     nonlinearity : {"auto", "dead zone", "backlash", "stiction", "saturation", "none"}
         Kind of actuator. "auto" fits all and returns the one that predicts best what it was not fitted to, or the
         linear model; `fit.kinds` says how sure that is. A kind that is named is fitted alone, which takes less time,
@@ -97,6 +102,8 @@ def identify(
     integrating : bool, optional
         Whether the process integrates (a level), where that is known. None: chosen from the data; with a known gain, or
         where the records are of a flow, it does not.
+    op, pv, sp, time : optional
+        Columns of a path, a frame or a dict where they have other names, as in :func:`lostmotion.read_loop`.
 
     Returns
     -------
@@ -126,6 +133,8 @@ def identify(
     >>> fit.status.name, [round(fit.parameters[name], 1) for name in ("left", "right", "right_slope")]
     ('OK', [-1.0, 1.0, 3.0])
     """
+    if y is None or any(name is not None for name in (op, pv, sp, time)):
+        u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
     return _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
 
 
@@ -167,7 +176,7 @@ def _or_integrating(asked_for: _Identification) -> HammersteinFit:
 
 
 def _asked_for(
-    u: npt.ArrayLike | LoopRecord | Prepared | Sequence[LoopRecord | Prepared],
+    u: Any,
     y: npt.ArrayLike | None,
     dt: float | None,
     nonlinearity: str,
@@ -188,10 +197,6 @@ def _asked_for(
         if gain == 0:
             raise ParameterError.expected("a gain other than 0", gain, "give y per x at rest, or leave it out")
     check_choice("offset", offset, ("auto", "free", "zero"))
-    if y is None and not isinstance(u, LoopRecord | Prepared):
-        from lostmotion.files.coerced import as_records  # noqa: PLC0415  readers are heavy, and arrays need none
-
-        u = as_records(u)
     data = collect(u, y, dt, raw, max(FEWEST_SAMPLES, asked.needed))
     if asked.integrating is None and (known := _known_to_integrate(u)) is not None:
         asked, data = replace(asked, integrating=known), replace(data, notes=(*data.notes, FLOW))

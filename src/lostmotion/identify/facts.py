@@ -21,7 +21,7 @@ from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.records.compression import MadeUp
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FitFacts(RatedEstimate):
     """A known fit: what :class:`HammersteinFit` found, without residuals and record.
 
@@ -77,6 +77,10 @@ class FitFacts(RatedEstimate):
     kinds: KindChoice | None = None
     made_up: MadeUp | None = None
     op_span: tuple[float, float] | None = None
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return self.found_in_words, self.status.name, f"{self.samples} samples"
 
     def __post_init__(self) -> None:
         parameters = {name: float(value) if np.isfinite(value) else np.inf for name, value in self.parameters.items()}

@@ -19,7 +19,7 @@ from lostmotion.identify.rated_estimate import RatedEstimate
 from lostmotion.models import Hammerstein, NoiseModel
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HammersteinFit(RatedEstimate):
     """Result of :func:`identify`. Frozen; prints, draws and writes itself.
 
@@ -68,6 +68,10 @@ class HammersteinFit(RatedEstimate):
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
     kinds: KindChoice | None = None
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return self.found_in_words, self.status.name, f"{self.data.u.size} samples"
 
     @property
     def facts(self) -> FitFacts:

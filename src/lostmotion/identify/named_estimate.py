@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import ParameterError
 from lostmotion.identify.predicted import Predictor, as_scans
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import os
 
 
-class NamedEstimate:
+class NamedEstimate(Brief):
     """Base of results that hold a model, named parameters and their covariance in the same order."""
 
     model: Hammerstein
@@ -154,9 +155,22 @@ class NamedEstimate:
             raise ParameterError.expected("an estimate with a noise model", "none", "use simulate(), or identify()")
         return self._predictor.ahead(source, steps)
 
+    def to_control(self) -> Any:
+        """Whole model as a discrete ``NonlinearIOSystem`` of python-control, OP to PV in the units of the record.
+
+        Actuator with its memory, linear part, offset, and the constant load of an integrating process, where the fit
+        has one. Needs the extra ``lostmotion[control]``. The transfer function alone is ``fit.linear.to_control()``.
+
+        Notes
+        -----
+        From the state zero it begins as ``fit.model.simulate`` does, the process at rest at x = 0 and PV at the
+        offset; lead with OP at rest for as long as the process takes to settle.
+        """
+        return self.model.to_control(self.parameters.get("load", 0.0))
+
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     @property
     def _predictor(self) -> Predictor:

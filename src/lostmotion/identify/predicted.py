@@ -17,6 +17,7 @@ from lostmotion.kernels.likelihood import add_lagged
 from lostmotion.kernels.pole_filters import all_pole
 from lostmotion.models import Hammerstein, NoiseModel
 from lostmotion.models.noise import white_share
+from lostmotion.records.as_record import as_record, as_records
 from lostmotion.records.compression import scan_factor
 from lostmotion.records.pieces import bridge, clip_to_span
 from lostmotion.records.prepare import prepare
@@ -251,7 +252,6 @@ def _pieces(record: LoopRecord) -> Iterator[tuple[int, int]]:
 
 
 def as_scans(source: Any) -> Any:
-    """A path or a data frame as a record; records and arrays as they are."""
-    from lostmotion.files.coerced import as_record, is_source  # noqa: PLC0415  readers are heavy
-
-    return as_record(source) if is_source(source) else source
+    """What is read as a record; records and arrays as they are."""
+    found = as_records(source)
+    return as_record(found) if isinstance(found, list) and any(isinstance(one, LoopRecord) for one in found) else found

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import between
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
@@ -18,6 +19,7 @@ from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.identify.size_interval import slips_at_rest, with_model_error
 from lostmotion.identify.unseen_moves import beyond_unseen, within_unseen
+from lostmotion.summary import Summary
 
 POSITIVE = ("left_slope", "right_slope", "slope_ratio")
 HIDDEN = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL)  # no number is given for the fault, only a bound
@@ -65,6 +67,12 @@ class RatedEstimate(NamedEstimate, ABC):
         if self.status is Status.OTHER_KIND and self.evidence.other_kind is not None:
             return self.evidence.other_kind[0]
         return self.nonlinearity.kind if self.status.ok or self.status in SEEN else "cannot tell"
+
+    @property
+    def found_in_words(self) -> str:
+        """Kind that the record supports, with the interval of its size."""
+        size = self.shown_size
+        return self.preferred if size is None else f"{self.preferred} {between(*self.interval(size))}"
 
     @property
     def shown_size(self) -> str | None:
@@ -152,9 +160,9 @@ class RatedEstimate(NamedEstimate, ABC):
         """Parameters of a side on which OP has hardly been (status ONE_SIDED), and what hangs on them."""
         return self.kind.unvisited(self.evidence) if self.status is Status.ONE_SIDED else ()
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text, with as many digits as the standard errors allow."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def compensator(self, **options: Any) -> Any:
         """Ideal inverse of the dead zone or backlash; see :func:`lostmotion.compensate.compensator_from_fit`.

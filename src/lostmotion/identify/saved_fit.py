@@ -20,7 +20,7 @@ from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity, actuator_from_dict
 from lostmotion.records.compression import MadeUp
 
-REMEDY = "use what fit.save() or identify --out wrote"
+REMEDY = "use the JSON that was saved of a fit"
 SHORTEST, LONGEST = 1e-12, 1e12  # s
 NEEDED = (
     "status", "preferred", "model", "noise", "parameters", "covariance", "intervals_95", "evidence", "settings", "data",

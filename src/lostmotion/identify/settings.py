@@ -10,7 +10,7 @@ from lostmotion.identify.likelihood.asked import DEFAULT_ORDERS, Asked
 def check_choice(name: str, value: object, allowed: tuple[str | bool | None, ...]) -> None:
     """Refuse what is not among the choices."""
     if value not in allowed:
-        raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "see the docstring")
+        raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "choose one of them")
 
 
 def orders_of(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:

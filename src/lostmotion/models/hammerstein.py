@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lostmotion.arguments import finite, signal
 from lostmotion.arrays import FloatArray
+from lostmotion.models.control_system import nonlinear_system
 from lostmotion.models.linear import LinearModel
 
 
@@ -58,6 +59,34 @@ class Hammerstein:
         """Noise-free output for the command u, shape (n,), from rest (x = 0 before the first sample)."""
         x = np.asarray(self.nonlinearity(signal("u", u)))
         return self.linear.simulate(x) + self.offset
+
+    def to_control(self, load: float = 0.0) -> Any:
+        """As a discrete ``NonlinearIOSystem`` of python-control, from OP to PV (needs ``lostmotion[control]``).
+
+        From the state zero it begins as :meth:`simulate` does: the actuator at rest at the first OP, x = 0 before it,
+        PV at the offset. The linear part alone is ``model.linear.to_control()``.
+
+        Parameters
+        ----------
+        load : float
+            Constant, added to x: what an integrating process is held against.
+
+        Raises
+        ------
+        ParameterError
+            An actuator that no kernel simulates, such as a :class:`Series`.
+        ImportError
+            python-control is not installed.
+
+        Examples
+        --------
+        >>> from lostmotion.models import Backlash
+        >>> model = Hammerstein(Backlash(1.0), LinearModel(a=[-0.5], b=[0.5], delay=1), offset=20.0)
+        >>> system = model.to_control()
+        >>> system.ninputs, system.noutputs, system.state_labels
+        (1, 1, ['started', 'position', 'linear 1'])
+        """
+        return nonlinear_system(self, load)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready description."""

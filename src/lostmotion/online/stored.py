@@ -13,7 +13,7 @@ from lostmotion.online.masks import REASONS
 from lostmotion.online.timeline import MOST_ANCHORS
 
 WHAT = "a state"
-REMEDY = "start anew with another --state, or take a backup"
+REMEDY = "start anew with another state file, or take a backup"
 LONG = 2.5e11  # s on either side of 1970, to the year 9999
 SMALL, LARGE = 1e-100, 1e100  # of weights and widths
 MOST_COLUMNS = MOST = 100_000

@@ -64,7 +64,7 @@ def watched_model(
         As :func:`settings_from_fit`.
     """
     if orders is None and fit is None:
-        raise ParameterError.expected("--orders or --fit", "neither", "e.g. --orders 3,2,3")
+        raise ParameterError.expected("orders or a fit", "neither", "give na, nb and delay, such as 3, 2, 3")
     model: dict[str, Any] = {"gain": gain, "noise": noise}
     accepted = ""
     if fit is not None:

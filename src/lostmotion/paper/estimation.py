@@ -108,7 +108,7 @@ def study_estimation(
     """
     unknown = set(methods) - set(METHODS)
     if unknown or not methods:
-        raise ParameterError.expected(f"methods among {list(METHODS)}", sorted(unknown), "see the docstring")
+        raise ParameterError.expected(f"methods among {list(METHODS)}", sorted(unknown), "choose one of them")
     seeds, samples = whole("seeds", seeds, 1), whole("samples", samples, 1000)
     jobs = [(method, seed, samples) for method in methods for seed in range(seeds)]
     jobs.sort(key=lambda job: job[0] != "ml")  # the longest first

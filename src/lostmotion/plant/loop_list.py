@@ -101,11 +101,13 @@ def parse_loop_list(text: str, name: str = "the loop list") -> LoopList:
     lines = [(number, line) for number, line in _rows(text, name) if any(cell.strip() for cell in line)]
     if not lines:
         raise DataError.expected(
-            f"a header with the columns {', '.join(COLUMNS)} in {name}", "nothing", "make one with --propose"
+            f"a header with the columns {', '.join(COLUMNS)} in {name}", "nothing", "let one be proposed, or write one"
         )
     header, notes = _header(lines[0][1], name)
     if len(lines) == 1:
-        raise DataError.expected(f"a line for each loop in {name}", "a header only", "make one with --propose")
+        raise DataError.expected(
+            f"a line for each loop in {name}", "a header only", "let one be proposed, or write one"
+        )
     found: list[PlantLoop] = []
     wrong: list[str] = []
     first: dict[str, int] = {}

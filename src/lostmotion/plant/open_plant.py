@@ -19,6 +19,7 @@ from lostmotion.plant.loop_list import LoopList, read_loop_list
 from lostmotion.plant.reading import checked_reading
 from lostmotion.plant.records_source import records_source
 from lostmotion.plant.source import PlantSource
+from lostmotion.records.as_record import as_record, is_source
 from lostmotion.records.record import LoopRecord
 
 
@@ -30,7 +31,8 @@ def open_plant(source: Any, loops: Any = None, **reading: Any) -> PlantSource:
     source : path, list of paths, address, frame, records or PlantSource
         A folder (with all folders below it; hidden files and folders are left out), a pattern, files: of one loop each,
         of many loops side by side (FIC101.PV ..) or below each other, of one tag each; Parquet in partitions or pieces.
-        The address of a database, with ``query="SELECT .."``. A data frame. Records in memory, as a list or by tag.
+        The address of a database, with ``query="SELECT .."``. A data frame. Records, as a list or by tag; what
+        :func:`lostmotion.identify` takes as a record is one.
     loops : path, LoopList or sequence of PlantLoop, optional
         Loop list; see :func:`lostmotion.plant.read_loop_list`. None: all loops that can be told.
     **reading
@@ -74,8 +76,10 @@ def _base(source: Any, reading: dict[str, Any]) -> PlantSource:
         return made
     if isinstance(source, LoopRecord):
         return records_source([source])
-    if isinstance(source, Mapping) or (_is_list(source) and all(isinstance(one, LoopRecord) for one in source)):
-        return records_source(source)
+    if isinstance(source, Mapping) and all(map(_is_record, source.values())):
+        return records_source({tag: _read(one, reading) for tag, one in source.items()})
+    if _is_list(source) and not any(map(is_path, source)) and all(map(_is_record, source)):
+        return records_source([_read(one, reading) for one in source])
     if is_path(source) and (is_url(source) or is_database(Path(source))):
         query = reading.pop("query", None)
         return DatabaseSource(str(source), query, checked_reading(reading))
@@ -90,6 +94,14 @@ def _base(source: Any, reading: dict[str, Any]) -> PlantSource:
         got = f"a list of {', '.join(sorted({type(one).__name__ for one in source}))}"
         raise InputError.expected("paths, or records", got, "give things of one kind")
     return records_source(read_loops(source, **dict(checked_reading(reading))))
+
+
+def _is_record(value: Any) -> bool:
+    return isinstance(value, LoopRecord) or is_source(value)
+
+
+def _read(value: Any, reading: dict[str, Any]) -> LoopRecord:
+    return value if isinstance(value, LoopRecord) else as_record(value, **dict(checked_reading(reading)))
 
 
 def _is_list(source: Any) -> bool:

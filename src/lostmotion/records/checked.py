@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lostmotion.html_table import html_panel, html_table
+from lostmotion import _verbs
+from lostmotion.brief import Brief
 from lostmotion.records.checks import check
 from lostmotion.records.prepare import prepare
 from lostmotion.records.prepared import Prepared
 from lostmotion.records.record import LoopRecord
 from lostmotion.records.report import RecordReport
+from lostmotion.summary import Summary
 from lostmotion.text_table import text_table
 
 NAME = 20
@@ -19,8 +21,8 @@ HEAD = ("loop", "usable", "samples", "dt, s", "used, %", "errors", "warnings")
 WIDTHS = (NAME, 8, 9, 9, 9, 8, 8)
 
 
-@dataclass(frozen=True, eq=False)
-class CheckedRecord:
+@dataclass(frozen=True, eq=False, repr=False)
+class CheckedRecord(Brief):
     """Report and preparation of one record.
 
     Attributes
@@ -33,6 +35,13 @@ class CheckedRecord:
 
     report: RecordReport
     prepared: Prepared
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (
+            "usable" if self.usable else "NOT USABLE",
+            f"{100.0 * self.share:.3g} % of {len(self.prepared.record)} rows",
+        )
 
     @classmethod
     def of(cls, record: LoopRecord) -> CheckedRecord:
@@ -53,23 +62,16 @@ class CheckedRecord:
         """Number of findings of a level."""
         return sum(finding.level == level for finding in self.report.findings)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Both reports."""
-        return f"{self.report.summary()}\n{self.prepared.summary()}"
+        return Summary(f"{self.report.summary()}\n{self.prepared.summary()}", self)
 
     def __str__(self) -> str:
         return self.summary()
 
     def _repr_html_(self) -> str:
         """What was found, worst first, for notebooks."""
-        report = self.report
-        said = [self.prepared.refusal or f"{100 * self.share:.3g} % of the rows would be used"]
-        rows: list[tuple[str, str]] = [
-            (one.level, " ".join(part for part in (one.what, one.why, one.remedy) if part)) for one in report.findings
-        ]
-        rows += [("note", note) for note in (*report.notes, *self.prepared.notes)]
-        usable = "usable" if self.usable else "NOT USABLE"
-        return html_panel(f"{report.title}: {usable}", html_table(rows, named=True), said=said)
+        return _verbs.panel(self).html()
 
     def to_dict(self) -> dict[str, Any]:
         """Both as plain dictionaries, ready for JSON."""

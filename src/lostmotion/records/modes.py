@@ -123,6 +123,6 @@ def _checked(words: Mapping[str, str] | None) -> dict[str, str]:
     for word, meaning in given.items():
         if meaning not in KINDS:
             raise ParameterError.expected(
-                f"a meaning among {list(KINDS)}", f"{word!r}: {meaning!r}", "see the docstring"
+                f"a meaning among {list(KINDS)}", f"{word!r}: {meaning!r}", "choose one of them"
             )
     return given

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion.records import limits
+from lostmotion.records.as_record import RecordLike, as_record
 from lostmotion.records.clipping import clipped
 from lostmotion.records.compression import compression, made_up, scan_factor
 from lostmotion.records.findings_words import (
@@ -36,7 +37,7 @@ from lostmotion.records.standstill import held_op, stopped, stuck
 Kinds = npt.NDArray[np.str_]
 
 
-def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] | None = None) -> Prepared:
+def prepare(record: RecordLike, *, shortest: int = 60, words: Mapping[str, str] | None = None) -> Prepared:
     """Find the stretches of a record that identification may use, and say why the rest is left out.
 
     Left out are longer runs of missing rows, stretches in which the recording had stopped, PV stuck or was at the end
@@ -48,8 +49,8 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
 
     Parameters
     ----------
-    record : LoopRecord
-        As it was read.
+    record : LoopRecord, path, data frame or dict of columns
+        As it was read, or to be read by :func:`lostmotion.read_loop`.
     shortest : int
         Rows that a piece must have.
     words : mapping, optional
@@ -72,6 +73,7 @@ def prepare(record: LoopRecord, *, shortest: int = 60, words: Mapping[str, str] 
     >>> prepared.rows, [(part.start, part.stop, part.kind) for part in prepared.left_out]
     (((0, 301), (350, 500)), [(301, 350, 'stopped')])
     """
+    record = as_record(record)
     factor, phase = scan_factor(record)
     if factor > 1:
         return _of_slower_scan(record, factor, phase, shortest, words)

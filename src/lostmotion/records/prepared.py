@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from lostmotion.brief import Brief, counted
 from lostmotion.errors import DataError
 from lostmotion.records.compression import MadeUp
 from lostmotion.records.record import LoopRecord
@@ -45,8 +46,8 @@ WHY = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+@dataclass(frozen=True, eq=False, repr=False)
+class Prepared(Brief):
     """What of a record may be used.
 
     Attributes
@@ -86,6 +87,11 @@ class Prepared:
     def fingerprint(self) -> str:
         """That of the record as it was handed in."""
         return self.origin or self.record.fingerprint
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        used = f"{100.0 * self.share:.3g} % of {len(self.record)} rows in {counted(len(self.rows), 'piece')}"
+        return (used if self.usable else "refused",)
 
     @property
     def usable(self) -> bool:

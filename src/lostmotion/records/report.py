@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from lostmotion import _verbs
+from lostmotion.brief import Brief, counted
 from lostmotion.records.loop_facts import LoopFacts
 from lostmotion.records.sampling import Sampling
 from lostmotion.records.signal_facts import SignalFacts
+from lostmotion.summary import Summary
 
 Level = Literal["info", "warning", "error"]
 _MARKS = {"error": "ERROR  ", "warning": "WARNING", "info": "info   "}
@@ -33,8 +36,8 @@ class Finding:
         return f"{_MARKS[self.level]} {text}"
 
 
-@dataclass(frozen=True)
-class RecordReport:
+@dataclass(frozen=True, repr=False)
+class RecordReport(Brief):
     """Facts and findings about a record.
 
     Parameters
@@ -61,6 +64,12 @@ class RecordReport:
     findings: list[Finding]
     notes: tuple[str, ...] = ()
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        levels = [finding.level for finding in self.findings]
+        counts = (counted(levels.count(level), level) for level in ("error", "warning"))
+        return "usable" if self.usable else "NOT USABLE", f"{self.sampling.samples} samples", *counts
+
     @property
     def usable(self) -> bool:
         """True where no finding is an error: an identification can be tried."""
@@ -74,7 +83,7 @@ class RecordReport:
                 plain[name]["spikes"] = list(plain[name]["spikes"])
         return plain
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Several lines of text: the record, its signals, the findings."""
         lines = [self.title, f"  {_sampling_line(self.sampling)}"]
         if self.loop is not None:
@@ -83,10 +92,14 @@ class RecordReport:
         lines.extend(f"  note    {note}" for note in self.notes)
         lines.extend(f"  {finding}" for finding in self.findings)
         lines.append("  usable" if self.usable else "  not usable for identification")
-        return "\n".join(lines)
+        return Summary("\n".join(lines), self)
 
     def __str__(self) -> str:
         return self.summary()
+
+    def _repr_html_(self) -> str:
+        """What was found, worst first, for notebooks."""
+        return _verbs.panel(self).html()
 
 
 def _sampling_line(sampling: Sampling) -> str:

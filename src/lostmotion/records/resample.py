@@ -10,16 +10,17 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
+from lostmotion.records.as_record import RecordLike, as_record
 from lostmotion.records.record import LoopRecord
 
 
-def resample(record: LoopRecord, factor: int) -> LoopRecord:
+def resample(record: RecordLike, factor: int) -> LoopRecord:
     """Take one row a block of `factor` rows, PV averaged, for a sampling that is too fast for the dynamics.
 
     Parameters
     ----------
-    record : LoopRecord
-        As it was read, or a prepared stretch.
+    record : LoopRecord, path, data frame or dict of columns
+        As it was read, or to be read by :func:`lostmotion.read_loop`, or a prepared stretch.
     factor : int
         Rows a block, at least 1.
 
@@ -53,6 +54,7 @@ def resample(record: LoopRecord, factor: int) -> LoopRecord:
     """
     if isinstance(factor, bool) or not isinstance(factor, int | np.integer) or factor < 1:
         raise ParameterError.expected("factor as a whole number >= 1", repr(factor), "e.g. resample(record, 5)")
+    record = as_record(record)
     if factor == 1:
         return record
     edges = [0, *(gap for gap in record.gaps if 0 < gap < len(record)), len(record)]

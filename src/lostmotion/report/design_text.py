@@ -22,7 +22,7 @@ MEANING = {
 
 def design_summary(design: TestDesign) -> str:
     """Report of a test design as plain text."""
-    lines = [_fill(_headline(design)), "=" * WIDTH, _fill(_answer(design))]
+    lines = [_fill(headline(design)), "=" * WIDTH, _fill(_answer(design))]
     lines += [_fill(f"ACCEPTED behind a closed gate: {said}.") for said in _accepted(design)]
     lines += [_fill("To relax: " + sentence) for sentence in design.advice]
     lines += ["", _table(design), "", _fill(_rival(design)), _fill(_moves(design)), _fill(_seen(design))]
@@ -31,7 +31,7 @@ def design_summary(design: TestDesign) -> str:
 
 
 NEXT = (
-    "Then: write the signal with columns() or --out, run it, record OP and PV at the same sampling time, and give the "
+    "Then: write the signal to a file, run it, record OP and PV at the same sampling time, and give the "
     "record to identify. The figures hold if the actuator is a dead zone; identify tests that."
 )
 
@@ -41,7 +41,8 @@ def _accepted(result: TestDesign | Achievable) -> list[str]:
     return [result.settings["accepted"]] if "accepted" in result.settings else []
 
 
-def _headline(design: TestDesign) -> str:
+def headline(design: TestDesign) -> str:
+    """What the test is."""
     kind = "OP steps in open loop" if design.loop == "open" else "SP steps in closed loop"
     return f"Test design: {kind}, {in_words(design.duration)} ({len(design.signal)} samples of {design.dt:g} s)"
 

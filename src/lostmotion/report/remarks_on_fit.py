@@ -151,7 +151,7 @@ def about_sampling(fit: HammersteinFit) -> str:
     if (slowest > FAST or delay > LATE) and factor > 1:
         return (
             f"The sampling is fast for this process: {slowest:.0f} samples in its slowest time constant, {delay} in "
-            f"its delay. Fewer samples tell as much, and sooner: records.resample(record, {factor})."
+            f"its delay. Fewer samples tell as much, and sooner: resample by {factor}."
         )
     if NO_LAG < slowest < SLOW:
         return (

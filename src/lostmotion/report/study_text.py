@@ -120,7 +120,7 @@ def _compared(study: CompensationStudy) -> list[str]:
     """How the identified loop and the record compare."""
     found = study.reproduction
     if found is None:
-        return ["No record was given, so nothing says that this model reproduces one (give it: --record FILE)."]
+        return ["No record was given, so nothing says that this model reproduces one: give it."]
     periods = ""
     if found.recorded_period is not None:
         simulated = "none" if found.simulated_period is None else f"{plain(found.simulated_period)} s"

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.brief import Brief, counted
 from lostmotion.compensate import AdaptiveCompensator
 from lostmotion.models import Hammerstein, Nonlinearity
 from lostmotion.simulate.block_loop import BlockLoop
@@ -17,8 +18,8 @@ from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse
 
 
-@dataclass(frozen=True, eq=False)
-class AdaptiveHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class AdaptiveHistory(Brief):
     """What the adaptive block was set to, one row a look; `samples` is when.
 
     Attributes
@@ -33,6 +34,10 @@ class AdaptiveHistory:
     left: FloatArray
     right: FloatArray
     compensating: npt.NDArray[np.bool_]
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (counted(self.samples.size, "look"),)
 
 
 def simulate_adaptive(

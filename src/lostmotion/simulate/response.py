@@ -7,10 +7,11 @@ from typing import Any
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
+from lostmotion.brief import Brief
 
 
-@dataclass(frozen=True, eq=False)
-class LoopResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopResponse(Brief):
     """Signals of a simulated loop, each of shape (n,).
 
     Attributes
@@ -28,6 +29,10 @@ class LoopResponse:
     command: FloatArray
     internal: FloatArray
     dt: float
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (f"{len(self)} samples every {self.dt:g} s",)
 
     def __len__(self) -> int:
         return len(self.time)

@@ -56,7 +56,7 @@ def routine_operation(
     (600, True)
     """
     if drift not in DRIFT:
-        raise ParameterError.expected(f"drift as one of {list(DRIFT)}", repr(drift), "see the docstring")
+        raise ParameterError.expected(f"drift as one of {list(DRIFT)}", repr(drift), "choose one of them")
     random = np.random.default_rng(seed)
     reference = np.repeat(random.choice([-1.0, 0.0, 1.0], n // HOLD + 1), HOLD)[:n]
     shocks = random.normal(scale=DRIFT[drift] * np.sqrt(1 - DRIFT_POLE**2), size=n)

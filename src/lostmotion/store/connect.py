@@ -123,7 +123,7 @@ def _need_path(url: URL, name: str, *, write: bool) -> None:
     if is_folder(path):
         raise store_error(name, "a folder", "give the name of a file")
     if not write and not is_file(path):
-        raise store_error(name, "no such file", "check the name, or make it with lostmotion audit --store")
+        raise store_error(name, "no such file", "check the name, or let an audit make it")
     if write and not is_folder(path.absolute().parent):
         raise store_error(name, "no folder to put it into", "make the folder first")
     longest = _longest_name(path.absolute().parent) - len("-journal")
@@ -220,7 +220,7 @@ def _version(engine: Engine, name: str) -> str:
 
 def _other(name: str, tables: set[str]) -> Exception:
     got = f"a database with other tables ({', '.join(sorted(tables)[:4])})" if tables else "a database without tables"
-    return store_error(name, got, "give another name to --store")
+    return store_error(name, got, "give the store another name")
 
 
 def check_version(name: str, version: str) -> None:
@@ -238,6 +238,6 @@ def check_version(name: str, version: str) -> None:
     raise store_error(
         name,
         f"the newer version {version}",
-        "update lostmotion, or give another --store",
+        "update lostmotion, or give another store",
         f"version {VERSION} of the store",
     )

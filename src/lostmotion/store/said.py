@@ -13,13 +13,13 @@ from lostmotion.errors import FileAccessError, LostMotionError
 
 REASONS = (  # part of what a driver says, what it means, what to do
     ("database is locked", "one that is locked by another program", "close what has it open, or wait until it is done"),
-    ("readonly", "one that is read-only", "check its permissions and those of its folder, or give another --store"),
-    ("read-only", "one that is read-only", "check its permissions, or give another --store"),
-    ("permission denied", "no permission to write", "ask for the right to write there, or give another --store"),
+    ("readonly", "one that is read-only", "check its permissions and those of its folder, or give another store"),
+    ("read-only", "one that is read-only", "check its permissions, or give another store"),
+    ("permission denied", "no permission to write", "ask for the right to write there, or give another store"),
     ("disk is full", "a full disk", "make room and start again: what was done is kept"),
     ("could not extend", "a full disk", "make room and start again: what was done is kept"),
     ("No space left", "a full disk", "make room and start again: what was done is kept"),
-    ("not a database", "a file that is none", "give another name to --store"),
+    ("not a database", "a file that is none", "give the store another name"),
     ("malformed", "one that is damaged", "take a copy of it from before, or begin a new one"),
     ("could not decode", "one that is damaged", "take a copy of it from before, or begin a new one"),
     ("unable to open", "none that can be opened", "check that its folder is there and may be written to"),

@@ -55,7 +55,7 @@ def within(minutes: float | None, work: Callable[..., Result], *given: object) -
             watch.end()
     except _Over:
         watch.end()  # it may have been hit by what it ends
-        remedy = "give it more with --loop-minutes, or a shorter --window"
+        remedy = "give a loop more minutes, or a shorter window"
         raise SlowError(f"expected a result within {minutes:g} minutes, got none; {remedy}") from None
 
 

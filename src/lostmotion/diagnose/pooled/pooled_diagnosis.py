@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.brief import counted
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.pooled.trend_of_size import SizeTrend
 
@@ -70,7 +71,7 @@ class RecordShare:
         }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PooledDiagnosis(Diagnosis):
     """Diagnosis from many records of one valve, or from many windows of a long one.
 
@@ -119,6 +120,10 @@ class PooledDiagnosis(Diagnosis):
         """The one record that could be used, whose diagnosis this is; "" where there are several."""
         heard = [share.name for share in self.shares if share.rows]
         return heard[0] if len(heard) == 1 else ""
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return *super().repr_parts(), counted(len(self.shares), "window" if self.of_windows else "record")
 
     def counted(self, said: str) -> int:
         """Records that said so: "for", "against", "nothing", "left out"."""

@@ -37,7 +37,7 @@ def refuse(folder: Path, plant: MadePlant, ending: str, force: bool) -> None:
         raise ParameterError.expected(f"a format out of {list(FORMATS)}", repr(ending), "choose one of them")
     names = [f"{loop.tag}.{ending}" for loop in plant.loops] + [LIST, TRUTH]
     if os.path.lexists(folder) and not force:
-        raise FileAccessError(f"expected a new folder, got {str(folder)!r}, which exists; use --force to replace it")
+        raise FileAccessError(f"expected a new folder, got {str(folder)!r}, which exists; use force=True to replace it")
     refuse_folder(folder, names)
     others = sorted({path.name for path in folder.iterdir()} - set(names)) if folder.is_dir() else []
     if others:

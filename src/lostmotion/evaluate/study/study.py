@@ -30,7 +30,7 @@ from lostmotion.evaluate.study.trial import settling_rows, trial
 from lostmotion.identify import RatedEstimate, RecursiveEstimate
 from lostmotion.kernels.threads import one_thread
 from lostmotion.models import Hammerstein, NoiseModel
-from lostmotion.records import LoopRecord
+from lostmotion.records import LoopRecord, RecordLike, as_record
 from lostmotion.records.span import PERCENT
 from lostmotion.records.white_noise import noise_of
 from lostmotion.simulate import PI
@@ -46,7 +46,7 @@ def compensation_study(
     model: Model,
     controller: PI | None = None,
     *,
-    record: LoopRecord | None = None,
+    record: RecordLike | None = None,
     noise: NoiseModel | float | None = None,
     block: CompensatorBlock | None = None,
     reference: npt.ArrayLike | None = None,
@@ -73,7 +73,7 @@ def compensation_study(
     controller : PI, optional
         Gains of the plant's controller; its limits are replaced by the span. None: estimated from `record`, where a
         PI explains the moves of OP.
-    record : LoopRecord, optional
+    record : LoopRecord, path, data frame or dict of columns, optional
         Gives set point and controller where they are not given.
     noise : NoiseModel or float, optional
         Of PV, beside a bare model: model or variance of white noise.
@@ -129,6 +129,7 @@ def compensation_study(
     found = known(model, noise, diagnosis, accept)
     if block is None and isinstance(model, RecursiveEstimate):
         raise ParameterError.expected("a block beside an estimate in service", "none", "give the block in the PLC")
+    record = None if record is None else as_record(record)
     span = _span(span, record, found)
     gains, source = _controller(controller, record)
     if op_now is not None:
@@ -141,8 +142,7 @@ def compensation_study(
     found, compared = require_reproduction(found, gains, record, test.kick, seed, accept)
     op_noise = abs(gains.kp) * noise_of(noise_samples(found.noise, SAMPLES, seed))
     made_here = block is None and "factor" not in options
-    block = _block(found, span, op_noise, options) if block is None else _checked(block, linear.dt)
-    block = _accepted(block, found)
+    block = _accepted(_block(found, span, op_noise, options) if block is None else _checked(block, linear.dt), found)
     swing = simulated_cycle(found.plant, gains, None, test, predicted_cycle(found.plant, gains, None))
     settle = settling_rows(block, swing.period / linear.dt)
     started = started_in_cycle(reference, settle, test.kick)

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.brief import Brief
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.evaluate.limit_cycle import LimitCycle
 from lostmotion.evaluate.study.reproduced import Reproduction
 from lostmotion.models import Hammerstein
 from lostmotion.simulate import PI, LoopResponse
+from lostmotion.summary import Summary
 
 CYCLE_TOLERANCE = 1.1  # times the cycle without compensation: what two runs of an irregular swing may differ by
 
@@ -102,8 +104,8 @@ class MistakeCase:
         return {**asdict(self), **cycles, "larger_cycle": self.larger_cycle}
 
 
-@dataclass(frozen=True, eq=False)
-class CompensationStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class CompensationStudy(Brief):
     """Result of :func:`compensation_study`. Frozen; prints, draws and writes itself.
 
     Attributes
@@ -154,14 +156,19 @@ class CompensationStudy:
     settings: Mapping[str, Any] = field(default_factory=dict)
     reproduction: Reproduction | None = None
 
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        ratio = f"IAE {self.cases['with'].ratio:.2f} times that of today" if "with" in self.cases else ""
+        return self.recommendation, f"{self.block.kind} block", ratio
+
     @property
     def worst(self) -> MistakeCase | None:
         """The plant on which the block does worst, by IAE."""
         return max(self.mistakes, key=lambda case: case.ratio, default=None)
 
-    def summary(self) -> str:
+    def summary(self) -> Summary:
         """Report as text."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def plot(self, **options: Any) -> Any:
         """Figure: trend before and after, and the spread over the uncertainty (needs ``lostmotion[plot]``).
@@ -190,7 +197,7 @@ class CompensationStudy:
 
     def _repr_html_(self) -> str:
         """Headline and a small table, for notebooks."""
-        return _verbs.html(self)
+        return _verbs.panel(self).html()
 
     def __str__(self) -> str:
         return self.summary()

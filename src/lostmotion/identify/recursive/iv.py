@@ -100,7 +100,9 @@ class RecursiveIV:
         na, nb, delay = whole("na", na, 0), whole("nb", nb, 0), whole("delay", delay, 0)
         if not isinstance(method, str) or method not in INSTRUMENTS or form not in FORMS:
             raise ParameterError.expected(
-                f"method in {list(INSTRUMENTS)} and form in {list(FORMS)}", f"{method!r}, {form!r}", "see the docstring"
+                f"method in {list(INSTRUMENTS)} and form in {list(FORMS)}",
+                f"{method!r}, {form!r}",
+                "choose one of them",
             )
         if not 0 < finite("forgetting", forgetting) <= 1:
             raise ParameterError.expected("forgetting in (0, 1]", forgetting, "0.995 is the paper's")

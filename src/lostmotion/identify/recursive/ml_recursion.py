@@ -127,7 +127,7 @@ class Recursion:
         places["noise"] = list(range(eta + 3, memory.n))
         for name in names:
             if name not in places:
-                raise ParameterError.expected(f"names out of {list(places)}", repr(name), "see the docstring")
+                raise ParameterError.expected(f"names out of {list(places)}", repr(name), "choose one of them")
         chosen = sorted({index for name in names for index in places[name]})
         weak = memory.variance / np.maximum(1.0, np.abs(memory.theta)) ** 2
         memory.refer_to(forget(memory.older_than(0), chosen, weak))

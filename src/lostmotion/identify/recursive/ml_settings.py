@@ -104,7 +104,7 @@ class Settings:
     def _check_choices(self) -> None:
         if not isinstance(self.offset, str) or self.offset not in OFFSETS:
             expected = 'offset as "auto", "free" or "zero"'
-            raise ParameterError.expected(expected, repr(self.offset), "see the docstring")
+            raise ParameterError.expected(expected, repr(self.offset), "choose one of them")
         if not (isinstance(self.noise, str) and self.noise in ("auto", "white")):
             self._take("noise", whole('noise (or "auto", "white")', self.noise, 0))
 

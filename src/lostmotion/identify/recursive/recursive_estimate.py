@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from lostmotion import _verbs
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.brief import Brief, between
 from lostmotion.errors import Status
 from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.models import Hammerstein, NoiseModel
+from lostmotion.summary import Summary
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecursiveEstimate(NamedEstimate):
     """What a recursive estimator knows after a sample; names as in ``HammersteinFit``.
 
@@ -33,16 +35,22 @@ class RecursiveEstimate(NamedEstimate):
     noise: NoiseModel | None = None
     informed: dict[str, int] | None = None
 
-    def summary(self) -> str:
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        size = getattr(self.nonlinearity, "size_name", None)
+        interval = f" {between(*self.interval(size))}" if size in self.parameters else ""
+        return f"{self.nonlinearity.kind}{interval}", self.status.name, f"{self.samples} samples"
+
+    def summary(self) -> Summary:
         """Report as text, with as many digits as the standard errors allow."""
-        return _verbs.summary(self)
+        return Summary(_verbs.text(self), self)
 
     def __str__(self) -> str:
         return self.summary()
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Brief):
     """Estimates along a run.
 
     Attributes
@@ -58,6 +66,10 @@ class Trajectory:
     samples: IntArray
     values: dict[str, FloatArray]
     errors: FloatArray
+
+    def repr_parts(self) -> tuple[str, ...]:
+        """Finding in a few words."""
+        return (f"{self.errors.size} samples, {self.samples.size} estimates",)
 
     def __getitem__(self, name: str) -> FloatArray:
         return self.values[name]

@@ -72,7 +72,7 @@ def _allowed(address: str, *, insecure: bool) -> None:
     if parts.scheme == "tcp" and not insecure and not _here(host):
         raise ParameterError.expected(
             f"tls:// for a scheduler on another machine ({host})", "tcp://, which anybody can read and write",
-            "set up TLS in Dask, or allow it with --insecure in a network of your own",
+            "set up TLS in Dask, or allow it with insecure=True in a network of your own",
         )  # fmt: skip
 
 

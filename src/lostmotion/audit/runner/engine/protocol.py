@@ -11,7 +11,7 @@ from lostmotion.errors import SetupError
 
 DIED = (
     "the worker process died on it, also when it was alone: out of memory, a crash in compiled code, or far over "
-    "--loop-minutes"
+    "the time that a loop may take"
 )
 ALONE = 2  # deaths of a single item before it is given up: one may be somebody else's doing
 

@@ -7,8 +7,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import ParameterError
 from lostmotion.evaluate import random_faulty_loop
-from lostmotion.files.coerced import as_record, as_records
 from lostmotion.records import LoopRecord
+from lostmotion.records.as_record import as_record, as_records
 
 RECORD = LoopRecord(np.arange(100.0), -np.arange(100.0), dt=2.0, gaps=(50,), tag="<FIC-1>", notes=("a & b",))
 
