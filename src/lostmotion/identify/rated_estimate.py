@@ -13,6 +13,7 @@ from lostmotion import _verbs
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
+from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
@@ -26,6 +27,7 @@ SEEN = (
     Status.WIDE,
     Status.FEW_CROSSINGS,
 )  # not as it should be, but the kind is what the record shows
+LINEAR = "Converged; a linear model describes the record"  # status OK where no lost motion was fitted
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 
@@ -34,6 +36,7 @@ class RatedEstimate(NamedEstimate, ABC):
 
     status: Status
     evidence: Evidence
+    kinds: KindChoice | None
     widest: float | None
     profiled: dict[str, tuple[float, float]]
 
@@ -65,6 +68,16 @@ class RatedEstimate(NamedEstimate, ABC):
         if self.status is Status.OTHER_KIND and self.evidence.other_kind is not None:
             return self.evidence.other_kind[0]
         return self.nonlinearity.kind if self.status.ok or self.status in SEEN else "cannot tell"
+
+    @property
+    def message(self) -> str:
+        """Sentence of the status; OK of a linear model has its own, since no nonlinearity is shown by it."""
+        if self.status is not Status.OK or self.kind.name != NO_FAULT:
+            return self.status.value
+        if self.kinds is None:
+            return f"{LINEAR}; lost motion was not searched."
+        seen = "and shows no lost motion" if self.preferred == NO_FAULT else "which neither shows nor excludes one"
+        return f"{LINEAR}, {seen}."
 
     @property
     def shown_size(self) -> str | None:

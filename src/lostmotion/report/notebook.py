@@ -42,7 +42,7 @@ def facts_html(facts: FitFacts) -> str:
         shown, deviation = digits(facts.parameters[parameter], error)
         rows.append((parameter, shown, deviation, span(*interval, error), meaning))
     table = html_table(rows, PARAMETERS, named=True)
-    return html_panel(f"{name}: {facts.status.name}, {found_in(facts)}", table, said=(facts.status.value,))
+    return html_panel(f"{name}: {facts.status.name}, {found_in(facts)}", table, said=(facts.message,))
 
 
 def recursive_html(estimate: RecursiveEstimate) -> str:
