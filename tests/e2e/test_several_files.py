@@ -77,6 +77,7 @@ def test_results_of_several_files_want_a_folder(capsys, files, tmp_path):
     code, out, error = run(capsys, "identify", *files, "--out", tmp_path / "all.json")
     assert (code, out) == (1, "")
     assert error.startswith("error: expected a folder for the results of several files")
+    assert not (tmp_path / "all.json").exists()
 
 
 @pytest.mark.parametrize("command", ["check", "identify"])

@@ -1,0 +1,34 @@
+"""Folders for what is written: made where they are named, and removed again where nothing came of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+def nearest(folder: Path) -> Path:
+    """Folder or file at which a path begins to exist: the path itself, or what is above it."""
+    place = folder.absolute()
+    return next(one for one in (place, *place.parents) if os.path.lexists(one))
+
+
+@contextmanager
+def made(folder: Path) -> Iterator[None]:
+    """Make a folder and those above it; after an error those that are new and empty are removed.
+
+    Raises
+    ------
+    OSError
+        It cannot be made.
+    """
+    new = [one for one in (folder, *folder.parents) if not os.path.lexists(one)]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for one in new:
+            with suppress(OSError):
+                one.rmdir()
+        raise
