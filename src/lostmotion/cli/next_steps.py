@@ -1,4 +1,4 @@
-"""Command lines to paste where a gate is closed."""
+"""What to do next after a result: command lines to paste, or a test in words where no command leads on."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import RecordOptions
+from lostmotion.cli.sources import Source, words_of
 from lostmotion.records.span import FRACTION, PERCENT
 
 if TYPE_CHECKING:
-    from lostmotion.arrays import FloatArray
+    from lostmotion.diagnose import Diagnosis
     from lostmotion.evaluate import Solution
-    from lostmotion.identify import FitFacts
+    from lostmotion.identify import FitFacts, HammersteinFit
 
 HOLDS = 40.0  # process times of a test: some 40 moves that settle
 ROOM = 1.5  # times the widest lost motion that a test must cross to either side, at least
@@ -22,6 +23,8 @@ SPAN_SHARE = 0.01  # of the span of OP, 0 .. 100 or 0 .. 1 where it is not known
 LONGEST = 3.0 * 86400.0  # s: for longer nobody gives up a loop, and a process that seems so slow is a drift
 SPREAD = 0.3  # of a guess: what `design` takes by itself, and nothing that its check depends on
 PLACE = "REASON"
+# kinds of fit and verdicts for which `design` makes a test; for others it is described in words
+DESIGNED, DESIGNED_VERDICTS = ("dead zone", "none"), ("dead zone", "cannot tell")
 
 
 def command_lines(
@@ -31,7 +34,7 @@ def command_lines(
     asked: dict[str, Any],
     linear_fit: Callable[[], FitFacts] | None = None,
 ) -> list[str]:
-    """What to type next, most useful first.
+    """What to do after `solve` has come to a closed gate, most useful first.
 
     Parameters
     ----------
@@ -49,26 +52,99 @@ def command_lines(
     words = [str(file), *typed(columns)]
     lines = []
     if step.settings:
-        lines.append(_line("solve", str(file), *_again(columns, asked, step.settings)))
+        lines.append(line("solve", str(file), *_again(columns, asked, step.settings)))
     elif step.name == "check":
-        lines.append(_line("check", *words))
+        lines.append(line("check", *words))
     elif step.name == "simulate" and solution.study is None and asked.get("kp") is None:
-        lines.append(f"{_line('solve', *words, *_flags(asked))} --kp KP --ki KI")
+        lines.append(f"{line('solve', *words, *flags(asked))} --kp KP --ki KI")
     elif step.name in ("diagnose", "identify") and _telling(solution):
         lines += _test(solution, file, words, asked, linear_fit)
     if step.name == "diagnose":
-        known = {name: asked.get(name) for name in ("loop_type", "integrating")}
-        lines.append(_line("diagnose", *words, *_flags(known)))
+        lines.append(line("diagnose", *words, *flags({name: asked.get(name) for name in ("loop_type", "integrating")})))
     if step.acceptable:
-        lines.append(f'{_line("solve", *words, *_flags(asked))} --accept "{PLACE}"')
+        others = {name: value for name, value in asked.items() if name != "accept"}
+        lines.append(f'{line("solve", *words, *flags(others))} --accept "{PLACE}"')
     return lines
+
+
+def after_diagnosis(file: Path, found: Diagnosis, *, columns: RecordOptions, known: Mapping[str, Any]) -> list[str]:
+    """What to do after a diagnosis: the way to a block, the test or recording that tells, or nothing.
+
+    Parameters
+    ----------
+    file, columns : Path and RecordOptions
+        The record as it was read.
+    found : Diagnosis
+    known : mapping
+        Options about the loop that were given.
+    """
+    from lostmotion.diagnose.sampling import sampling_advice
+    from lostmotion.identify.actuators.kind import faults
+
+    sized = [kind.name for kind in faults() if kind.size is not None]
+    if found.verdict in sized and (found.severity != "low" or found.measured.swings):
+        return [line("solve", *_words(file, columns), *flags(known))]
+    if found.verdict != "cannot tell":
+        return []
+    return [sampling_advice(found) or in_words(found, found.fit)]
+
+
+def after_fit(
+    file: Path,
+    fit: HammersteinFit,
+    *,
+    columns: RecordOptions,
+    integrating: bool | None,
+    gain: float | None,
+    saved: Path | None,
+) -> list[str]:
+    """What to do after an identification: the way to a block, a test for a dead zone, the diagnosis, or nothing.
+
+    Parameters
+    ----------
+    file, columns : Path and RecordOptions
+        The record as it was read.
+    fit : HammersteinFit
+    integrating, gain
+        As they were given.
+    saved : Path or None
+        File that the fit was written to.
+    """
+    from lostmotion.compensate.gate import closed
+
+    facts, words = fit.facts, _words(file, columns)
+    known = {"integrating": integrating}
+    if facts.kind.size is None:
+        return [] if facts.preferred == facts.kind.name else [line("diagnose", *words, *flags(known))]
+    if closed(facts) is None:
+        return [line("solve", *words, *flags(known | {"known_gain": gain}))]
+    test = None if closed(facts, sized=False) is not None else _designed(fit, facts)
+    if facts.kind.name == "dead zone" and test is not None:
+        return _design(file, words, known | {"gain": gain}, test, saved)
+    return [line("diagnose", *words, *flags(known))]
+
+
+def in_words(found: Diagnosis, fit: HammersteinFit) -> str:
+    """The test in manual that tells what this record does not."""
+    from lostmotion.diagnose.manual_test import manual_test
+    from lostmotion.diagnose.op_span import op_span
+
+    span = op_span(found.record)
+    size = max(found.tolerance if found.excluded else SPAN_SHARE * (span.high - span.low), _size_of(fit.facts))
+    return manual_test(fit, size, found.measured.integrating, span.ends)
+
+
+def _words(file: Path, columns: RecordOptions) -> list[str]:
+    """The record as it is typed."""
+    loop = file.loop if isinstance(file, Source) else None
+    return [*words_of(file), *typed(columns if loop is None else replace(columns, loop=loop))]
 
 
 def _again(columns: RecordOptions, asked: Mapping[str, Any], settings: Mapping[str, Any]) -> list[str]:
     """Options of `solve` with other settings; a span is one of the record."""
     options = {**asked, **settings}
     span = options.pop("span", columns.op_span)
-    return [*typed(replace(columns, op_span=span)), *_flags(options)]
+    return [*typed(replace(columns, op_span=span)), *flags(options)]
 
 
 def _telling(solution: Solution) -> bool:
@@ -83,35 +159,58 @@ def _test(
     asked: Mapping[str, Any],
     linear_fit: Callable[[], FitFacts] | None,
 ) -> list[str]:
-    """Identify the record, and design the test that would tell; in words where no process is known to design it for."""
+    """Identify the record, and design the test that would tell; in words where `design` does not know the kind."""
     from lostmotion.compensate.gate import closed
+    from lostmotion.diagnose.sampling import sampling_advice
 
-    fit, out = solution.fit, file.with_suffix(".fit.json").name
-    if fit is None:
+    fit, found = solution.fit, solution.diagnosis
+    if fit is None or found is None:
         return []
-    facts = fit.facts
-    own = facts.kind.name == "dead zone" and closed(facts, sized=False) is None
-    low, high, guess = _room(facts)
-    options: dict[str, Any] = {} if own else {"left": guess[0], "right": guess[1]}
-    used = facts if own or linear_fit is None else linear_fit()  # what the printed `identify` is going to find
-    options |= {"op_limits": (low, high), "duration": _duration(used)}
-    if used.linear.integrates():
-        options["pv_limits"] = _pv_limits(fit.data.y)
-    if not _taken(used, dict(options)):
-        return [_by_hand(used, low, high)]
-    known = {"integrating": asked.get("integrating"), "gain": asked.get("known_gain") if own else None}
-    kind = () if own else ("--nonlinearity", "none")
-    return [
-        _line("identify", *words, *kind, *_flags(known), "--out", out),
-        _line("design", "--fit", out, *_flags(options), "--out", "test.csv"),
-    ]
+    if slow := sampling_advice(found):
+        return [f"({slow})"]
+    own = fit.kind.name == "dead zone" and closed(fit.facts, sized=False) is None
+    known: dict[str, Any] = {"integrating": asked.get("integrating")}
+    test = None
+    if found.verdict not in DESIGNED_VERDICTS:
+        pass
+    elif own:
+        known["gain"] = asked.get("known_gain")
+        test = _designed(fit, fit.facts)
+    elif fit.kind.name in DESIGNED:
+        known["nonlinearity"] = "none"
+        test = _designed(fit, fit.facts if linear_fit is None else linear_fit(), guess=True)
+    return [f"({in_words(found, fit)})"] if test is None else _design(file, words, known, test)
 
 
-def _pv_limits(pv: FloatArray) -> tuple[float, float]:
-    """The range of the record and a little more: PV at rest may lie at its edge."""
-    low, high = float(pv.min()), float(pv.max())
-    room = 0.05 * (high - low)
-    return float(f"{low - room:.4g}"), float(f"{high + room:.4g}")
+def _design(
+    file: Path, words: list[str], known: Mapping[str, Any], test: dict[str, Any], saved: Path | None = None
+) -> list[str]:
+    """Commands that save the fit, where it is not, and design the test from it."""
+    out = str(saved or f"{file.stem}.fit.json")
+    design = line("design", "--fit", out, *flags(test), "--out", f"{file.stem}.test.csv")
+    return [design] if saved is not None else [line("identify", *words, *flags(known), "--out", out), design]
+
+
+def _designed(fit: HammersteinFit, used: FitFacts, *, guess: bool = False) -> dict[str, Any] | None:
+    """Options of a `design` that keeps to what the record shows, from its present OP and PV; None where it refuses.
+
+    Parameters
+    ----------
+    fit : HammersteinFit
+        Of the record.
+    used : FitFacts
+        What the printed `identify` finds.
+    guess : bool
+        Whether the break points are guessed.
+    """
+    from lostmotion.diagnose.manual_test import present, pv_limits
+
+    low, high, ends = _room(fit.facts)
+    op, pv = (float(f"{value:.4g}") for value in present(fit.data))
+    options: dict[str, Any] = {"left": ends[0], "right": ends[1]} if guess else {}
+    options |= {"op_limits": (min(low, op), max(high, op)), "pv_limits": pv_limits(fit.data)}
+    options |= {"op_now": op, "pv_now": pv, "duration": _duration(used)}
+    return options if _taken(used, dict(options)) else None
 
 
 def _duration(facts: FitFacts) -> float:
@@ -135,7 +234,6 @@ def _taken(facts: FitFacts, options: dict[str, Any]) -> bool:
     if options["duration"] > LONGEST:
         return False
     left, right = options.pop("left", None), options.pop("right", None)
-    limits = {"pv_limits": None} | options
     try:
         pass_process(facts, None)
         if left is None:
@@ -143,24 +241,17 @@ def _taken(facts: FitFacts, options: dict[str, Any]) -> bool:
         else:
             rough = known(Hammerstein(DeadZone(left, right), facts.linear, facts.model.offset), facts.noise, SPREAD)
         check(
-            rough, loop="open", controller=None, sp_limits=None, op_now=None, rate_limit=None, shortest_hold=None,
-            wanted=None, target="width", seed=0, **limits,
+            rough, loop="open", controller=None, sp_limits=None, rate_limit=None, shortest_hold=None,
+            wanted=None, target="width", seed=0, **options,
         )  # fmt: skip
     except InputError:
         return False
     return True
 
 
-def _by_hand(facts: FitFacts, low: float, high: float) -> str:
-    """The test that needs no model."""
-    from lostmotion.design.request import FEWEST_HOLDS, FEWEST_SAMPLES
-
-    least = FEWEST_SAMPLES / FEWEST_HOLDS * facts.dt
-    return (
-        f"(no test can be designed from what this record says of the process; by hand: with the controller in manual, "
-        f"step OP between {low:g} and {high:g}, {FEWEST_HOLDS} moves up and down, hold each until PV has settled, for "
-        f"{least:.3g} s at least, and solve the record of that)"
-    )
+def _size_of(facts: FitFacts) -> float:
+    """Size that was fitted; 0 where the kind has none."""
+    return facts.parameters[facts.kind.size] if facts.kind.size else 0.0
 
 
 def _room(facts: FitFacts) -> tuple[float, float, tuple[float, float]]:
@@ -168,8 +259,7 @@ def _room(facts: FitFacts) -> tuple[float, float, tuple[float, float]]:
     low, high = facts.op_range
     span = facts.op_span or (PERCENT if high > 1.5 or low < 0.0 else FRACTION)
     middle, scale = 0.5 * (low + high), span[1] - span[0]
-    size = facts.kind.size
-    half = max(0.5 * SPAN_SHARE * scale, 0.5 * facts.parameters[size] if size else 0.0)
+    half = max(0.5 * SPAN_SHARE * scale, 0.5 * _size_of(facts))
     reach = max(0.5 * (high - low), half + 2.0 * ROOM * half)
     rounded = [float(f"{value:.4g}") for value in (middle - reach, middle + reach, middle - half, middle + half)]
     return rounded[0], rounded[1], (rounded[2], rounded[3])
@@ -180,10 +270,11 @@ def typed(columns: RecordOptions) -> list[str]:
     given = {
         one.name: getattr(columns, one.name) for one in fields(columns) if getattr(columns, one.name) != one.default
     }
-    return _flags(given)
+    return flags(given)
 
 
-def _flags(given: dict[str, Any]) -> list[str]:
+def flags(given: Mapping[str, Any]) -> list[str]:
+    """Options of a command line, of those that were given."""
     words = []
     for name, value in given.items():
         if name == "integrating" and value is False:
@@ -199,5 +290,6 @@ def _flags(given: dict[str, Any]) -> list[str]:
     return words
 
 
-def _line(*words: str) -> str:
+def line(*words: str) -> str:
+    """A command to paste."""
     return f"lostmotion {shlex.join(words)}"

@@ -95,7 +95,7 @@ def _doubtful(kind: str, kinds: KindChoice) -> Closed:
     got = f"{sure} % that it is a {kind}; it may be a {kinds.runner_up}"
     if kinds.runner_up == "none":
         got = f"{sure} % that there is a {kind} at all"
-    remedy = "record set-point moves, or make a test: `lostmotion design`"
+    remedy = "record set-point moves, or steps of OP in manual, up, back, down and back"
     return Closed(f"a kind that is sure to {100.0 * SURE:.0f} %", got, remedy)
 
 
