@@ -45,7 +45,7 @@ def manual_test(fit: HammersteinFit, size: float, integrating: bool, op_span: tu
     step = min(SIZES * size, 0.5 * (op_span[1] - op_span[0]))
     start = float(np.clip(present(fit.data)[0], op_span[0] + step, op_span[1] - step))
     low, high = pv_limits(fit.data)
-    seconds = _hold(fit, step, 0.5 * (high - low), integrating)
+    seconds = _hold(fit, step, 0.5 * float(np.ptp(fit.data.y)), integrating)
     if integrating:
         held = f"hold at most {_rounded(seconds)} s" if seconds else "hold only until PV moves"
         last = f"Do not wait for PV to settle, and step back at once where PV leaves {low:g} .. {high:g}."

@@ -14,6 +14,11 @@ def nearest(folder: Path) -> Path:
     return next(one for one in (place, *place.parents) if os.path.lexists(one))
 
 
+def make(folder: Path) -> None:
+    """Make a folder and those above it, where they are not there."""
+    folder.mkdir(parents=True, exist_ok=True)
+
+
 @contextmanager
 def made(folder: Path) -> Iterator[None]:
     """Make a folder and those above it; after an error those that are new and empty are removed.
@@ -25,7 +30,7 @@ def made(folder: Path) -> Iterator[None]:
     """
     new = [one for one in (folder, *folder.parents) if not os.path.lexists(one)]
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make(folder)
         yield
     except BaseException:
         for one in new:

@@ -20,7 +20,7 @@ from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files.alone import LOCKS, alone, locked
-from lostmotion.files.folders import made, nearest
+from lostmotion.files.folders import made, make, nearest
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
@@ -156,7 +156,7 @@ def lock_file(path: Path) -> BinaryIO | None:
         return None
     beside = path.with_name(f".{path.name}.lock")
     with _told(beside):
-        beside.parent.mkdir(parents=True, exist_ok=True)
+        make(beside.parent)
         number = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, PLAIN)
     stream = os.fdopen(number, "rb")
     if not locked(number):

@@ -15,7 +15,7 @@ from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from lostmotion.addresses import is_url
 from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
-from lostmotion.files.folders import nearest
+from lostmotion.files.folders import make, nearest
 from lostmotion.files.paths import is_file, is_folder
 from lostmotion.store.said import damaged, explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
@@ -139,7 +139,7 @@ def _make_folder(path: Path, name: str) -> None:
         remedy = f"give one of at most {longest}: SQLite puts files with longer names beside it"
         raise store_error(name, f"a name of {len(os.fsencode(path.name))} bytes", remedy)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make(path.parent)
     except OSError as error:
         reason = error.strerror or str(error)
         raise store_error(name, f"{reason!r} for its folder", "choose another path") from error
