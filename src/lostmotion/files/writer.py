@@ -20,7 +20,7 @@ from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files.alone import LOCKS, alone, locked
-from lostmotion.files.folders import made, make, nearest
+from lostmotion.files.folders import MOST_NEW, depth, made, make, nearest
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
@@ -312,6 +312,8 @@ def _refuse_present(target: Path, mode: int, force: bool) -> None:
 
 def _refuse_folder(folder: Path) -> None:
     above = nearest(folder)
+    if depth(folder) > MOST_NEW:
+        raise FileAccessError(f"expected a folder that can be written, got {str(folder)[:200]!r}; choose another path")
     if not above.is_dir():
         raise FileAccessError(f"expected a folder {str(folder)!r}, got the file {str(above)!r}; choose another path")
     if not os.access(above, os.W_OK | os.X_OK):
