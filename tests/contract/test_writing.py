@@ -19,6 +19,7 @@ WRITERS = {
 NOT_FILES = {  # what has such a name and writes no file, or goes through the writer
     "files/write.py": {"write_parquet", "write_csv", "write_bytes"},  # into memory, then the writer
     "files/results.py": {"write_bytes", "write_text"}, "files/text.py": {"rename"},  # columns of a frame
+    "files/folders.py": {"mkdir", "rmdir"},  # folders of what is written
     "files/joined.py": {"rename"}, "files/long.py": {"rename"},
     "online/service.py": {"write_bytes"}, "files/child.py": {"write_csv"},
     "live/recorder.py": {"write_parquet", "write_bytes"},  # into memory, then the writer

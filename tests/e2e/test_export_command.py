@@ -88,7 +88,7 @@ def test_a_saved_block_is_exported_as_it_is(capsys, fit, tmp_path):
     assert json.loads(text)["block"]["settings"] == {**block.settings, "cap": 2.5}
     assert json.loads(text)["replay"] is None
     code, _, error = run(capsys, *words, "--force", "--scan-time", 7)
-    assert code == 1
+    assert code == 2
     assert "scan time" in error
 
 
@@ -128,7 +128,7 @@ def test_code_that_differs_is_not_written(capsys, fit, tmp_path, monkeypatch):
 )
 def test_what_cannot_be_used_is_said(capsys, fit, tmp_path, change, said):
     code, _, error = run(capsys, "export", fit[1], *BASICS, "--span", -20, 20, "--out", tmp_path / "new", *change)
-    assert code == 1
+    assert code == 2
     assert error.startswith("error: expected")
     assert said in error
     assert not (tmp_path / "new").exists()
@@ -147,4 +147,4 @@ def test_a_fit_without_lost_motion_has_no_block(capsys, fit, tmp_path):
     assert "NOT_SEEN" in error
     path.write_text("{}", encoding="utf-8")
     assert run(capsys, "export", path, *BASICS, "--out", tmp_path / "new")[0] == 1
-    assert run(capsys, "export", tmp_path / "none.json", *BASICS, "--out", tmp_path / "new")[0] == 1
+    assert run(capsys, "export", tmp_path / "none.json", *BASICS, "--out", tmp_path / "new")[0] == 2

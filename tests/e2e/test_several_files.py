@@ -77,6 +77,7 @@ def test_results_of_several_files_want_a_folder(capsys, files, tmp_path):
     code, out, error = run(capsys, "identify", *files, "--out", tmp_path / "all.json")
     assert (code, out) == (1, "")
     assert error.startswith("error: expected a folder for the results of several files")
+    assert not (tmp_path / "all.json").exists()
 
 
 @pytest.mark.parametrize("command", ["check", "identify"])
@@ -124,10 +125,10 @@ def test_a_model_file_is_the_same_as_its_options(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "code", "said"),
     [
-        ("gian = 1.5", 1, "gian"),
+        ("gian = 1.5", 2, "gian"),
         ("gain 1.5", 1, "gain = 1.5 (TOML)"),
         ('gain = "much"', 2, "--gain"),
-        (None, 1, "readable"),
+        (None, 2, "readable"),
     ],
 )
 def test_a_bad_model_file_is_one_clear_error(capsys, tmp_path, text, code, said):

@@ -74,7 +74,7 @@ def test_numbers_of_a_model(capsys):
 )
 def test_bad_input_is_one_clear_line(capsys, words, said):
     code, _, error = run(capsys, *words)
-    assert code == 1
+    assert code == 2
     assert error.startswith("error: expected")
     assert said in error
     assert error.count("\n") == 1

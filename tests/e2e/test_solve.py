@@ -69,4 +69,4 @@ def test_what_is_printed_at_a_closed_gate_can_be_pasted(capsys, tmp_path, monkey
     code, said, error = run(capsys, *second)
     assert (code, error) == (0, "")
     assert "Test design" in said
-    assert (tmp_path / "test.csv").exists()
+    assert (tmp_path / "FIC-9.test.csv").exists()

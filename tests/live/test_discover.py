@@ -49,5 +49,7 @@ def test_pieces_are_whole_and_read_as_a_record(tmp_path):
 
 
 def test_a_record_wants_a_folder(tmp_path):
-    with pytest.raises(FileAccessError, match="make it first"):
-        Recorder(tmp_path / "none")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileAccessError, match="expected a folder, got the file"):
+        Recorder(tmp_path / "file")
+    assert len(Recorder(tmp_path / "new")) == 0, "made with the first piece"

@@ -58,6 +58,6 @@ def test_insecure_takes_no_user_file(where, tmp_path, capsys):
         loop = '[[loop]]\ntag = "A"\nop = "ns=2;s=A"\npv = "ns=2;s=B"\norders = [1, 0, 1]\ndt = 1.0\n'
         path.write_text(f'address = "{HERE}"\n[security]\nuser_file = "plc1.user"\n{loop}')
         code, line = said(capsys, path, "--insecure")
-    assert code == 1
+    assert code == 2
     assert line.startswith("error: expected --insecure without a user file, got ")
     assert len(line.splitlines()) == 1

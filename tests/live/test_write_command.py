@@ -52,13 +52,13 @@ def test_with_the_word_of_the_command_alone_it_does_not_begin(bench, tmp_path, c
     plant = bench.files(tmp_path / "bench", write=write)
     bench.calls.clear()
     code, _, said = run(capsys, "live", plant, "--write", *ARGUMENTS)
-    assert code == 1
+    assert code == 2
     assert "expected write = true in [loop.block] of a loop, got none" in said
     code, _, said = run(capsys, "live", bench.address, "--op", "ns=2;s=A", "--pv", "ns=2;s=B", "--write", *ARGUMENTS)
-    assert code == 1
+    assert code == 2
     assert "a plant file beside --write" in said
     code, _, said = run(capsys, "request", plant, "TIC103", plant, "--who", "anna", "--write")
-    assert (code, "a loop with write = true" in said) == (1, True)
+    assert (code, "a loop with write = true" in said) == (2, True)
     assert bench.calls == []
     assert not (plant.parent / "requests.jsonl").exists()
 
@@ -74,7 +74,7 @@ def test_a_request_is_a_study_first(bench, tmp_path, capsys, fit):
     said = json.loads(out)
     assert (said["asked"]["factor"], said["study"]["safe"]) == (900, True)
     code, _, said = run(capsys, "request", plant, "TIC103", fit, "--write")
-    assert (code, "expected --who" in said) == (1, True)
+    assert (code, "expected --who" in said) == (2, True)
     code, _, said = run(capsys, "request", plant, "TIC103", fit, "--who", "anna", "--write")
     assert (code, "at work on this plant" in said) == (1, True)
     odd = tmp_path / "odd.json"

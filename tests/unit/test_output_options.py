@@ -17,7 +17,7 @@ def test_what_is_known_before(tmp_path):
     (tmp_path / "keep.png").write_bytes(b"kept")
     (tmp_path / "link.json").symlink_to(tmp_path / "keep.png")
     output = OutputOptions()
-    for figure in ("f.xyz", "keep", "keep.png", "none/f.png"):
+    for figure in ("f.xyz", "keep", "keep.png", "keep.png/f.png"):
         with pytest.raises(FileAccessError):
             output.refuse(figures=(tmp_path / figure,))
     with pytest.raises(FileAccessError, match="link"):

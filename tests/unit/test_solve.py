@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
+from lostmotion.cli.next_steps import command_lines
 from lostmotion.cli.options import RecordOptions
-from lostmotion.cli.way_out import command_lines
 from lostmotion.design.request import shortest_duration
 from lostmotion.errors import GateError, ParameterError
 from lostmotion.evaluate import solve as way
@@ -210,17 +210,26 @@ def test_no_reason_helps_where_the_loop_cannot_be_simulated(steps):
     assert steps(study=gate).closed.acceptable
 
 
-@pytest.mark.parametrize("kind", ["dead zone", "backlash"])
-@pytest.mark.parametrize("verdict", ["cannot tell", "backlash"])
-def test_where_the_record_does_not_tell_a_test_is_named(steps, kind, verdict):
-    found = steps(verdict=verdict, kind=kind, status=lm.Status.WIDE)
+@pytest.mark.parametrize("kind", ["dead zone", "none"])
+def test_where_the_record_does_not_tell_a_test_is_designed(steps, kind):
+    found = steps(verdict="cannot tell", kind=kind, status=lm.Status.WIDE)
     lines = command_lines(found, Path("a.csv"), RecordOptions(), {})
     assert lines[0].startswith("lostmotion identify a.csv")
     assert lines[1].startswith("lostmotion design --fit a.fit.json")
     assert ("--left" in lines[1]) == (kind != "dead zone")
 
 
-@pytest.mark.parametrize("kind", ["dead zone", "backlash"])
+@pytest.mark.parametrize(
+    ("verdict", "kind"), [("cannot tell", "backlash"), ("stiction", "stiction"), ("backlash",) * 2]
+)
+def test_a_kind_that_design_does_not_know_has_its_test_in_words(steps, verdict, kind):
+    found = steps(verdict=verdict, kind=kind, status=lm.Status.WIDE)
+    lines = command_lines(found, Path("a.csv"), RecordOptions(), {})
+    assert not any("design" in line for line in lines)
+    assert "in manual, step OP from" in lines[0]
+
+
+@pytest.mark.parametrize("kind", ["dead zone", "none"])
 def test_what_is_known_of_the_loop_is_said_in_all_lines(steps, kind):
     found = steps(verdict="cannot tell", kind=kind, status=lm.Status.WIDE)
     known = {"known_gain": 2.0, "integrating": False, "loop_type": "flow"}
@@ -242,7 +251,7 @@ def test_the_test_lasts_as_long_as_design_asks():
     slow = lm.LinearModel.from_continuous([1.0], [1.0, 1.0], 30.0, 0.5)
     facts = made_fit("none").facts
     facts = replace(facts, model=replace(facts.model, linear=slow))
-    words = printed(made_fit("backlash", lm.Status.WIDE), facts)[1].split()
+    words = printed(made_fit("none"), facts)[1].split()
     assert float(words[words.index("--duration") + 1]) >= shortest_duration(slow) > 120.0
 
 
@@ -253,16 +262,19 @@ def test_no_test_is_designed_for_a_process_that_is_not_known_or_takes_days():
         replace(facts, status=lm.Status.NO_PROCESS),
         replace(facts, model=replace(facts.model, linear=days)),
     ):
-        lines = printed(made_fit("backlash", lm.Status.WIDE), linear)
+        lines = printed(made_fit("none"), linear)
         assert not any(line.startswith(("lostmotion design", "lostmotion identify")) for line in lines)
-        assert "in manual, step OP between" in lines[0]
+        assert "in manual, step OP from" in lines[0]
 
 
 def test_a_level_is_tested_within_limits_of_pv():
     fit = made_fit("dead zone", lm.Status.WIDE, integrating=True)
     diagnosis = replace(example(), verdict="cannot tell", fit=fit)
     found = Solution("closed", (Step("diagnose", False, "no", "test"),), diagnosis, fit)
-    assert "--pv-limits" in command_lines(found, Path("a.csv"), RecordOptions(), {})[1]
+    words = command_lines(found, Path("a.csv"), RecordOptions(), {})[1].split()
+    low, high = (float(words[words.index("--pv-limits") + place]) for place in (1, 2))
+    assert low < float(words[words.index("--pv-now") + 1]) < high
+    assert high - low < 1.2 * np.ptp(fit.data.y)
 
 
 def test_a_record_that_cannot_be_used_ends_at_the_check():

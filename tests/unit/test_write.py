@@ -67,8 +67,9 @@ def test_refusals(tmp_path):
         files.write_columns(tmp_path / "a.csv", {"OP": [1.0], "PV": [1.0, 2.0]})
     with pytest.raises(DataError, match="one length"):
         files.write_columns(tmp_path / "a.csv", {})
-    with pytest.raises(FileAccessError, match="got none; make it first"):
-        files.write_columns(tmp_path / "absent" / "a.csv", COLUMNS)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileAccessError, match=r"expected a folder .*, got the file .*; choose another path"):
+        files.write_columns(tmp_path / "file" / "a.csv", COLUMNS)
     (tmp_path / "b.csv").mkdir()
     with pytest.raises(FileAccessError, match="got the folder"):
         files.write_columns(tmp_path / "b.csv", COLUMNS, force=True)

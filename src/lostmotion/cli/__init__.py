@@ -1,7 +1,4 @@
-"""The command ``lostmotion``: thin commands over the library.
-
-Exit codes: 0 done, 1 a finding that needs you or a failure, 2 wrong usage.
-"""
+"""The command ``lostmotion``: thin commands over the library; exit codes in ``exit_codes``."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ import typer
 import lostmotion
 from lostmotion.cli.closed_output import SHOWN, full_output
 from lostmotion.cli.commands import PLAIN, Commands
+from lostmotion.cli.exit_codes import ATTENTION, exit_code
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.pairs import apart
 from lostmotion.cli.progress import compiling
@@ -44,14 +42,14 @@ def _whole(version: Version = False) -> None:
 
 
 def main(arguments: list[str] | None = None) -> Any:
-    """Run the command line; errors of lostmotion become one line and exit code 1."""
+    """Run the command line; errors of lostmotion become one line and an exit code of the table."""
     words = apart(sys.argv[1:] if arguments is None else arguments)
     SHOWN.set(False)
     try:
         return _told(words)
     except OSError as error:
         say_error(full_output(error), False, words)
-        sys.exit(1)
+        sys.exit(ATTENTION)
 
 
 def _told(words: list[str]) -> Any:
@@ -60,4 +58,4 @@ def _told(words: list[str]) -> Any:
             return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
         say_error(error, "--json" in words, words)
-        sys.exit(1)
+        sys.exit(exit_code(error))

@@ -9,6 +9,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from lostmotion.cli.exit_codes import TABLE
 from lostmotion.cli.groups import spread
 from lostmotion.cli.pairs import named
 from lostmotion.cli.wording import OFFERED, RUNNING
@@ -93,3 +94,8 @@ class Commands(TyperGroup):
         """Names and their help, from the table."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+        """Exit codes of all commands."""
+        with formatter.section("Exit codes"):
+            formatter.write_dl([(str(code), meaning) for code, meaning in TABLE.items()])

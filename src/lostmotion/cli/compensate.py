@@ -12,7 +12,7 @@ import lostmotion as lm
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import ColumnOptions, File, number
 from lostmotion.cli.output import OutputOptions
-from lostmotion.errors import ParameterError
+from lostmotion.errors import GateError, ParameterError
 from lostmotion.files import write_columns
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def _zone(
         return lm.DeadZone(left, right, left_slope, right_slope), ""
     found = lm.read_fit(fit)
     if found.kind.name != "dead zone":
-        raise ParameterError.expected(
+        raise GateError.expected(
             "a fit that shows a dead zone",
             f"{found.preferred} (status {found.status.name})",
             "for backlash and stiction `lostmotion simulate` and `export` make the block",

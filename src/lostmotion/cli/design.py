@@ -27,7 +27,7 @@ Fit = Annotated[Path | None, number("--fit", "Result of `identify --out`; or the
 Left = Annotated[float | None, number("--left", "Guess of the left break point, in units of OP.")]
 Right = Annotated[float | None, number("--right", "Guess of the right break point.")]
 Ratio = Annotated[float, typer.Option("--slope-ratio", help="Slope on the left over slope on the right.")]
-PvNow = Annotated[float, typer.Option("--pv-now", help="PV at rest before the test, beside the numbers of a model.")]
+PvNow = Annotated[float | None, number("--pv-now", "PV at rest before the test; default: 0, or that of the fit.")]
 OpNow = Annotated[float | None, number("--op-now", "OP at rest before the test; default: said in the result.")]
 OpLimits = Annotated[Pair | None, number("--op-limits", "What OP must not leave, e.g. 40 60.")]
 PvLimits = Annotated[Pair | None, number("--pv-limits", "What PV must not leave.")]
@@ -52,7 +52,7 @@ class GuessOptions:
     left: Left = None
     right: Right = None
     slope_ratio: Ratio = 1.0
-    pv_now: PvNow = 0.0
+    pv_now: PvNow = None
     op_now: OpNow = None
 
 
@@ -132,7 +132,7 @@ def design(
     output.refuse(figures=(written.figure,), table=written.out)
     opened = gate.given()
     if fit is not None:
-        model, noise = _from_fit(fit, guess.left, guess.right, guess.slope_ratio, opened["accept"])
+        model, noise = _from_fit(fit, guess, opened["accept"])
     else:
         model, noise = _of_numbers(guess, rough)
     if achievable is not None:
@@ -140,7 +140,7 @@ def design(
         output.show(answer.summary(), answer.to_dict())
         raise typer.Exit(0 if answer.sees else 1)
     test = lm.design(
-        model, noise, op_now=guess.op_now, controller=pi.controller, progress=_progress,
+        model, noise, op_now=guess.op_now, pv_now=guess.pv_now, controller=pi.controller, progress=_progress,
         **limits.given(), **goal.given(), **opened,
     )  # fmt: skip
     output.show(test.summary(), test.to_dict())
@@ -155,21 +155,25 @@ def _progress(line: str) -> None:
 
 
 def _of_numbers(guess: GuessOptions, rough: RoughModel) -> tuple[Hammerstein, NoiseModel]:
-    model = _model(rough.process, guess.left, guess.right, guess.slope_ratio, guess.op_now, guess.pv_now)
+    model = _model(rough.process, guess.left, guess.right, guess.slope_ratio, guess.op_now, guess.pv_now or 0.0)
     return model, rough.noise
 
 
-def _from_fit(
-    path: Path, left: float | None, right: float | None, slope_ratio: float, accept: str | None
-) -> tuple[FitFacts | Hammerstein, NoiseModel | None]:
+def _from_fit(path: Path, guess: GuessOptions, accept: str | None) -> tuple[FitFacts | Hammerstein, NoiseModel | None]:
     """The fit itself, or its process with break points that were guessed."""
     from lostmotion.compensate.gate import pass_process
 
     found = lm.read_fit(path)
-    if left is None and right is None:
+    if guess.left is None and guess.right is None:
         return found, None
     pass_process(found, accept)
-    return lm.Hammerstein(_zone(left, right, slope_ratio), found.linear, found.model.offset), found.noise
+    zone = _zone(guess.left, guess.right, guess.slope_ratio)
+    offset = found.model.offset
+    if not found.linear.integrates():  # PV at rest stays that of the fit, whose x is not 0 inside the guess
+        op = 0.5 * (zone.left + zone.right) if guess.op_now is None else guess.op_now
+        x = op if found.kind.sticks else float(found.model.nonlinearity(op))
+        offset += found.linear.gain * (x - float(zone(op)))
+    return lm.Hammerstein(zone, found.linear, offset), found.noise
 
 
 def _zone(left: float | None, right: float | None, slope_ratio: float) -> DeadZone:

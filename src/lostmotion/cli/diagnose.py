@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.next_steps import after_diagnosis
 from lostmotion.cli.options import Files, Integrating, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.progress import progress
@@ -95,7 +97,9 @@ def diagnose(
         _write_report(reports.get(file), found, str(file), output)
 
     found = each(files, work, diagnosis_line, output.json, output.keeper(out), write)
-    raise tell(found, diagnosis_table, output, lambda one: one.cleared, named=True)
+    known = {"loop_type": None if loop_type is None else loop_type.value, "integrating": integrating}
+    steps = partial(after_diagnosis, columns=columns, known=known)
+    raise tell(found, diagnosis_table, output, lambda one: one.cleared, named=True, next_steps=steps)
 
 
 def _together(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.next_steps import after_fit
 from lostmotion.cli.options import Files, Integrating, RecordOptions, number
 from lostmotion.cli.output import Figures, OutputOptions, places
 from lostmotion.cli.several import each, refuse_tag, tell
@@ -96,7 +98,10 @@ def identify(
         output.write_figure(figures.get(file), fit)
 
     found = each(files, work, fit_line, output.json, write=write)
-    raise tell(found, fit_table, output, lambda fit: fit.status.ok or fit.status is Status.NOT_SEEN)
+    steps = partial(after_fit, columns=columns, integrating=model.integrating, gain=model.gain, saved=out)
+    raise tell(
+        found, fit_table, output, lambda fit: fit.status.ok or fit.status is Status.NOT_SEEN, next_steps=steps
+    )  # fmt: skip
 
 
 def read_orders(text: str) -> tuple[int, int, int]:

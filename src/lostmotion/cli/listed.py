@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lostmotion.cli.next_steps import typed
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.sources import content_of, loops_in, words_of
-from lostmotion.cli.way_out import typed
 
 
 @dataclass(frozen=True)

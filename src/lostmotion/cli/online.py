@@ -123,6 +123,7 @@ def online(
     --accept REASON says why to go on. No other kind is watched.
     """
     from lostmotion.files.follow import Follower
+    from lostmotion.files.growing import GrowingFile
     from lostmotion.files.layout import Asked
     from lostmotion.online.service import Kept, Service
 
@@ -130,6 +131,8 @@ def online(
     automatic = tuple(auto_value or ())
     asked = Asked(columns.op, columns.pv, columns.time_column, mode, automatic, columns.dt)
     rows = sys.stdin.buffer if source == "-" else Path(source)
+    if isinstance(rows, Path):
+        GrowingFile(rows).close()  # one that cannot be read is refused before the folder of a state is made
     with (
         stop_on_signals() as stop,
         Kept(state, {**model, **watch}) as kept,

@@ -114,16 +114,17 @@ def places(files: list[Path], target: Path | None, what: str, ending: str) -> di
     Raises
     ------
     FileAccessError
-        The target of several files is no folder, or two of them would write the same file.
+        The target of several files is a file, or two of them would write the same file.
     """
     if target is None:
         return {}
     if len(files) == 1:
         return {files[0]: target}
-    from lostmotion.files.paths import is_folder  # the readers, which no command needs to be read
+    from lostmotion.files.paths import is_file, is_folder  # the readers, which no command needs to be read
 
-    if not is_folder(target):
-        raise FileAccessError(f"expected a folder for the {what} of several files, got {target}; make it first")
+    if is_file(target) or (target.suffix.lower() in (ending, *FORMATS) and not is_folder(target)):
+        remedy = "give the name of a folder, which is made"
+        raise FileAccessError(f"expected a folder for the {what} of several files, got {target}; {remedy}")
     found = {file: target / f"{file.stem}{ending}" for file in files}
     if len(set(found.values())) < len(found):
         raise FileAccessError(f"expected files of different names for the {what}, got two alike; run them apart")

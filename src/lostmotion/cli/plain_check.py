@@ -6,10 +6,10 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lostmotion.cli.next_steps import typed
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.several import modes_as_options
 from lostmotion.cli.sources import words_of
-from lostmotion.cli.way_out import typed
 from lostmotion.cli.wording import as_options
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def plain(found: CheckedRecord, record: LoopRecord, file: Path, columns: RecordO
 
 
 def next_command(found: CheckedRecord, file: Path, columns: RecordOptions) -> str:
-    """Command to type after a check: the diagnosis, or a check of a better export.
+    """What to do after a check: the command of the diagnosis, or a better export.
 
     Parameters
     ----------
@@ -46,10 +46,9 @@ def next_command(found: CheckedRecord, file: Path, columns: RecordOptions) -> st
     file, columns : Path and RecordOptions
         The record as it was read.
     """
-    words = [*words_of(file), *typed(columns)]
     if found.usable:
-        return f"lostmotion {shlex.join(['diagnose', *words])}"
-    return f"export it again, longer or raw, then: lostmotion {shlex.join(['check', *words])}"
+        return f"lostmotion {shlex.join(['diagnose', *words_of(file), *typed(columns)])}"
+    return "export the record again, longer or without compression, and check that file"
 
 
 def _held(record: LoopRecord, file: Path) -> str:

@@ -12,7 +12,7 @@ import typer
 
 from lostmotion.addresses import is_url
 from lostmotion.cli.options import number
-from lostmotion.errors import FileAccessError, LostMotionError, ParameterError
+from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.extras import need_extra
 
 if TYPE_CHECKING:
@@ -63,14 +63,8 @@ def serve(
 
     Ctrl-C ends it, with exit code 0.
     """
-    try:
-        door = _door(bind, port, token_file, public_url)
-        _serve(sources or [], store, door, open_browser, read_only, keep, tuple(monitor or ()))
-    except LostMotionError as error:
-        from lostmotion.cli.failure import say_error
-
-        say_error(error, False)
-        raise typer.Exit(2) from None
+    door = _door(bind, port, token_file, public_url)
+    _serve(sources or [], store, door, open_browser, read_only, keep, tuple(monitor or ()))
 
 
 def _serve(
@@ -111,7 +105,8 @@ def _sorted(given: list[str], store: str | None) -> tuple[list[str], str | None]
     files = [one for one in given if one not in stores]
     missing = [one for one in files if not is_url(one) and not Path(one).exists()]
     if missing:
-        raise FileAccessError(f"expected a file, got {missing[0]!r}, which does not exist; check the name")
+        error = f"expected a file, got {missing[0]!r}, which does not exist; check the name"
+        raise FileAccessError(error) from FileNotFoundError(missing[0])
     return files, store or next(iter(stores), None)
 
 
@@ -159,7 +154,7 @@ def _token(path: Path) -> str:
         token = path.read_text(encoding="utf-8").strip()
         open_to_others = os.name == "posix" and path.stat().st_mode & 0o077
     except (OSError, UnicodeDecodeError) as error:
-        raise FileAccessError(f"expected a file with a token, got {path}: {error}; write one into it") from None
+        raise FileAccessError(f"expected a file with a token, got {path}: {error}; write one into it") from error
     if open_to_others:
         raise FileAccessError(f"expected a token that only you can read, got {path}; do: chmod 600 {path}")
     if len(token) < SHORTEST or not all(sign.isalnum() or sign in "-_" for sign in token):

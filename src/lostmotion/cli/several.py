@@ -6,6 +6,7 @@ import ast
 import json
 import re
 import shlex
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,6 +37,7 @@ class Reported(Protocol):
 
 
 Result = TypeVar("Result", bound=Reported)
+_INDENTED, WIDTH = "\n      ", 96
 STOPPED, LEFT = "Stopped", "stopped before it was done"
 _MODES = re.compile(r"(Modes\s+(\S.*?)\s+are\s+not\s+known[^:]*:\s+)automatic=\(\.\.\)", re.DOTALL)
 
@@ -188,14 +190,22 @@ def data_of(found: list[Outcome[Result]], named: bool = False) -> Any:
     return only.to_dict() if named or only.result is None else only.result.to_dict()
 
 
+def _next(steps: Sequence[str]) -> str:
+    """Last lines of a result: commands as they are pasted, words as a paragraph."""
+    if all(step.startswith("lostmotion ") for step in steps):
+        return f"Next: {_INDENTED.join(steps)}"
+    return textwrap.fill(f"Next: {' '.join(steps)}", WIDTH, subsequent_indent="  ")
+
+
 def tell(
     found: list[Outcome[Result]],
     table: Callable[[Sequence[tuple[str, Result | None]]], str],
     output: PrintOptions,
     accepted: Callable[[Result], bool],
     named: bool = False,
+    next_steps: Callable[[Path, Result], Sequence[str]] | None = None,
 ) -> typer.Exit:
-    """Print the one result, or the table of several.
+    """Print the one result with what to do next, or the table of several.
 
     Returns
     -------
@@ -207,15 +217,19 @@ def tell(
     FileAccessError
         What is told could not be written.
     """
+    steps = None
     if len(found) == 1 and found[0].result is not None:
         text = as_options(modes_as_options(found[0].result.summary()))
+        steps = None if next_steps is None else list(next_steps(found[0].file, found[0].result))
+        text = f"{text}\n{_next(steps)}" if steps else text
     else:
         text = "\n" + table([(one.file.stem, one.result) for one in found])
     if len(found) > 1 and output.json:
         say("\n]")
         SHOWN.set(True)
     else:
-        output.show(text, data_of(found, named))
+        data = data_of(found, named)
+        output.show(text, data if steps is None else data | {"next": steps})
     for one in found:
         if one.unwritten is not None:
             raise one.unwritten

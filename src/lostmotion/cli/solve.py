@@ -11,20 +11,17 @@ import typer
 
 import lostmotion as lm
 from lostmotion.cli.diagnose import Type
-from lostmotion.cli.failure import say_error
 from lostmotion.cli.gate import Accept
+from lostmotion.cli.next_steps import command_lines, flags, line, typed
 from lostmotion.cli.options import File, Integrating, RecordOptions, number
 from lostmotion.cli.origin import saved_block
 from lostmotion.cli.output import OutputOptions
 from lostmotion.cli.progress import progress
 from lostmotion.cli.rough_model import ControllerOptions
-from lostmotion.cli.way_out import command_lines, typed
 from lostmotion.cli.wording import as_options
-from lostmotion.errors import LostMotionError
 
 if TYPE_CHECKING:
     from lostmotion.evaluate import Solution
-    from lostmotion.records import LoopRecord
 
 KnownGain = Annotated[float | None, number("--known-gain", "Static gain of the process behind the valve.")]
 Retune = Annotated[bool, typer.Option("--retune", help="Retune with the block, where the study asks for both.")]
@@ -50,11 +47,10 @@ def solve(
 
     It stops at the first closed gate, and says what opens it: the command to paste.
 
-    Exit code 0 where a block came out or nothing is wrong with the actuator; 1 where a gate is closed; 2 where the
-    file cannot be used.
+    Exit code 0 where a block came out or nothing is wrong with the actuator; 1 where a gate is closed.
     """
     output.refuse(out)
-    record = _record(file, columns, output.json)
+    record = columns.read(file)
     kind = None if loop_type is None else loop_type.value
     found = lm.solve(
         record, controller=pi.controller, gain=known_gain, span=columns.op_span, loop_type=kind,
@@ -62,9 +58,9 @@ def solve(
     )  # fmt: skip
     asked = {
         "kp": pi.kp, "ki": pi.ki, "known_gain": known_gain, "loop_type": kind, "integrating": integrating,
-        "retune": retune, "out": out,
+        "retune": retune, "out": out, "accept": accept,
     }  # fmt: skip
-    lines = _next(found, file, out)
+    lines = _after_block(found, file, columns, asked)
     if found.closed is not None:
         free = partial(lm.identify, record, nonlinearity="none", integrating=integrating)
         lines = command_lines(found, file, columns, asked, lambda: free().facts)
@@ -80,20 +76,13 @@ def _progress(line: str) -> None:
     progress(f"solve: {line} ..")
 
 
-def _record(file: Path, columns: RecordOptions, as_json: bool) -> LoopRecord:
-    """Record of the file; one that cannot be used is wrong usage here, since 1 is a closed gate."""
-    try:
-        return columns.read(file)
-    except LostMotionError as error:
-        say_error(error, as_json, ["solve", str(file), *typed(columns)])
-        raise typer.Exit(2) from error
-
-
-def _next(found: Solution, file: Path, out: Path | None) -> list[str]:
-    """What to do with the block."""
+def _after_block(found: Solution, file: Path, columns: RecordOptions, asked: dict[str, Any]) -> list[str]:
+    """Commands that write the block, where it is not written, and its code."""
     if found.block is None:
         return []
-    saved: Any = out if out is not None else "BLOCK.json"
-    tag = "".join(sign if sign.isalnum() else "_" for sign in file.stem).strip("_") or "FY_1"
-    export = f"lostmotion export {saved} --to st --name FY_{tag} --date {dt.date.today()} --out fy"
-    return [export] if out is not None else [f"(nothing written; --out BLOCK.json keeps the block, then: {export})"]
+    out = asked["out"] or f"{file.stem}.block.json"
+    tag = "".join(sign if sign.isascii() and sign.isalnum() else "_" for sign in file.stem).strip("_") or "1"
+    today = str(dt.date.today())
+    export = line("export", str(out), "--to", "st", "--name", f"FY_{tag}", "--date", today, "--out", f"{file.stem}.st")
+    write = line("solve", str(file), *typed(columns), *flags(asked | {"out": out}))
+    return [export] if asked["out"] is not None else [write, export]

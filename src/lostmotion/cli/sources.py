@@ -186,7 +186,7 @@ def read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions)
 
 
 def _read_as(file: Path, read: Callable[..., LoopRecord], columns: RecordOptions) -> LoopRecord:
-    from lostmotion.cli.way_out import typed
+    from lostmotion.cli.next_steps import typed
 
     TYPED.set(tuple(typed(columns)))
     loop = file.loop if isinstance(file, Source) else None

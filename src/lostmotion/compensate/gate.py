@@ -87,7 +87,7 @@ def _sentence(facts: FitFacts) -> str:
     """That of the status, less what was already done."""
     if facts.status is Status.MISFIT and facts.kinds is not None:
         return MISFIT_OF_ALL
-    return facts.status.value
+    return facts.message
 
 
 def _doubtful(kind: str, kinds: KindChoice) -> Closed:
@@ -95,7 +95,7 @@ def _doubtful(kind: str, kinds: KindChoice) -> Closed:
     got = f"{sure} % that it is a {kind}; it may be a {kinds.runner_up}"
     if kinds.runner_up == "none":
         got = f"{sure} % that there is a {kind} at all"
-    remedy = "record set-point moves, or make a test: `lostmotion design`"
+    remedy = "record set-point moves, or steps of OP in manual, up, back, down and back"
     return Closed(f"a kind that is sure to {100.0 * SURE:.0f} %", got, remedy)
 
 
@@ -201,7 +201,7 @@ def pass_process(facts: FitFacts, accept: str | None) -> str:
     reason = reason_of(accept)
     if facts.status in PROCESS:
         return ""
-    found = Closed("a fit that knows the process", f"status {facts.status.name}", facts.status.value)
+    found = Closed("a fit that knows the process", f"status {facts.status.name}", facts.message)
     if reason is None:
         raise found.error()
     return accepted(found, reason)

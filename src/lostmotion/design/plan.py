@@ -42,6 +42,7 @@ def design(
     *,
     op_limits: Range | None = None,
     op_now: float | None = None,
+    pv_now: float | None = None,
     pv_limits: Range | None = None,
     sp_limits: Range | None = None,
     rate_limit: float | None = None,
@@ -76,6 +77,9 @@ def design(
     op_now : float, optional
         OP at which the plant rests before the test. Default: the middle of its limits (open loop), the bias of the
         controller, or the middle of the dead zone; said in the result.
+    pv_now : float, optional
+        PV at rest before the test: the test starts from there, whatever the offset of the model is. Default: that of
+        the model at `op_now`.
     pv_limits : (float, float), optional
         What PV must not leave, noise included (three deviations in open loop); required where the process integrates.
     sp_limits : (float, float)
@@ -143,8 +147,8 @@ def design(
     rough = known(model, noise, spread, diagnosis, accept)
     asked = check(
         rough, loop=loop, controller=controller, op_limits=op_limits, sp_limits=sp_limits, pv_limits=pv_limits,
-        op_now=op_now, rate_limit=rate_limit, shortest_hold=shortest_hold, duration=duration, wanted=wanted,
-        target=target, seed=seed,
+        op_now=op_now, pv_now=pv_now, rate_limit=rate_limit, shortest_hold=shortest_hold, duration=duration,
+        wanted=wanted, target=target, seed=seed,
     )  # fmt: skip
     task = _task(rough, asked, seed, effort)
     tell = progress or _silent

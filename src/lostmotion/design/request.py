@@ -63,6 +63,7 @@ def check(
     sp_limits: Range | None,
     pv_limits: Range | None,
     op_now: float | None,
+    pv_now: float | None,
     rate_limit: float | None,
     shortest_hold: float | None,
     duration: float | None,
@@ -81,6 +82,7 @@ def check(
     op = _range("op_limits", op_limits) or EVERYTHING
     start, assumed = _op_now(known, op_now, op, controller)
     plant = Plant(known.model, known.noise, start, controller, seed)
+    plant = plant if pv_now is None else plant.anchored(finite("pv_now", pv_now))
     levels = op if controller is None else _range("sp_limits", sp_limits)
     assert levels is not None  # noqa: S101  checked above
     now = start if controller is None else plant.pv_now

@@ -30,8 +30,8 @@ def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bo
         return ("Nothing to do for the actuator.",)
     if verdict == "cannot tell":
         return (
-            "Ask for a test: with the controller in manual, step OP up and down by a little more than the lost motion "
-            "that would matter, or see `lostmotion design`.",
+            "Make a test: with the controller in manual, step OP up, back, down and back, several times, by more than "
+            "the lost motion that matters. Do not wait for a level to settle.",
         )
     if verdict == "other oscillation":
         return (_OTHER[kind],)

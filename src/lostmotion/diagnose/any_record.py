@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import overload
+from dataclasses import replace
+from typing import TypeVar, overload
 
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose as diagnose_one
 from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.diagnose.pooled.together import Asked, diagnose_together
 from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
+from lostmotion.diagnose.sampling import sampling_advice
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord, RecordLike
 from lostmotion.records.as_record import Column, as_record, as_records
+
+Found = TypeVar("Found", bound=Diagnosis)
 
 
 @overload
@@ -116,15 +120,21 @@ def diagnose(
         read = as_record(read)
     asked = Asked(integrating, loop_type, tolerance)
     if isinstance(read, list | tuple) and len(read) != 1:
-        return diagnose_together([as_record(one) for one in read], asked, starts, progress)
+        return _with_sampling(diagnose_together([as_record(one) for one in read], asked, starts, progress))
     if isinstance(read, list | tuple):
         _check_single(starts)
         read, starts = as_record(read), None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
     if len(read) > LONG:
-        return diagnose_long(read, asked, progress)
-    return diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+        return _with_sampling(diagnose_long(read, asked, progress))
+    return _with_sampling(diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance))
+
+
+def _with_sampling(found: Found) -> Found:
+    """With the advice to record faster before all other, where nothing was found in a record that is too slow."""
+    slow = sampling_advice(found) if found.verdict in ("cannot tell", "other oscillation") else ""
+    return replace(found, advice=(slow, *found.advice)) if slow else found
 
 
 def _check_single(starts: Sequence[float] | None) -> None:

@@ -175,8 +175,8 @@ def how_to_tell(size: float, limit: float, reason: str = UNTOLD) -> tuple[str, .
         Why what is there does not.
     """
     advice = [
-        f"Move SP, or OP in manual, a few times up and down by clearly more than {limit:.2g} of OP, the size to be "
-        f"excluded: {reason}. `lostmotion design` plans such a test."
+        f"Move SP up and down, or OP in manual up, back, down and back, several times, so that OP moves by clearly "
+        f"more than {limit:.2g}, the size to be excluded: {reason}. Do not wait for a level to settle."
     ]
     more = (size / max(limit, 1e-300)) ** 2
     if np.isfinite(more) and 1.0 < more <= MOST_RECORDS:

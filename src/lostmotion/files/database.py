@@ -75,7 +75,8 @@ def _connected(source: str) -> Iterator[Any]:
     if found or not is_url(source):
         path = Path(found["path"] if found else source)
         if not is_file(path):
-            raise FileAccessError(f"expected a database, got no such file {str(path)!r}; check the path")
+            error = f"expected a database, got no such file {str(path)!r}; check the path"
+            raise FileAccessError(error) from FileNotFoundError(str(path))
         with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as connection:
             yield connection
         return

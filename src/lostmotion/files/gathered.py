@@ -57,7 +57,7 @@ def gathered(source: Any) -> tuple[Path, ...] | None:
 
 def _found(paths: list[Path], none: str) -> tuple[Path, ...]:
     if not paths:
-        raise FileAccessError(f"expected files with tables, got {none}; check the path")
+        raise FileAccessError(f"expected files with tables, got {none}; check the path") from FileNotFoundError(none)
     return tuple(sorted(paths))
 
 

@@ -20,6 +20,7 @@ from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files.alone import LOCKS, alone, locked
+from lostmotion.files.folders import MOST_NEW, depth, made, make, nearest
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
@@ -38,8 +39,8 @@ def refuse(path: _PATHLIKE, force: bool = False) -> Path:
     Raises
     ------
     FileAccessError
-        It exists and `force` is not set; it is a link, a folder or a device; its folder is not there or cannot be
-        written; no file can have that name.
+        It exists and `force` is not set; it is a link, a folder or a device; its folder cannot be made or written;
+        no file can have that name.
     """
     target = Path(path)
     with _told(target):
@@ -59,7 +60,7 @@ def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
             for name in names:
                 refuse(place / name, force=True)
             return
-        above = next(parent for parent in place.absolute().parents if os.path.lexists(parent))
+        above = nearest(place)
         _refuse_folder(above)
         parts = [above / part for part in place.absolute().relative_to(above).parts]
         for path in [*parts, *(place.absolute() / name for name in (*names, _ROOM))]:
@@ -68,7 +69,7 @@ def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
 
 
 def write_bytes(path: _PATHLIKE, data: Buffer, force: bool = False) -> Path:
-    """Write a file in one step: after a crash or a power cut it is the old one or the new one.
+    """Write a file in one step: after a crash or a power cut it is the old one or the new one. Its folder is made.
 
     Raises
     ------
@@ -90,14 +91,18 @@ def write_together(files: Mapping[Path, Buffer], force: bool = False, mode: int 
     """
     targets = [refuse(path, force) for path in files]
     drafts: list[_Draft] = []
-    try:
-        for target, data in zip(targets, files.values(), strict=True):
-            drafts.append(_Draft(target, target.parent, mode))
-            drafts[-1].fill(data)
-        _place(drafts, force)
-    finally:
-        for draft in drafts:
-            draft.close()
+    with ExitStack() as stack:
+        for target in targets:
+            stack.enter_context(_told(target))
+            stack.enter_context(made(target.parent))
+        try:
+            for target, data in zip(targets, files.values(), strict=True):
+                drafts.append(_Draft(target, target.parent, mode))
+                drafts[-1].fill(data)
+            _place(drafts, force)
+        finally:
+            for draft in drafts:
+                draft.close()
     return targets
 
 
@@ -151,6 +156,7 @@ def lock_file(path: Path) -> BinaryIO | None:
         return None
     beside = path.with_name(f".{path.name}.lock")
     with _told(beside):
+        make(beside.parent)
         number = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, PLAIN)
     stream = os.fdopen(number, "rb")
     if not locked(number):
@@ -305,9 +311,12 @@ def _refuse_present(target: Path, mode: int, force: bool) -> None:
 
 
 def _refuse_folder(folder: Path) -> None:
-    if not folder.is_dir():
-        raise FileAccessError(f"expected a folder {folder}, got none; make it first")
-    if not os.access(folder, os.W_OK | os.X_OK):
+    above = nearest(folder)
+    if depth(folder) > MOST_NEW:
+        raise FileAccessError(f"expected a folder that can be written, got {str(folder)[:200]!r}; choose another path")
+    if not above.is_dir():
+        raise FileAccessError(f"expected a folder {str(folder)!r}, got the file {str(above)!r}; choose another path")
+    if not os.access(above, os.W_OK | os.X_OK):
         raise FileAccessError(f"expected a folder that can be written, got {str(folder)!r}; choose another")
 
 

@@ -109,7 +109,7 @@ class FitFacts(RatedEstimate):
         """JSON-ready: the part of ``HammersteinFit.to_dict()`` that :meth:`from_dict` reads. Infinite is None."""
         return {
             "status": self.status.name,
-            "message": self.status.value,
+            "message": self.message,
             "preferred": self.preferred,
             "model": self.model.to_dict(),
             "noise": self.noise.to_dict(),

@@ -14,6 +14,7 @@ from lostmotion.brief import between
 from lostmotion.distributions import normal_quantile
 from lostmotion.errors import Status
 from lostmotion.files.results import write_json
+from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
@@ -28,6 +29,7 @@ SEEN = (
     Status.WIDE,
     Status.FEW_CROSSINGS,
 )  # not as it should be, but the kind is what the record shows
+LINEAR = "Converged; a linear model describes the record"  # status OK where no lost motion was fitted
 EVEN_ODDS = 6.0  # BIC behind: another maximum that is less unlikely than 1 to 20 belongs into the interval
 
 
@@ -36,6 +38,7 @@ class RatedEstimate(NamedEstimate, ABC):
 
     status: Status
     evidence: Evidence
+    kinds: KindChoice | None
     widest: float | None
     profiled: dict[str, tuple[float, float]]
 
@@ -73,6 +76,16 @@ class RatedEstimate(NamedEstimate, ABC):
         """Kind that the record supports, with the interval of its size."""
         size = self.shown_size
         return self.preferred if size is None else f"{self.preferred} {between(*self.interval(size))}"
+
+    @property
+    def message(self) -> str:
+        """Sentence of the status; OK of a linear model has its own, since no nonlinearity is shown by it."""
+        if self.status is not Status.OK or self.kind.name != NO_FAULT:
+            return self.status.value
+        if self.kinds is None:
+            return f"{LINEAR}; lost motion was not searched."
+        seen = "and shows no lost motion" if self.preferred == NO_FAULT else "which neither shows nor excludes one"
+        return f"{LINEAR}, {seen}."
 
     @property
     def shown_size(self) -> str | None:

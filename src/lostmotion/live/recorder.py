@@ -10,8 +10,7 @@ from typing import Any
 
 import polars as pl
 
-from lostmotion.errors import FileAccessError
-from lostmotion.files.writer import write_bytes
+from lostmotion.files.writer import refuse_folder, write_bytes
 
 PIECE = 60.0  # s of values in one piece
 LARGEST = 200_000  # values in one piece
@@ -24,17 +23,16 @@ class Recorder:
     Parameters
     ----------
     folder : Path
-        That is there.
+        Made with the first piece.
 
     Raises
     ------
     FileAccessError
-        No such folder.
+        It is none, or cannot be made.
     """
 
     def __init__(self, folder: Path) -> None:
-        if not folder.is_dir():
-            raise FileAccessError(f"expected a folder, got {folder}; make it first")
+        refuse_folder(folder, ())
         self.folder = folder
         self.pieces = 0
         self._rows: list[tuple[datetime, str, float, str]] = []

@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from asyncua import ua
 
-from lostmotion.errors import FileAccessError
+from lostmotion.files.writer import refuse_folder
 from lostmotion.live.first_fits import FirstFits
 from lostmotion.live.loop_settings import LoopSettings, Model, publishing_of
 from lostmotion.live.loop_source import LoopSource, check_position
@@ -72,14 +72,14 @@ class Watch:
     Raises
     ------
     LostMotionError
-        A gate is closed, a state is of other settings or held by another process, a folder is not there.
+        A gate is closed, a state is of other settings or held by another process, a folder cannot be made.
     """
 
     def __init__(self, loops: Sequence[LoopSettings], connect: Connect, emit: Emit, kept: Kinds | None = None) -> None:
         self._emit, self._lock = emit, Lock()
         where = kept or Kinds()
-        if where.state is not None and not where.state.is_dir():
-            raise FileAccessError(f"expected a folder for states, got {where.state}; make it first")
+        if where.state is not None:
+            refuse_folder(where.state, ())
         models = [loop.model() for loop in loops]
         publishing = publishing_of([model.dt for model in models])
         self.recorder = None if where.record is None else Recorder(where.record)

@@ -89,7 +89,8 @@ class FilesSource:
             for file in place.files:
                 path = self.root / file
                 if not path.is_file():
-                    raise FileAccessError(f"expected a file for {loop.tag!r}, got no such file {str(path)!r}; check it")
+                    error = f"expected a file for {loop.tag!r}, got no such file {str(path)!r}; check it"
+                    raise FileAccessError(error) from FileNotFoundError(str(path))
                 seen = path.stat()
                 size += seen.st_size
                 told.append(f"{seen.st_size}-{seen.st_mtime_ns}")

@@ -35,7 +35,8 @@ def _files_of(source: Path) -> list[Path]:
         inside = [file for one in fits for file in (_walked(one) if one.is_dir() else (one,))]
         return _some(inside, f"none like {str(source)!r}")
     if not is_file(source) and not is_other(source):
-        raise FileAccessError(f"expected files with tables, got no such file {str(source)!r}; check the path")
+        error = f"expected files with tables, got no such file {str(source)!r}; check the path"
+        raise FileAccessError(error) from FileNotFoundError(str(source))
     return [source]
 
 
@@ -51,7 +52,7 @@ def _by_folders(path: Path) -> tuple[str, ...]:
 
 def _some(found: list[Path], none: str) -> list[Path]:
     if not found:
-        raise FileAccessError(f"expected files with tables, got {none}; check the path")
+        raise FileAccessError(f"expected files with tables, got {none}; check the path") from FileNotFoundError(none)
     return found
 
 

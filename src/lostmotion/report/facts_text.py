@@ -14,7 +14,7 @@ def facts_summary(facts: FitFacts) -> str:
     name = facts.tag or facts.source or "record"
     return "\n".join(
         [
-            fill(f"{name}: {found_in(facts)} (status {facts.status.name}). {facts.status.value}"),
+            fill(f"{name}: {found_in(facts)} (status {facts.status.name}). {facts.message}"),
             fill(
                 f"From {facts.samples} samples every {facts.dt:g} s in {'closed' if facts.closed_loop else 'open'} "
                 f"loop, OP {low:.5g} .. {high:.5g}, noise of OP {noise}; fits {facts.fit_percent:.1f} % of PV."

@@ -6,7 +6,9 @@ import textwrap
 
 import numpy as np
 
+from lostmotion.diagnose.clean_bill import clean_bill
 from lostmotion.diagnose.excitation import what_moves_op
+from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.choice import KindChoice
@@ -80,7 +82,7 @@ def sentence(fit: HammersteinFit) -> str:
             "Converged, but the residuals are not white, so the intervals are too narrow: no noise order that was "
             "tried makes them so. Look for made-up samples, disturbances that come and go, or a second fault."
         )
-    return fit.status.value
+    return fit.message
 
 
 def _others(fit: HammersteinFit) -> str:
@@ -100,8 +102,10 @@ def finding(fit: HammersteinFit) -> str:
     kind = fit.nonlinearity.kind
     if fit.status in UNEARNED:
         return _unearned(fit)
+    if kind == NO_FAULT and fit.kinds is None:
+        return "Linear model, as requested."
     if kind == NO_FAULT and fit.preferred == "none":
-        return "Linear model, no actuator fault in it." + _choice(fit)
+        return "Linear model, no actuator fault in it." + _bound(fit) + _choice(fit)
     if kind == NO_FAULT:
         return "Linear model: a fault is neither shown nor excluded." + _choice(fit)
     span_op = _op_span(fit)
@@ -114,6 +118,16 @@ def finding(fit: HammersteinFit) -> str:
         return f"The {side} break point may be at {where}; the width is not known."
     gain = f"{fit.evidence.gain_over_linear:.0f}"
     return f"{_size(fit, span_op)}; preferred to the linear model by {gain} (BIC; 10 is strong)." + _choice(fit)
+
+
+def _bound(fit: HammersteinFit) -> str:
+    """Size above which a lost motion would have been seen; empty where the record excludes none."""
+    op = fit.data.op_span or (float(fit.data.u.min()), float(fit.data.u.max()))
+    kind, size = clean_bill(fit, 0.01, OpSpan(*op, known=True), fit.evidence.only_fed_back).largest
+    if not np.isfinite(size):
+        return " The record does not bound the size of a lost motion."
+    bound = f"{size:.2g}{bracketed(fit.data.op_unit)}{_percent(size, _op_span(fit))}"
+    return f" A lost motion above {bound} would have been seen (95 %, {kind})."
 
 
 def _unearned(fit: HammersteinFit) -> str:

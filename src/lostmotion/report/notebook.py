@@ -57,7 +57,7 @@ def facts_panel(facts: FitFacts) -> Panel:
         shown, deviation = digits(facts.parameters[parameter], error)
         rows.append((parameter, shown, deviation, span(*interval, error), meaning))
     table = Table(rows, PARAMETERS)
-    return Panel(f"{name}: {facts.status.name}, {found_in(facts)}", table, said=(facts.status.value,))
+    return Panel(f"{name}: {facts.status.name}, {found_in(facts)}", table, said=(facts.message,))
 
 
 def recursive_panel(estimate: RecursiveEstimate) -> Panel:

@@ -15,6 +15,7 @@ from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from lostmotion.addresses import is_url
 from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
+from lostmotion.files.folders import make, nearest
 from lostmotion.files.paths import is_file, is_folder
 from lostmotion.store.said import damaged, explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
@@ -123,13 +124,25 @@ def _need_path(url: URL, name: str, *, write: bool) -> None:
     if is_folder(path):
         raise store_error(name, "a folder", "give the name of a file")
     if not write and not is_file(path):
-        raise store_error(name, "no such file", "check the name, or let an audit make it")
-    if write and not is_folder(path.absolute().parent):
-        raise store_error(name, "no folder to put it into", "make the folder first")
-    longest = _longest_name(path.absolute().parent) - len("-journal")
-    if write and len(os.fsencode(path.name)) > longest:
+        error = store_error(name, "no such file", "check the name, or let an audit make it")
+        raise error from FileNotFoundError(name)
+    if write:
+        _make_folder(path, name)
+
+
+def _make_folder(path: Path, name: str) -> None:
+    above = nearest(path.parent)
+    if not is_folder(above):
+        raise store_error(name, f"the file {above} in its path", "choose another path")
+    longest = _longest_name(above) - len("-journal")
+    if len(os.fsencode(path.name)) > longest:
         remedy = f"give one of at most {longest}: SQLite puts files with longer names beside it"
         raise store_error(name, f"a name of {len(os.fsencode(path.name))} bytes", remedy)
+    try:
+        make(path.parent)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise store_error(name, f"{reason!r} for its folder", "choose another path") from error
 
 
 def _longest_name(folder: Path) -> int:

@@ -30,6 +30,7 @@ def upgrade(address: str | os.PathLike[str], version: str = VERSION) -> tuple[st
         Alembic is not installed.
     """
     name = shown(store_url(address))
+    connected_as_it_is(address, write=False).dispose()  # one that is not there is refused, and not made
     engine = connected_as_it_is(address)
     try:
         with told(name), engine.connect().execution_options(writing=True) as connection, connection.begin():

@@ -309,7 +309,8 @@ def _opened(files: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
     """Label and paths of each record: files of one tag each are one together."""
     for file in files:
         if gathered(file) is None and not Path(file).exists():
-            raise FileAccessError(f"expected a file, got {file!r}, which is not there; check the path")
+            error = f"expected a file, got {file!r}, which is not there; check the path"
+            raise FileAccessError(error) from FileNotFoundError(file)
     paths = list(dict.fromkeys(path.absolute() for file in files for path in (gathered(file) or (Path(file),))))
     groups = [one if isinstance(one, tuple) else (one,) for one in grouped(paths)]
     return [(clean_label(group[0].name), tuple(str(path) for path in group)) for group in groups]
