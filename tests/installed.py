@@ -36,19 +36,20 @@ class Environment:
             [str(self._pip), *words, *pins, *what], check=True, timeout=TIMEOUT, capture_output=True, text=True
         )
 
-    def run(self, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-        """Its Python with these words."""
+    def run(self, *words: str, cwd: Path | None = None, given: str = "") -> subprocess.CompletedProcess[str]:
+        """Its Python with these words, and a text on standard input."""
         wanted = ("PATH", "SYSTEMROOT", "TEMP", "TMP", "LANG", "OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
         own = {name: os.environ[name] for name in wanted if name in os.environ}
         own |= {"HOME": str(self.home), "XDG_CACHE_HOME": str(self.home / "cache"), "LOCALAPPDATA": str(self.home)}
         return subprocess.run(
-            [str(self.python), *map(str, words)], env=own, cwd=cwd or self.home, capture_output=True, text=True,
+            [str(self.python), *map(str, words)], env=own, cwd=cwd or self.home, input=given,
+            capture_output=True, text=True,
             timeout=TIMEOUT, check=False,
         )  # fmt: skip
 
-    def command(self, *words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    def command(self, *words: object, cwd: Path | None = None, given: str = "") -> subprocess.CompletedProcess[str]:
         """``lostmotion`` with these words."""
-        return self.run("-m", "lostmotion", *map(str, words), cwd=cwd)
+        return self.run("-m", "lostmotion", *map(str, words), cwd=cwd, given=given)
 
 
 def build_wheel(folder: Path) -> Path:

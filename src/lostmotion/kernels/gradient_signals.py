@@ -168,7 +168,7 @@ def _moved(b: FloatArray, dx: FloatArray, shapes: FloatArray, e: int, begin: int
             later[k] += weight * source[k]
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def fill_block(
     a: FloatArray,
     answers: FloatArray,

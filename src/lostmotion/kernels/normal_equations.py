@@ -18,7 +18,7 @@ from lostmotion.kernels.pole_filters import answers_of
 from lostmotion.kernels.row_products import add_row_products, added_up, room
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _layout(
     na: int, nb1: int, ne: int, p: int, nc: int, width: int
 ) -> tuple[IntArray, IntArray, IntArray, IntArray, IntArray]:
@@ -52,7 +52,7 @@ def _layout(
     return begins, count, lagged, place, single
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _assemble(
     cross: FloatArray,
     count: IntArray,
@@ -101,7 +101,7 @@ def _sum(values: FloatArray, m: int) -> float:
     return total
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _add_block(
     flat: FloatArray, begins: IntArray, single: IntArray, lagged: IntArray, gone: int, skipped: int, rows: int,
     parts: FloatArray, sums: FloatArray,
@@ -113,7 +113,7 @@ def _add_block(
         sums[g] += _sum(flat[begins[g] + skipped :], rows)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _add_level(
     cross: FloatArray, sums: FloatArray, whole: float, level: int, count: IntArray, heads: FloatArray,
     tails: FloatArray, place: IntArray, sign: FloatArray, hessian: FloatArray, gradient: FloatArray,
@@ -130,7 +130,7 @@ def _add_level(
             at += 1
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _add_early(
     flat: FloatArray, begins: IntArray, count: IntArray, errors_at: int, place: IntArray, sign: FloatArray,
     d: FloatArray, level: int, early: float, hessian: FloatArray, gradient: FloatArray,

@@ -54,7 +54,7 @@ def _spread_plain(
 spread = _spread_plain if config.DISABLE_JIT else _spread  # type: ignore[attr-defined]
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _energy(values: FloatArray) -> float:
     total = 0.0
     for value in values:
@@ -62,7 +62,7 @@ def _energy(values: FloatArray) -> float:
     return total
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _solved(table: FloatArray) -> tuple[FloatArray, float]:
     """Least squares of the last row (m,) of `table` (p + 1, m) by those before it, and what is left; orthogonalised."""
     p, m = table.shape[0] - 1, table.shape[1]

@@ -28,7 +28,7 @@ RIDGE = 1e-12
 MOST_POLES = 3  # of which the sums at a few lags give the rest
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _add_segment(
     a: FloatArray,
     decays: FloatArray,
@@ -82,7 +82,7 @@ def _add_segment(
     _add_part(x, first - low, n - low, lags, orders, part, with_mode, whole, grams)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _add_part(
     x: FloatArray, first: int, last: int, lags: int, orders: int, part: FloatArray, with_mode: FloatArray,
     whole: FloatArray, grams: FloatArray,
@@ -112,7 +112,7 @@ def _pivot(left: Quad, whole: Quad) -> Quad:
     return root_above(left, plus_product(spread(GONE), spread(RIDGE), whole))
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: FloatArray, work: FloatArray) -> None:
     """Residual sums of squares of y on X at lags at .. at + i and the level, for every i, of WIDEST grids at once.
 
@@ -159,7 +159,7 @@ def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: Flo
             store(gains, i * line + j * WIDEST, over(value, load(root, j * line + j * WIDEST)))
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _whitened(
     d: FloatArray, segments: IntArray, x: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

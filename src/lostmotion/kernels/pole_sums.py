@@ -15,7 +15,7 @@ REST = 64  # rows after which it is looked at; the fastest mode of a grid decays
 NUDGE = 1e-140  # keeps responses away from such numbers while a command rests at zero; its square is still above them
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, level: FloatArray) -> None:
     """Fill `x` and `level` (w n,), sample by sample, with 1/A of `drive` and `ones` (n,) for w processes, from rest.
 
@@ -51,7 +51,7 @@ def _put(out: FloatArray, at: int, one: Quad, two: Quad, three: Quad) -> None:
     store(out, at + 2 * WIDEST, three)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def sum_lags(
     x: FloatArray, level: FloatArray, target: FloatArray, first: int, low: int, lags: int, sums: FloatArray
 ) -> None:
@@ -82,7 +82,7 @@ def sum_lags(
         _put(out, i3 * triple, p3, t3, l3)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def sum_modes(
     x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, sums: FloatArray
 ) -> None:
@@ -113,7 +113,7 @@ def sum_modes(
     store(out, 4 * WIDEST, both)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _sum_few(
     x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, first: int, low: int, lags: int,
     kept: int, sums: FloatArray, last: FloatArray, modes: FloatArray,
@@ -161,7 +161,7 @@ def _sum_few(
     store(address(modes.reshape(-1)), 5 * WIDEST, whole)
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def derive_lags(
     a: FloatArray, x: FloatArray, level: FloatArray, target: FloatArray, decays: FloatArray, constant: float,
     known: FloatArray, first: int, low: int, lags: int, sums: FloatArray, modes: FloatArray,
@@ -176,7 +176,8 @@ def derive_lags(
     last = np.empty((3, width))
     _sum_few(x, level, target, decays, first, low, lags, na, sums, last, modes)
     for i in range(na):
-        sums[lags - na + i, 1] = last[3 - na + i]
+        for lane in range(width):
+            sums[lags - na + i, 1, lane] = last[3 - na + i, lane]
     poles, to_x, to_level, out = address(a.reshape(-1)), address(x), address(level), address(sums.reshape(-1))
     minus, step = spread(-1.0), 3 * width
     for lag in range(lags - na - 1, -1, -1):

@@ -51,7 +51,7 @@ def projected(normal: FloatArray, basis: FloatArray) -> FloatArray:
     return model
 
 
-@njit()
+@njit(inline="always")
 def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Fill the trial with a damped step from the best point, or say that there is none worth trying."""
     free, cost = model.shape[1], numbers[COST]
@@ -82,7 +82,7 @@ def _propose(points: FloatArray, model: FloatArray, basis: FloatArray, numbers: 
             points[1, row] += step[row]
 
 
-@njit()
+@njit(inline="always")
 def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray, counts: IntArray) -> None:
     """Damping, and whether to go on, after a trial that was `better` with its cost, or was not."""
     variance = numbers[COST] / numbers[ERRORS]
@@ -103,7 +103,7 @@ def _settle(cost: float, better: bool, history: FloatArray, numbers: FloatArray,
     counts[TRYING] = not counts[CONVERGED] and not slow and steps < counts[MOST]
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def _keep(values: FloatArray, out: FloatArray) -> None:
     for k in range(values.size):
         out[k] = values[k]

@@ -22,7 +22,7 @@ from lostmotion.kernels.stiction import HE, HE_RAMP, KANO
 LAGS = 4 * WIDEST  # of which sums are made at a time
 
 
-@njit(nogil=True)
+@njit(nogil=True, inline="always")
 def find_slips(x: FloatArray, sums: FloatArray, slips: IntArray, changes: FloatArray) -> int:
     """Put the running sum of a position `x` (n,) from 0 on into `sums` (n + 1 or more); the number of its changes.
 
@@ -73,6 +73,18 @@ def _add_shifted(
 
 
 @njit(nogil=True)
+def rows_below(rows: IntArray, low: int, high: int, bound: int) -> int:
+    """The first place from `low` to `high` in ascending `rows` that is not below the bound."""
+    while low < high:
+        middle = (low + high) // 2
+        if rows[middle] < bound:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@njit(nogil=True, inline="always")
 def add_slip_table(
     x: FloatArray,
     sums: FloatArray,
@@ -97,8 +109,8 @@ def add_slip_table(
     past, gram = np.empty((outputs + 1, inputs)), np.empty((inputs, inputs))
     with_totals = np.zeros((outputs + inputs + LAGS - 1) // LAGS * LAGS)  # at lags from -outputs on
     with_itself = np.zeros((inputs + LAGS - 1) // LAGS * LAGS)  # at lags inputs - 1 to 0
-    low, high = int(np.searchsorted(slips[:count], first, "right")), int(np.searchsorted(slips[:count], last))
-    late = low + int(np.searchsorted(slips[low:high], last - inputs, "right"))  # to there: between for all lags
+    low, high = rows_below(slips, 0, count, first + 1), rows_below(slips, 0, count, last)
+    late = rows_below(slips, low, high, last - inputs + 1)  # to there: between for all lags
     _add_shifted(changes, slips, low, high, sums, 1 - inputs, with_itself)
     _add_shifted(changes, slips, low, late, totals, delay - outputs, with_totals)
     for m in range(late, high):
@@ -166,11 +178,15 @@ def explained_by_slips(
     slips, changes = np.empty(longest, np.int64), np.empty(longest)
     found, tables = np.empty(models.size), np.empty((EIGHT, outputs + inputs + 2, inputs))
     bands, jumps, starts = np.empty(EIGHT), np.empty(EIGHT), np.empty(EIGHT)
-    turned = np.empty(EIGHT)
+    turned, places = np.empty(EIGHT), np.empty(models.size, np.int64)
     for model in (KANO, HE, HE_RAMP):
-        places = np.flatnonzero(models == model)
-        for done in range(0, places.size, EIGHT):
-            eight = places[done : done + EIGHT]
+        many = 0
+        for v in range(models.size):
+            if models[v] == model:
+                places[many] = v
+                many += 1
+        for done in range(0, many, EIGHT):
+            eight = places[done : min(done + EIGHT, many)]
             for lane in range(EIGHT):
                 bands[lane], jumps[lane] = etas[eight[min(lane, eight.size - 1)]]
             turned[:] = 0.0
