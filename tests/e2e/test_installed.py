@@ -22,9 +22,9 @@ WORK = {
     "check": ("check", "{loop}"),
     "diagnose": ("diagnose", "{loop}", "--out", "diagnosis.json", "--report", "report.html"),
     "compensate": ("compensate", "{loop}", "--fit", "{fit}", "--out", "compensated.csv"),
-    "simulate": ("simulate", "--fit", "{fit}", "--kp", "0.4", "--ki", "0.1", "--sp-step", "1", "--span", "-10", "10"),
+    "simulate": ("simulate", "{fit}", "--kp", "0.4", "--ki", "0.1", "--sp-step", "1", "--span", "-10", "10"),
     "design": ("design", "--fit", "{fit}", "--op-limits", "-5", "5", "--duration", "60", "--out", "test.csv"),
-    "export": ("export", "--fit", "{fit}", "--span", "-10", "10", "--target", "st", "--out", "block"),
+    "export": ("export", "{fit}", "--name", "LY_101", "--date", "2026-01-31", "--span", "-10", "10", "--out", "block"),
     "online": ("online", "-", "--orders", "3,2,3"),
     "solve": ("solve", "{loop}", "--out", "block.json"),
     "demo-plant": ("demo-plant", "plant", "--loops", "2", "--days", "0.05", "--faults", "1", "--format", "csv"),
@@ -130,7 +130,7 @@ def serves(environment):
     words = [str(environment.python), "-m", "lostmotion", "serve", "--no-open", "--port", "0"]
     process = subprocess.Popen(words, cwd=environment.home, stdout=subprocess.PIPE, text=True)
     try:
-        assert "http://127.0.0.1:" in "".join(process.stdout.readline() for _ in range(2))
+        assert "http://127.0.0.1:" in process.stdout.readline()
     finally:
         process.terminate()
         process.wait(60)

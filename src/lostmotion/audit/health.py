@@ -11,7 +11,7 @@ from functools import lru_cache
 from lostmotion.audit.plant_view import PlantView
 from lostmotion.audit.rules import findings_words
 from lostmotion.plant import Unread
-from lostmotion.store.overview import Judged
+from lostmotion.store.judged import Judged
 from lostmotion.store.rows import AssessmentRow, Stage
 from lostmotion.store.run_rows import UnreadRow
 

@@ -11,8 +11,9 @@ from sqlalchemy.engine import Connection, Engine
 
 from lostmotion.store import queries, watches
 from lostmotion.store.changed import New
+from lostmotion.store.judged import Judged
 from lostmotion.store.news import news
-from lostmotion.store.overview import Columns, Judged, judged, leading
+from lostmotion.store.overview import Columns, judged, leading
 from lostmotion.store.queries import Filter, Line, Lines
 from lostmotion.store.rows import AssessmentRow, EstimateRow, GroupRow, SpectrumRow, TraceRow
 from lostmotion.store.run_rows import LoopRow, ReviewRow, ReviewState, RunRow, UnreadRow, WatchRow

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
-from lostmotion.store.rows import FINDINGS, Stage, diagnosed
+from lostmotion.store.judged import Judged
+from lostmotion.store.rows import FINDINGS, Stage
 from lostmotion.store.schema import assessment, loop, said
 
 OF_LOOP = ("tag", "area", "type", "search")
@@ -20,25 +21,6 @@ OF_ROW = (  # all of them in the index assessment_page: the rows themselves are 
 )  # fmt: skip
 Columns = dict[str, tuple[Any, ...]]  # by name, for data frames: rows one by one would take longer than the query
 STAGES = {str(stage): stage for stage in Stage}
-
-
-class Judged(NamedTuple):
-    """Whether a loop was judged, and what is said of its data."""
-
-    tag: str
-    stage: Stage
-    verdict: str
-    rule: str
-    fit_for_use: bool
-    error: str
-    reason: str
-    why: str
-    health: tuple[str, ...]
-
-    @property
-    def said(self) -> str:
-        """As the row has it."""
-        return self.rule or diagnosed(self.stage, self.verdict)
 
 
 def leading(connection: Connection, number: int) -> tuple[Columns, Columns]:
