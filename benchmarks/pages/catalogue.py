@@ -90,7 +90,7 @@ PAGES = (
     Page("records", "benchmarks/records.py", 30, (REMARKS,), reads=True, shares=True),
     Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED, reads=True),
     Page("speed", "benchmarks/speed.py", 6),
-    Page("startup", "benchmarks/startup.py", 1, (COMMANDS,), reads=True),
+    Page("startup", "benchmarks/startup.py", 4, (COMMANDS,), reads=True),
     Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),
     Page("wrong-inverse", "benchmarks/wrong_inverse.py", 6),
