@@ -62,6 +62,6 @@ def test_a_full_disk_under_standard_output_is_one_line(record):
 
 def test_what_was_typed_cannot_make_lines_or_colours():
     done = run(["check", "a\nb\x1b[31m.csv", "--json"], subprocess.PIPE)
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
     assert "\x1b" not in done.stderr + done.stdout

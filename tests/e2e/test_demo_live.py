@@ -157,7 +157,7 @@ def test_what_is_no_number_is_left_where_it_stands(plant):
 def test_odd_settings_are_refused(words, capsys):
     with pytest.raises(SystemExit) as stop:
         main(["demo-live", *words])
-    assert stop.value.code == 1
+    assert stop.value.code == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 

@@ -72,5 +72,5 @@ def test_a_folder_that_is_there_is_left_alone(capsys, tmp_path):
 @pytest.mark.parametrize(("given", "said"), [(("--format", "xls"), "parquet"), (("--loops", 1), "loops")])
 def test_what_cannot_be_is_refused(capsys, tmp_path, given, said):
     code, _, error = run(capsys, "demo-plant", tmp_path / "plant", *SMALL, *given)
-    assert (code, said in error) == (1, True)
+    assert (code, said in error) == (2, True)
     assert not (tmp_path / "plant").exists()

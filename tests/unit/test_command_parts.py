@@ -82,7 +82,7 @@ def test_results_of_several_files_go_into_a_folder(tmp_path):
     assert places([one, two], None, "results", ".json") == {}
     found = places([one, two], tmp_path, "results", ".json")
     assert found == {one: tmp_path / "FC7.json", two: tmp_path / "FC8.json"}
-    assert "a folder" in refusal(lm.FileAccessError, places, [one, two], tmp_path / "no", "results", ".json")
+    assert places([one, two], tmp_path / "new", "results", ".json")[one] == tmp_path / "new" / "FC7.json"
     alike = [one, Path("b/FC7.csv")]
     assert "different names" in refusal(lm.FileAccessError, places, alike, tmp_path, "results", ".json")
 

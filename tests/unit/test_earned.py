@@ -159,7 +159,7 @@ def test_texts_of_what_is_not_earned():
             assert status.name in told.summary()
             assert "preferred to the linear model" not in told.summary()
             assert lm.FitFacts.from_dict(json.loads(json.dumps(told.to_dict()))).status is status
-    assert "neither shown nor excluded" in replace(plain, status=Status.MISFIT).summary()
+    assert "Linear model, as requested." in replace(plain, status=Status.MISFIT).summary()
     assert replace(plain, status=Status.MISFIT).preferred == "cannot tell"
 
 

@@ -72,7 +72,7 @@ def test_sampling_and_percent_of_span():
     u = lm.signals.prs(3000, -5, 5, 150, seed=2)
     y = slow.simulate(u) + np.random.default_rng(2).normal(scale=0.02, size=3000)
     fit = lm.identify(lm.LoopRecord(u, y, dt=1.0, op_span=(-10, 10), pv_span=(-20, 20)), **SETTINGS)
-    assert any("sampling is fast" in remark and "resample(record, 6)" in remark for remark in fit.remarks)
+    assert any("sampling is fast" in remark and "resample by 6" in remark for remark in fit.remarks)
     moving = lm.LoopRecord(u + np.random.default_rng(3).normal(size=3000), fit.data.y, dt=1.0)
     assert not any("sampling is fast" in remark for remark in lm.identify(moving, **SETTINGS).remarks)
     percent = next(remark for remark in fit.remarks if remark.startswith("In % of the OP span"))

@@ -11,7 +11,7 @@ from lostmotion.cli import app
 from lostmotion.diagnose import any_record
 from lostmotion.diagnose.pooled import windows
 from lostmotion.diagnose.pooled.overlap import without_repeats
-from lostmotion.diagnose.pooled.together import Asked
+from lostmotion.diagnose.pooled.settings import DiagnosisSettings
 from lostmotion.errors import DataError, ParameterError
 from tests.figure_texts import assert_readable
 
@@ -155,7 +155,7 @@ def test_the_command_pools_files_of_one_loop(tmp_path):
 def test_the_type_of_the_loop_is_what_most_tags_say():
     one = lm.LoopRecord(np.arange(5.0), np.arange(5.0), dt=1.0)
     records = [replace(one, loop_type=kind) for kind in ("", "flow", "flow", "level", "")]
-    asked = Asked(None, None, 0.01)
+    asked = DiagnosisSettings(None, None, 0.01)
     assert asked.of(records).loop_type == "flow"
     assert asked.of([one]) is asked
     assert replace(asked, loop_type="level").of(records).loop_type == "level"

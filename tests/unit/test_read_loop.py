@@ -269,7 +269,7 @@ def test_frames_are_not_changed():
 
 @pytest.mark.parametrize("source", [FRAME.lazy(), 5, None, [1, 2], FRAME["OP"]])
 def test_no_frame(source):
-    with pytest.raises(InputError, match="a path or an eager data frame"):
+    with pytest.raises(InputError, match="a path, an eager data frame"):
         files.read_loop(source)
 
 

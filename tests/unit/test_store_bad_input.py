@@ -166,7 +166,7 @@ def test_files_that_are_no_store(tmp_path):
     assert_refused("got a database with other tables", tmp_path / "history.db", write=False)
     assert [name for name, _ in schema(tmp_path / "history.db")] == ["samples"], "left as it was"
     assert_refused("got a folder; give the name of a file", tmp_path)
-    assert_refused("got no folder to put it into; make the folder first", tmp_path / "none" / "a.db")
+    assert_refused("got the file .* in its path; choose another path", tmp_path / "a.csv" / "b.db")
     assert_refused("got no such file; check the name", tmp_path / "b.db", write=False)
     assert_refused(r"expected a file, sqlite:///FILE or postgresql://.., got mysql://; ", "mysql://host/plant")
     assert_refused(r"got sqlite://; ", "sqlite://")

@@ -17,12 +17,12 @@ from tests.plant_stores import plant_store
 OTHER = "192.0.2.7"  # of another machine, in documents
 
 
-def refused(capsys, *words):
-    """What the command says on standard error where it ends with 2."""
+def refused(capsys, *words, code=2):
+    """What the command says on standard error where it ends with this code."""
     with pytest.raises(SystemExit) as ended:
         main(["serve", "--no-open", *map(str, words)])
     said = capsys.readouterr()
-    assert (ended.value.code, said.out) == (2, "")
+    assert (ended.value.code, said.out) == (code, "")
     return said.err
 
 
@@ -31,7 +31,7 @@ def test_a_store_that_is_missing_or_none_is_one_line(capsys, tmp_path):
     assert said.count("\n") == 1
     assert "no such file" in said
     (tmp_path / "old.db").write_bytes(b"SQLite format 3\0")
-    assert refused(capsys, tmp_path / "old.db").count("\n") == 1
+    assert refused(capsys, tmp_path / "old.db", code=1).count("\n") == 1
 
 
 def test_files_that_are_not_there_and_two_stores(capsys, tmp_path):
@@ -59,7 +59,7 @@ def test_other_machines_need_a_token_that_others_cannot_read(capsys, tmp_path):
     assert "5 signs" in said
     token.write_text("a" * 30)
     token.chmod(0o644)
-    assert "chmod 600" in refused(capsys, "--bind", OTHER, "--token-file", token)
+    assert "chmod 600" in refused(capsys, "--bind", OTHER, "--token-file", token, code=1)
     assert "token" in refused(capsys, "--token-file", tmp_path / "nix")
 
 

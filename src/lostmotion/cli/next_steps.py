@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.sources import Source, words_of
-from lostmotion.records.span import FRACTION, PERCENT
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -257,6 +256,8 @@ def _size_of(facts: FitFacts) -> float:
 def _room(facts: FitFacts) -> tuple[float, float, tuple[float, float]]:
     """Limits of OP for a test, and a guess of break points in their middle."""
     low, high = facts.op_range
+    from lostmotion.records.span import FRACTION, PERCENT
+
     span = facts.op_span or (PERCENT if high > 1.5 or low < 0.0 else FRACTION)
     middle, scale = 0.5 * (low + high), span[1] - span[0]
     half = max(0.5 * SPAN_SHARE * scale, 0.5 * _size_of(facts))

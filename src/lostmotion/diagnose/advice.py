@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from lostmotion.identify.actuators.kind import NO_FAULT, kind_of
 
 BLOCKS = ("ompensat", "knocker")  # words of advice that mean a block in front of the valve
@@ -11,17 +9,6 @@ STUDY = (
     "Before any compensation run `lostmotion simulate` on this record: only where the simulated loop gets better, and "
     "stays safe should the estimate be wrong, is a block worth it; it is not advised before."
 )
-SEVERITIES = ((1.0, "low"), (2.0, "moderate"), (4.0, "high"))  # % of span; the paper's introduction
-
-
-def severity_of(percent: float) -> str:
-    """Severity in the valve industry's terms: 1 % of span is recommended, 2 % usual, 4 % bad."""
-    if not np.isfinite(percent):
-        return "unknown"
-    for limit, name in SEVERITIES:
-        if percent <= limit:
-            return name
-    return "severe"
 
 
 def advise(verdict: str, kind: str, severity: str, integrating: bool, swings: bool = False) -> tuple[str, ...]:

@@ -9,7 +9,8 @@ from typing import TypeVar, overload
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.one_record import diagnose as diagnose_one
 from lostmotion.diagnose.op_span import TOLERANCE
-from lostmotion.diagnose.pooled.together import Asked, diagnose_together
+from lostmotion.diagnose.pooled.settings import DiagnosisSettings
+from lostmotion.diagnose.pooled.together import diagnose_together
 from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
 from lostmotion.diagnose.sampling import sampling_advice
 from lostmotion.errors import ParameterError
@@ -118,7 +119,7 @@ def diagnose(
     read: LoopRecord | list[LoopRecord] = as_records(record, op=op, pv=pv, sp=sp, time=time, dt=dt)
     if not isinstance(read, list | tuple):
         read = as_record(read)
-    asked = Asked(integrating, loop_type, tolerance)
+    asked = DiagnosisSettings(integrating, loop_type, tolerance)
     if isinstance(read, list | tuple) and len(read) != 1:
         return _with_sampling(diagnose_together([as_record(one) for one in read], asked, starts, progress))
     if isinstance(read, list | tuple):

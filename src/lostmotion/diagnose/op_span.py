@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lostmotion.diagnose.advice import severity_of
+from lostmotion.diagnose.severity import severity_of
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord
 from lostmotion.records.pieces import with_own_span

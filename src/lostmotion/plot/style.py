@@ -46,7 +46,7 @@ def new_figure(width: float = 12.0, height: float = 8.0, figure: Figure | SubFig
     if figure is None:
         return Figure(figsize=(width, height), layout="constrained")
     if not hasattr(figure, "add_gridspec"):
-        remedy = "pass a Figure or a SubFigure; an Axes goes to ax="
+        remedy = "pass a Figure or a SubFigure; an Axes is taken as ax"
         raise ParameterError.expected("a matplotlib figure", type(figure).__name__, remedy)
     if isinstance(figure, Figure) and figure.get_layout_engine() is None:
         figure.set_layout_engine("constrained")

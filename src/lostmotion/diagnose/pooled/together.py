@@ -10,22 +10,20 @@ from typing import Any
 import numpy as np
 
 from lostmotion.diagnose.advice import advise
-from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.diagnosis import Diagnosis, Item
 from lostmotion.diagnose.objections import sticks
-from lostmotion.diagnose.one_record import diagnose
 from lostmotion.diagnose.op_span import OpSpan, op_span, span_of_values
 from lostmotion.diagnose.pooled.common_place import at_common_places
 from lostmotion.diagnose.pooled.evidence import STEP, Evidence, evidence_of
 from lostmotion.diagnose.pooled.overlap import without_repeats
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis, RecordShare
 from lostmotion.diagnose.pooled.record_profile import RecordProfile, profile_record
+from lostmotion.diagnose.pooled.settings import DiagnosisSettings
 from lostmotion.diagnose.pooled.trend_of_size import size_trend
 from lostmotion.diagnose.pooled.verdict_of_many import PooledVerdict, weigh
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.records import LoopRecord, Prepared, prepare
-from lostmotion.records.loop_type import surely_integrates
 from lostmotion.records.record import fingerprint_of
 
 SMALLEST, LARGEST = 0.01, 1.1  # of the largest range of OP: between them the common size is sought
@@ -40,31 +38,6 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """How each record is to be diagnosed; as in :func:`lostmotion.diagnose`."""
-
-    integrating: bool | None
-    loop_type: str | None
-    tolerance: float
-
-    def of(self, records: Sequence[LoopRecord]) -> Asked:
-        """With the type of the loop that most tags say, where none was given: a loop has one, a file may not tell."""
-        types = Counter(record.loop_type for record in records if record.loop_type in LEAST_INDEX)
-        if self.loop_type is not None or not types:
-            return self
-        return replace(self, loop_type=types.most_common(1)[0][0])
-
-    @property
-    def integrates(self) -> bool | None:
-        """Whether the process integrates, where that is known."""
-        return surely_integrates(self.loop_type or "") if self.integrating is None else self.integrating
-
-    def diagnosis(self, record: LoopRecord) -> Diagnosis:
-        """Of one record by itself."""
-        return diagnose(record, integrating=self.integrating, loop_type=self.loop_type, tolerance=self.tolerance)
-
-
-@dataclass(frozen=True)
 class _Heard:
     """A record that can be used, with what it says."""
 
@@ -76,7 +49,7 @@ class _Heard:
 
 def diagnose_together(
     records: Sequence[LoopRecord],
-    asked: Asked,
+    asked: DiagnosisSettings,
     starts: Sequence[float] | None = None,
     say: Say | None = None,
     *,
@@ -88,7 +61,7 @@ def diagnose_together(
     Parameters
     ----------
     records : sequence of LoopRecord
-    asked : Asked
+    asked : DiagnosisSettings
     starts : sequence of float, optional
         Start of each record in seconds; None: only their order is known.
     say : callable, optional
@@ -121,13 +94,16 @@ def diagnose_together(
     gains = evidence.gains(verdict.likeliest)
     told = heard[int(np.argmax(gains))]
     base = told.alone or asked.diagnosis(told.record)
-    timed = starts is not None
-    found = _packed(base, tuple(shares), heard, evidence, verdict, span, limit, timed, of_windows)
+    found = _packed(base, tuple(shares), heard, evidence, verdict, span, limit, starts is not None, of_windows)
     return replace(found, origin=origin)
 
 
 def _hear(
-    records: Sequence[LoopRecord], asked: Asked, starts: Sequence[float] | None, say: Say | None, singly: bool
+    records: Sequence[LoopRecord],
+    asked: DiagnosisSettings,
+    starts: Sequence[float] | None,
+    say: Say | None,
+    singly: bool,
 ) -> tuple[list[RecordShare], list[_Heard], float]:
     """Profile of every record that can be used, and the largest range of OP."""
     shares, usable = _usable(records, starts)
@@ -253,7 +229,7 @@ def _own_size(profile: RecordProfile, evidence: Evidence, kind: str) -> tuple[fl
     return float(sizes[best]), (low, high)
 
 
-def _of_one(one: _Heard, shares: list[RecordShare], asked: Asked) -> PooledDiagnosis:
+def _of_one(one: _Heard, shares: list[RecordShare], asked: DiagnosisSettings) -> PooledDiagnosis:
     """The diagnosis of the only record that can be used: its own, with why the others were left out."""
     base = one.alone or asked.diagnosis(one.record)
     gain = 0.0 if base.fit.kinds is None else base.fit.kinds.likelihoods.get(base.verdict, 0.0)

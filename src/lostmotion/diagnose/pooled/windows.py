@@ -8,7 +8,8 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.diagnose.pooled.pooled_diagnosis import PooledDiagnosis
-from lostmotion.diagnose.pooled.together import DAY, Asked, Say, diagnose_together
+from lostmotion.diagnose.pooled.settings import DiagnosisSettings
+from lostmotion.diagnose.pooled.together import DAY, Say, diagnose_together
 from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.errors import DataError
 from lostmotion.identify import identify
@@ -35,7 +36,7 @@ class _Pace:
     rows: int  # of the record in a window
 
 
-def diagnose_long(record: LoopRecord, asked: Asked, say: Say | None = None) -> PooledDiagnosis:
+def diagnose_long(record: LoopRecord, asked: DiagnosisSettings, say: Say | None = None) -> PooledDiagnosis:
     """Diagnose the valve of a long record from its most informative windows.
 
     Windows are some fifty time constants of the process long, and thinned where the record is much faster than that;
