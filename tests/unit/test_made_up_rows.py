@@ -112,7 +112,7 @@ def test_warning_and_refusal():
     assert any("made up by the historian" in note and "too narrow" in note for note in soft.notes)
     hard = prepare(LoopRecord(LOOP.command, swinging_door(LOOP.measured, 4.0 * NOISE), dt=0.1))
     assert "made up by the historian" in hard.refusal
-    assert "as it is (raw)" in hard.refusal
+    assert "with raw=True" in hard.refusal
 
 
 @pytest.mark.parametrize("factor", [2, 3, 10])

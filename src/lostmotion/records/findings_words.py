@@ -16,7 +16,7 @@ from lostmotion.records.record import LoopRecord
 from lostmotion.records.sampling import Bools, neighbours, runs
 from lostmotion.records.signal_facts import describe_signal
 
-RAW = "or take the record as it is (raw)"
+RAW = "or take the record as it is with raw=True"
 
 
 def about_bridged(rows: Bools) -> list[str]:
