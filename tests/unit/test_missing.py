@@ -9,6 +9,7 @@ import lostmotion as lm
 from lostmotion.records import LoopRecord, limits, prepare
 from lostmotion.records.absent_rows import with_absent_rows
 from lostmotion.records.missing import bridge_missing
+from lostmotion.records.pieces import bridge
 
 N = 3000
 LOOP = lm.routine_operation(N, drift="mild", seed=3)
@@ -172,3 +173,23 @@ def test_absent_rows_are_missing_samples():
     assert prepare(whole).rows == ((0, 900), (900, N - 20))
     jittering = LoopRecord(*signals, dt=0.1, gaps=gaps, gap_seconds=(0.1, 0.24, 2.0))
     assert with_absent_rows(jittering) is jittering
+
+
+def test_missing_cells_of_sp_alone_are_held():
+    gone = np.random.default_rng(4).random(N) < 0.02
+    gone[0] = True
+    whole = LoopRecord(LOOP.command, LOOP.measured, LOOP.reference, dt=0.1)
+    holed_sp = replace(whole, sp=np.where(gone, np.nan, LOOP.reference))
+    prepared = prepare(holed_sp)
+    assert prepared.notes[0] == f"SP is missing in {gone.sum()} rows and was held there."
+    assert set(np.flatnonzero(prepared.stretches[0].sp != LOOP.reference)) <= set(np.flatnonzero(gone))
+
+
+def test_sp_is_not_held_over_long_runs_nor_across_a_gap():
+    sp = np.repeat([1.0, 2.0], 100)
+    sp[50 : 50 + limits.BRIDGE_ROWS + 1] = np.nan
+    sp[100] = sp[140] = np.nan
+    record = LoopRecord(np.arange(200.0), np.arange(200.0), sp, dt=1.0, gaps=(100,))
+    held = bridge(record)[0].sp
+    assert np.flatnonzero(np.isnan(held)).tolist() == list(range(50, 51 + limits.BRIDGE_ROWS))
+    assert (held[100], held[140]) == (2.0, 2.0)

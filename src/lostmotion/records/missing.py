@@ -42,7 +42,7 @@ class _Autoregression:
 
 
 def bridge_missing(record: LoopRecord, usable: Bools, missing: Bools) -> tuple[LoopRecord, Bools]:
-    """Fill short runs of missing OP or PV between usable rows; SP is held there.
+    """Fill short runs of missing OP or PV between usable rows.
 
     Parameters
     ----------
@@ -73,7 +73,6 @@ def bridge_missing(record: LoopRecord, usable: Bools, missing: Bools) -> tuple[L
         wanted[start : start + length] &= usable[start - 1] and usable[start + length]
     if not wanted.any():
         return record, nothing
-    record = _with_held_sp(record, wanted)
     values = np.column_stack([record.pv, record.op])
     centre, scale = np.nanmean(values, axis=0), np.nanstd(values, axis=0)
     if not scale.all():
@@ -88,17 +87,6 @@ def bridge_missing(record: LoopRecord, usable: Bools, missing: Bools) -> tuple[L
             pv, op = (filled * scale + centre).T
             return replace(record, pv=_completed(record.pv, pv), op=_completed(record.op, op)), rows
     return record, nothing
-
-
-def _with_held_sp(record: LoopRecord, rows: Bools) -> LoopRecord:
-    """Record whose SP is held over short runs in which it is missing."""
-    if record.sp is None or not np.isnan(record.sp[rows]).any():
-        return record
-    sp = record.sp.copy()
-    for start, length in zip(*runs(rows), strict=True):
-        part = sp[start : start + length]
-        part[np.isnan(part)] = sp[start - 1]
-    return replace(record, sp=sp)
 
 
 def _inputs(record: LoopRecord, rows: Bools) -> FloatArray:

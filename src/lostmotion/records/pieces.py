@@ -1,4 +1,4 @@
-"""Pieces of a record between the rows that are left out, and the two repairs that are allowed."""
+"""Pieces of a record between the rows that are left out, and the repairs that are allowed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Rows = list[tuple[int, int]]
 
 
 def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
-    """Fill missing OP between equal neighbours, a few rows at most: OP is held, and it has not moved.
+    """Fill a few missing rows of what holds its value: OP between equal neighbours, and SP, which moves seldom.
 
     Examples
     --------
@@ -25,7 +25,10 @@ def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
     >>> bridged, said = bridge(record)
     >>> bridged.op.tolist(), said
     ([1.0, 1.0, 1.0, nan, 2.0], ['OP is missing in 1 row between equal values and was held there.'])
+    >>> bridge(LoopRecord([1.0] * 4, [0.0] * 4, [np.nan, 3.0, np.nan, 4.0], dt=1.0))[0].sp.tolist()
+    [3.0, 3.0, 3.0, 4.0]
     """
+    record, said = _with_held_sp(record)
     op = record.op.copy()
     filled = 0
     for start, length in zip(*runs(np.isnan(op)), strict=True):
@@ -35,9 +38,31 @@ def bridge(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
             op[start:stop] = op[stop]
             filled += int(length)
     if not filled:
+        return record, said
+    return replace(record, op=op), [f"OP is missing in {_rows(filled)} between equal values and was held there.", *said]
+
+
+def _with_held_sp(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
+    """Record whose SP is the last one before in short runs where it is missing; where none is before, the next."""
+    if record.sp is None or not np.isnan(record.sp).any():
         return record, []
-    rows = f"{filled} row{'s' if filled > 1 else ''}"
-    return replace(record, op=op), [f"OP is missing in {rows} between equal values and was held there."]
+    sp = record.sp.copy()
+    begins = {0, *record.gaps}
+    for start, length in zip(*runs(np.isnan(sp)), strict=True):
+        stop = start + length
+        if length > limits.BRIDGE_ROWS or any(start < gap <= stop for gap in record.gaps):
+            continue
+        if start not in begins:
+            sp[start:stop] = sp[start - 1]
+        elif stop < len(sp):
+            sp[start:stop] = sp[stop]
+    alone = np.isnan(record.sp) & ~np.isnan(sp) & ~record.missing  # the others count as missing samples
+    said = [f"SP is missing in {_rows(int(alone.sum()))} and was held there."] if alone.any() else []
+    return replace(record, sp=sp), said
+
+
+def _rows(count: int) -> str:
+    return f"{count} row{'s' if count > 1 else ''}"
 
 
 def clip_to_span(record: LoopRecord) -> tuple[LoopRecord, list[str]]:
