@@ -23,13 +23,16 @@ def likely(names: Sequence[str], found: Mapping[str, str]) -> list[dict[str, obj
     [{'op': 'LV_106', 'pv': 'FT_115'}]
     >>> likely(["time", "voltage", "rpm"], {})
     [{'op': 'voltage', 'pv': 'rpm'}]
+    >>> likely(["Zeit", "Istwert", "Ventil 7"], {})
+    [{'op': 'Ventil 7', 'pv': 'Istwert'}]
     """
     free = [name for name in names if name not in found.values() and not _known(name)]
     ops = [found["op"]] if "op" in found else _like("op", free)
     pvs = [found["pv"]] if "pv" in found else _like("pv", free)
     pairs = [(op, pv) for op in ops for pv in pvs if op != pv]
     if not pairs and len(free) == 2 and not found:
-        pairs = [(free[0], free[1]), (free[1], free[0])]
+        both = [(free[0], free[1]), (free[1], free[0])]
+        pairs = [(op, pv) for op, pv in both if not (_called("pv", op) or _called("op", pv))]
     pairs.sort(key=lambda pair: -_common(*pair))
     return [{"op": op, "pv": pv} for op, pv in pairs[:MOST]]
 
@@ -40,6 +43,11 @@ def _known(name: str) -> bool:
     taken = (*ALIASES["time"], *ALIASES["sp"], *ALIASES["mode"], *SAMPLING_NAMES, *DATES, *CLOCKS, *NO_SIGNAL)
     parsed = tag_and_role(name)
     return word in (*taken, "sp", "mode", "position") or (parsed is not None and parsed[1] in ("sp", "mode"))
+
+
+def _called(role: str, name: str) -> bool:
+    """Whether a column has the usual name of a role."""
+    return key(name) in (role, *ALIASES[role])
 
 
 def _like(role: str, names: Sequence[str]) -> list[str]:

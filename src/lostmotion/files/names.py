@@ -11,8 +11,10 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "op": (
         "co", "mv", "out", "u", "controller output", "controller out", "manipulated variable",
         "stellgrosse", "stellgroesse", "stellgrad", "stellwert", "stellsignal", "reglerausgang",
+        "regler ausgang", "ausgang regler", "ausgang des reglers",
         "commande", "sortie regulateur", "sortie du regulateur",
-        "salida controlador", "salida del controlador", "saida do controlador", "saida controlador",
+        "salida controlador", "salida del controlador", "salida regulador", "salida del regulador",
+        "saida do controlador", "saida controlador",
     ),
     "pv": (
         "y", "measurement", "process value", "process variable", "measured value", "meas",
