@@ -34,7 +34,10 @@ def test_size_interval_severity_and_confidence_are_in_the_first_sentence():
     size, low, high = (float(number) for number in re.findall(r"\d+\.\d+", first))
     assert [size, low, high] == pytest.approx([found.size_percent, *found.interval], abs=0.006)
     assert " % of span (95 % interval " in first
-    assert first.endswith("severity high, confidence 93 %.")
+    assert first.endswith("severity high (high to severe over the interval), confidence 93 %.")
+    within = replace(found, interval=(found.size, found.size))
+    assert within.size_percent > 4.0
+    assert verdict_sentence(within).endswith("severity high, confidence 93 %.")
 
 
 def test_percent_of_an_unknown_span_are_not_called_percent_of_span():

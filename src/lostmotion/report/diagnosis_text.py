@@ -61,10 +61,14 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def _severity(diagnosis: Diagnosis) -> str:
-    """The severity, and why it is not known where the span of OP decides it."""
-    missing = op_span(diagnosis.record).request(diagnosis.size)
-    asks = bool(missing) and diagnosis.severity == "unknown"
-    return f"{diagnosis.severity} (give op_span=(low, high))" if asks else diagnosis.severity
+    """The severity, those of the ends of the interval where they differ, and why the span of OP may be needed."""
+    whole, said = op_span(diagnosis.record), diagnosis.severity
+    if said == "unknown":
+        return f"{said} (give op_span=(low, high))" if whole.request(diagnosis.size) else said
+    least, most = (whole.severity(end) for end in diagnosis.interval)
+    if "unknown" in (least, most) or least == most:
+        return said
+    return f"{said} ({least} to {most} over the interval)"
 
 
 def _open(diagnosis: Diagnosis) -> str:
