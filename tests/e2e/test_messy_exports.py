@@ -1,0 +1,55 @@
+"""Exports as plants have them, of loops whose truth is known: read as they are, and diagnosed rightly."""
+
+import json
+
+import pytest
+
+from tests.command import run
+from tests.hints import hints
+from tests.messy_exports import EXPORTS
+
+RIGHT_CODES = {"other oscillation": 0}  # else 1: something needs attention
+NOTES = {  # what the reader says of the file
+    "german": "Numbers were read with a decimal comma",
+    "excel": "Lines 1 to 3 were passed over",
+    "deltav": "Line 2 holds units and was passed over",
+    "pi_long": "70 values of 'Value' with bad quality",
+    "milliampere": "its span was taken as 4 .. 20",
+    "fraction": "The OP span was taken as 0 .. 1;",
+    "gaps": "Time is missing in 3 places",
+    "modes": "Manual in 380 rows",
+    "newest_first": "Rows stood newest first",
+}
+
+
+def diagnosed(capsys, folder, export):
+    """Code, what was printed, and the result; a single command that an error prints is followed."""
+    file, out = folder / export.name, folder / "found.json"
+    file.write_bytes(export.content)
+    words = ("diagnose", file, "--out", out)
+    code, text, error = run(capsys, *words)
+    if not out.exists():
+        (pasted,) = hints(error)
+        code, text, error = run(capsys, *pasted)
+    assert error == ""
+    return code, " ".join(text.split()), json.loads(out.read_text())
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_verdict_size_and_severity_are_those_of_the_loop(capsys, tmp_path, name):
+    export = EXPORTS[name]()
+    code, text, found = diagnosed(capsys, tmp_path, export)
+    assert found["verdict"] == export.verdict
+    assert code == RIGHT_CODES.get(export.verdict, 1)
+    assert NOTES.get(name, "") in text
+    if not export.size:
+        assert found["severity"] == "none"
+        assert max(found["excluded"].values()) < 1.0  # % of span: it also clears the valve
+        return
+    low, high = found["interval_95"]
+    assert low <= export.size <= high
+    assert found["size_percent"] == pytest.approx(100.0 * found["size"] / (export.span[1] - export.span[0]))
+    if found["severity"] != export.severity:  # only where the limit of a class lies within the interval, and is named
+        assert "over the interval), confidence" in text
+        assert export.severity in text.split("severity ")[1].split(" over the interval")[0]
+    assert text.split("Next: ")[1].startswith("lostmotion solve ")
