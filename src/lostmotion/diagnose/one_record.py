@@ -140,7 +140,7 @@ def _package(
     span = bill.span
     size, interval, about_size = _size(verdict.verdict, fit, measured)
     percent = size / span.percent
-    severity = span.severity(size) if verdict.kind == "actuator" else "none"
+    severity = span.severity_of(verdict.verdict, verdict.kind, size)
     pv_stronger = measured.pv.share >= measured.op.share
     performance = measure_performance(
         fit.data, sp, fit.chosen.delay, span.ends, measured.pv if pv_stronger else measured.op,

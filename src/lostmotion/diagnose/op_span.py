@@ -81,6 +81,19 @@ class OpSpan:
         found = {severity_of(size / (0.01 * (high - low))) for low, high in (self.ends, *self.others)}
         return found.pop() if len(found) == 1 else "unknown"
 
+    def severity_of(self, verdict: str, kind: str, size: float) -> str:
+        """Severity of a verdict: of the size where the actuator is named, "none" of any other, but for "cannot tell".
+
+        Examples
+        --------
+        >>> span = OpSpan(0.0, 100.0, True)
+        >>> span.severity_of("backlash", "actuator", 3.0), span.severity_of("cannot tell", "unknown", float("nan"))
+        ('high', 'unknown')
+        """
+        if kind == "actuator":
+            return self.severity(size)
+        return "unknown" if verdict == "cannot tell" else "none"
+
     def request(self, size: float) -> str:
         """What to give, where the severity of a size depends on a span that is not known; else empty.
 

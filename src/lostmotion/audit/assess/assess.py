@@ -143,8 +143,6 @@ def assessed(row: AssessmentRow, seen: list[Seen], why: str) -> AssessmentRow:
         "indices": {**row.indices, **fields["indices"], **_of_looks(seen, best)},
         **_performance(row, best.found),
     }
-    if best.found.verdict == "cannot tell":
-        fields["severity"] = "unknown"
     if any(one.alarm for one in seen) and not best.alarm:
         fields |= {"verdict": "cannot tell", "kind": "unknown", "severity": "unknown", "why": about_looks(seen)}
         fields["indices"] = fields["indices"] | _shown_once(seen)

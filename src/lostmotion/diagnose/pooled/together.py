@@ -268,7 +268,7 @@ def _packed(
     size = float("nan") if one is None else one.size()
     percent = size / span.percent
     actuator = verdict.kind == "actuator"
-    severity = span.severity(size) if actuator else "none"
+    severity = span.severity_of(verdict.verdict, verdict.kind, size)
     request = span.request(size) if actuator else ""
     told = () if hidden else shares
     sized = [share for share in told if share.said == "for" and np.isfinite(share.size)]
