@@ -143,9 +143,9 @@ def fraction() -> Export:
     return Export("fic101_normalised.csv", text.encode(), "stiction", 0.03, (0.0, 1.0))
 
 
-def gaps() -> Export:
+def gaps(seed: int = 8) -> Export:
     """Three gaps, and one cell in fifty missing."""
-    one = loop(FLOW, lm.Backlash(3.0), 3.0, moves=MOVES, seed=8)
+    one = loop(FLOW, lm.Backlash(3.0), 3.0, moves=MOVES, seed=seed)
     op, pv, sp = (signal.copy() for signal in signals(one))
     n, random = len(op), np.random.default_rng(5)
     for signal in (op, pv, sp):
@@ -224,6 +224,20 @@ def by_exception(signal: np.ndarray, band: float) -> np.ndarray:
             kept += [k - 1, k] if kept[-1] < k - 1 else [k]
     kept.append(len(signal) - 1)
     return np.interp(np.arange(len(signal)), kept, signal[kept])
+
+
+def manual_test(start: float, steps: tuple[float, ...], hold: int, backlash: float) -> bytes:
+    """Record of a test in manual on the flow loop: each step up, back, down, back."""
+    random = np.random.default_rng(1)
+    each = [np.repeat([step, 0.0, -step, 0.0], hold) for step in steps]
+    op = start + np.concatenate([np.zeros(20), *each])
+    stem, flow, pv = start + 0.2, 42.0, np.zeros(op.size)
+    for k, command in enumerate(op):
+        stem = float(np.clip(stem, command - 0.5 * backlash, command + 0.5 * backlash))
+        flow = 0.78 * flow + 0.22 * (42.0 + 0.8 * (stem - start))
+        pv[k] = flow + random.normal(scale=0.05)
+    times = stamps(op.size, 1.0, "%Y-%m-%d %H:%M:%S")
+    return table([["Time", "PV", "OP", "Mode"]], times, fixed(pv), fixed(op), ["MAN"] * op.size).encode()
 
 
 EXPORTS = {

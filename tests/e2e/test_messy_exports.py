@@ -1,12 +1,13 @@
 """Exports as plants have them, of loops whose truth is known: read as they are, and diagnosed rightly."""
 
 import json
+import re
 
 import pytest
 
 from tests.command import run
 from tests.hints import hints
-from tests.messy_exports import EXPORTS
+from tests.messy_exports import EXPORTS, Export, gaps, manual_test
 
 RIGHT_CODES = {"other oscillation": 0}  # else 1: something needs attention
 NOTES = {  # what the reader says of the file
@@ -53,3 +54,18 @@ def test_verdict_size_and_severity_are_those_of_the_loop(capsys, tmp_path, name)
         assert "over the interval), confidence" in text
         assert export.severity in text.split("severity ")[1].split(" over the interval")[0]
     assert text.split("Next: ")[1].startswith("lostmotion solve ")
+
+
+@pytest.mark.parametrize(("backlash", "verdict"), [(0.0, "none"), (1.5, "backlash"), (3.0, "backlash")])
+def test_the_test_that_is_advised_where_a_record_cannot_tell_does(capsys, tmp_path, backlash, verdict):
+    _, text, found = diagnosed(capsys, tmp_path, gaps(seed=105))
+    assert (found["verdict"], found["severity"]) == ("cannot tell", "unknown")
+    said = r"step OP from ([\d.]+) up by ([\d.]+), hold (\d+) s, .*; twice, then twice with steps of ([\d.]+)\."
+    start, large, hold, small = map(float, re.search(said, text).groups())
+    export = Export("in manual.csv", manual_test(start, (large, large, small, small), int(hold), backlash), verdict)
+    folder = tmp_path / "test"
+    folder.mkdir()
+    code, _, found = diagnosed(capsys, folder, export)
+    assert (found["verdict"], code) == (verdict, int(backlash > 0))
+    if backlash:
+        assert found["interval_95"][0] <= backlash <= found["interval_95"][1]

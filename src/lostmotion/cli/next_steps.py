@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
@@ -129,8 +130,10 @@ def in_words(found: Diagnosis, fit: HammersteinFit) -> str:
     from lostmotion.diagnose.op_span import op_span
 
     span = op_span(found.record)
-    size = max(found.tolerance if found.excluded else SPAN_SHARE * (span.high - span.low), _size_of(fit.facts))
-    return manual_test(fit, size, found.measured.integrating, span.ends)
+    tolerance = found.tolerance if found.excluded else SPAN_SHARE * (span.high - span.low)
+    size = max(tolerance, _size_of(fit.facts))
+    largest = max((one for one in found.excluded.values() if math.isfinite(one)), default=0.0)
+    return manual_test(fit, size, found.measured.integrating, span.ends, tolerance, largest)
 
 
 def _words(file: Path, columns: RecordOptions) -> list[str]:
