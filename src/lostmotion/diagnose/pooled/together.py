@@ -266,23 +266,22 @@ def _packed(
     hidden = evidence.hidden if sticks(verdict.verdict) else ""
     one = None if hidden else evidence.sized.get(verdict.verdict)
     size = float("nan") if one is None else one.size()
-    percent = size / span.percent
     actuator = verdict.kind == "actuator"
     severity = span.severity_of(verdict.verdict, verdict.kind, size)
     request = span.request(size) if actuator else ""
-    told = () if hidden else shares
-    sized = [share for share in told if share.said == "for" and np.isfinite(share.size)]
+    sized = [share for share in shares if not hidden and share.said == "for" and np.isfinite(share.size)]
     trend = size_trend(
         [share.place for share in sized], [share.size for share in sized], [share.interval for share in sized],
         "day" if timed else "record",
     )  # fmt: skip
+    wanting = span.known and not op_span(base.record).known
     mine: dict[str, Any] = {
         "verdict": verdict.verdict,
         "kind": verdict.kind,
         "severity": severity,
         "size": size,
         "interval": (float("nan"), float("nan")) if one is None else one.interval(),
-        "size_percent": percent,
+        "size_percent": size / span.percent,
         "confidence": verdict.confidence,
         "probabilities": verdict.probabilities,
         "evidence": _items(shares),
@@ -291,9 +290,7 @@ def _packed(
         "excluded": verdict.excluded,
         "tolerance": limit,
         "why": verdict.why,
-        "record": base.record
-        if op_span(base.record).known or not span.known
-        else replace(base.record, op_span=span.ends),
+        "record": replace(base.record, op_span=span.ends) if wanting else base.record,
     }
     kept = {field.name: getattr(base, field.name) for field in fields(Diagnosis) if field.name not in mine}
     return PooledDiagnosis(
