@@ -10,7 +10,7 @@ import numpy as np
 
 import lostmotion as lm
 import sample_loops
-from lostmotion.diagnose.advice import severity_of
+from lostmotion.diagnose.severity import severity_of
 from tests.packed_files import workbook
 
 START = datetime(2026, 2, 27, 14, 30)
