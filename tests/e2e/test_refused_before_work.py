@@ -5,6 +5,7 @@ import json
 import pytest
 
 import lostmotion as lm
+from lostmotion import extras
 from lostmotion.errors import FileAccessError
 from lostmotion.files import writer
 from tests import commands_that_write as commands
@@ -48,6 +49,15 @@ def test_a_figure_is_refused_before_the_work(capsys, here, name, asked, said):
     assert error.count("\n") == 1
     assert (here / "keep.png").read_bytes() == b"kept"
     assert {path.name for path in here.iterdir()} == {"a.csv", "b.csv", "keep.png"}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_without_the_package_that_draws_no_work_is_done(capsys, here, monkeypatch, name):
+    monkeypatch.setattr(extras, "find_spec", lambda _: None)
+    code, out, error = run(capsys, *FIGURES[name], "--figure", "new.png")
+    assert (code, out) == (1, "")
+    assert error.endswith('run: pip install "lostmotion[plot]"\n')
+    assert {path.name for path in here.iterdir()} == {"a.csv", "b.csv"}
 
 
 def test_every_command_with_a_figure_is_looked_at():

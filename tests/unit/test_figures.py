@@ -57,6 +57,15 @@ def test_heading_and_panel_of_a_fit_say_what_was_found():
     assert open_ended.axes[0].get_title(loc="left").startswith("Not reliable: stiction, band 2.30")
 
 
+@pytest.mark.parametrize("kind", ["backlash", "stiction"])
+def test_figure_and_repr_show_the_interval_of_the_report(kind):
+    fit = made_fit(kind)
+    low, high = fit.size_interval
+    assert fit.interval(fit.kind.size) != (low, high)
+    assert f"(95 %: {low:.2f} .. {high:.2f})" in fit.plot().get_suptitle()
+    assert f"{kind} {low:.4g}..{high:.4g}" in repr(fit)
+
+
 def test_size_is_in_percent_of_a_known_span():
     fit = made_fit("backlash")
     spanned = replace(fit, data=replace(fit.data, op_span=(4.0, 20.0), op_unit="mA"))

@@ -57,6 +57,8 @@ class OutputOptions(PrintOptions):
             or a figure has no format that can be drawn.
         ParameterError
             A table has no format that can be written.
+        MissingExtraError
+            A figure is asked for, and the package that draws it is not installed.
         """
         given = [path for path in (*paths, *figures, table) if path is not None]
         if not given:
@@ -69,6 +71,10 @@ class OutputOptions(PrintOptions):
         for path in figures:
             if path is not None and path.suffix.lower() not in FORMATS:
                 raise FileAccessError(f"expected a figure as png, pdf or svg, got {path}; give one of these endings")
+        if any(path is not None for path in figures):
+            from lostmotion.extras import need_extra
+
+            need_extra("plot")
         for path in given:
             refuse(path, self.force)
         if len({os.path.realpath(path) for path in given}) < len(given):

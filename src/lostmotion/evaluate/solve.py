@@ -12,6 +12,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.compensate.gate import Closed, accepted, closed, reason_of, verdict_of
 from lostmotion.diagnose import Diagnosis, diagnose
+from lostmotion.diagnose.evidence_words import probability
 from lostmotion.errors import GateError, InputError
 from lostmotion.evaluate.rivals import Rivals
 from lostmotion.evaluate.solution import Solution, Step
@@ -193,7 +194,7 @@ class _Way:
         self.tell("diagnosing")
         found = diagnose(self.record, integrating=self.integrating, loop_type=loop_type)
         self.diagnosis, self.fit = found, found.fit
-        said = f"{found.verdict.capitalize()}, confidence {100.0 * found.confidence:.0f} %."
+        said = f"{found.verdict.capitalize()}, confidence {probability(found.confidence)}."
         if found.verdict == NO_FAULT:
             self.fine = True
             self._pass("diagnose", said)

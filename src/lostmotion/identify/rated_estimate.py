@@ -75,7 +75,7 @@ class RatedEstimate(NamedEstimate, ABC):
     def found_in_words(self) -> str:
         """Kind that the record supports, with the interval of its size."""
         size = self.shown_size
-        return self.preferred if size is None else f"{self.preferred} {between(*self.interval(size))}"
+        return self.preferred if size is None else f"{self.preferred} {between(*self.size_interval)}"
 
     @property
     def message(self) -> str:

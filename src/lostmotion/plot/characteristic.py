@@ -66,12 +66,12 @@ def size_words(fit: HammersteinFit) -> str:
     unit = f" {unit}" if unit else ""
     if name is None:
         return "at " + " and ".join(_value(fit, one) for one in fit.kind.model.own) + unit
-    low, high = fit.interval(name)
+    low, high = fit.size_interval  # the one that every report shows
     spread = high - low
     between = f"{rounded(low, spread)} .. {rounded(high, spread)}" if np.isfinite(spread) else "not bounded"
     if fit.status is Status.WIDE:
         return f"{name} not determined (95 %: {between}{unit})"
-    text = f"{name} {_value(fit, name)}{unit} (95 %: {between})"
+    text = f"{name} {rounded(fit.parameters[name], spread)}{unit} (95 %: {between})"
     if span is not None and unit.strip() != "%":
         text += f", {100.0 * fit.parameters[name] / (span[1] - span[0]):.3g} % of span"
     if fit.kind.nests:

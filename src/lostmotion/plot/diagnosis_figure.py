@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lostmotion.diagnose import Diagnosis
-from lostmotion.diagnose.evidence_words import LABEL, balance, cause
+from lostmotion.diagnose.evidence_words import LABEL, balance, cause, probability
 from lostmotion.diagnose.op_span import op_span
 from lostmotion.diagnose.shown_rows import shown_rows
 from lostmotion.identify.actuators.kind import faults
@@ -84,7 +84,7 @@ def heading_of(diagnosis: Diagnosis) -> str:
         first = max(diagnosis.probabilities, key=diagnosis.probabilities.__getitem__)
         said += f"; most likely: {cause(first)}, {100 * diagnosis.probabilities[first]:.0f} %"
     else:
-        said += f", confidence {min(100 * diagnosis.confidence, 99.0):.0f} %"
+        said += f", confidence {probability(diagnosis.confidence)}"
     return said
 
 

@@ -7,6 +7,7 @@ import textwrap
 import numpy as np
 
 from lostmotion.diagnose.clean_bill import clean_bill
+from lostmotion.diagnose.evidence_words import probability
 from lostmotion.diagnose.excitation import what_moves_op
 from lostmotion.diagnose.op_span import OpSpan
 from lostmotion.errors import Status
@@ -185,7 +186,7 @@ def _choice(fit: HammersteinFit) -> str:
     kinds = fit.kinds
     if kinds is None or kinds.best == kinds.runner_up:
         return ""
-    sure = f"confidence {100 * kinds.confidence:.0f} %"
+    sure = f"confidence {probability(kinds.confidence)}"
     if kinds.best not in (NO_FAULT, fit.kind.name):
         ahead = kinds.likelihoods[kinds.best]
         return f" The likeliest of the kinds, {kinds.best}, gains {ahead:.0f} in log-likelihood, but shows no size."
@@ -320,7 +321,9 @@ def _assumed(fit: HammersteinFit) -> str:
     said = []
     if fit.kind.has_slopes and settings["gain"] is None:
         said.append("right_slope = 1 by convention (gain unknown; it stays in the linear part)")
-    if settings["offset_fixed"]:
+    if fit.chosen.integrating:
+        said.append("no offset: the level of an integrating process is its initial state")
+    elif settings["offset_fixed"]:
         said.append("offset 0: the record is in deviations, or was told to be")
     auto = [name for name in ("orders", "noise") if settings[name] == "auto"]
     if auto:
