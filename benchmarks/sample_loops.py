@@ -70,7 +70,7 @@ LOOPS = (
          (70.0, 74.0, 66.0, 71.0, 67.0, 72.5), 50.0, 0.04, 4.0, 3, 4.0),
     Loop("LIC-301", "level, worn linkage", "backlash", lm.Backlash(2.4), 2.4, "%",
          0.004, np.inf, 4.0, 3.0, 150.0, (55.0, 58.0, 52.0, 56.0), 44.0, 0.03, 0.5, 4, 2.0),
-    Loop("PIC-401", "pressure, valve that opens no further than 61 %", "saturation", lm.Saturation(-40.0, 6.0), 0.0,
+    Loop("PIC-401", "pressure, valve that moves from 51 to 61 % only", "saturation", lm.Saturation(-4.0, 6.0), 0.0,
          "bar", 0.12, 15.0, 3.0, 6.0, 15.0,
          (6.0, 6.5, 5.6, 6.9, 6.2, 5.5, 6.8, 5.9, 6.4, 5.7), 55.0, 0.01, 1.0, 5, 2.0, 3),
     Loop("FIC-103", "flow, tuned too tightly", "other oscillation", lm.Identity(), 0.0, "m3/h",
