@@ -14,7 +14,7 @@ from typing import Any
 
 import lazy_loader
 
-from lostmotion.extras import any_extra as _any_extra
+from lostmotion.extras import extra as _extra
 
 __version__ = "0.1.0"
 
@@ -37,7 +37,7 @@ __all__ = [name for name in _names if name not in _ROOMS]
 
 
 def __getattr__(name: str) -> Any:
-    with _any_extra():  # `audit` needs packages of an extra
+    with _extra():  # `audit` needs packages of an extra
         return _attribute(name)
 
 

@@ -14,7 +14,7 @@ from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 from lostmotion.errors import ParameterError
-from lostmotion.extras import any_extra
+from lostmotion.extras import extra
 from lostmotion.panel import Panel
 
 Answer = TypeVar("Answer")
@@ -48,7 +48,7 @@ class Verb(Generic[Answer]):
 def named(path: str) -> Callable[..., Any]:
     """Function of a path "module:name"; where it needs a package of an extra that is missing, the error names it."""
     module, _, name = path.partition(":")
-    with any_extra():
+    with extra():
         function: Callable[..., Any] = attrgetter(name)(import_module(module))
     return function
 

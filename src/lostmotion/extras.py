@@ -27,13 +27,14 @@ class MissingExtraError(DataError, ImportError):
 
 
 @contextmanager
-def extra(name: str) -> Iterator[None]:
+def extra(name: str = "") -> Iterator[None]:
     """Imports of the packages of an extra; one that is missing raises an error with the command that installs it.
 
     Parameters
     ----------
     name : str
-        Extra of ``pyproject.toml``, a key of ``EXTRAS``.
+        Extra of ``pyproject.toml``, a key of ``EXTRAS``. Empty: the first that has the missing package, except ``sql``,
+        for whoever needs a database needs it for audits.
 
     Raises
     ------
@@ -42,7 +43,7 @@ def extra(name: str) -> Iterator[None]:
 
     Examples
     --------
-    >>> with extra("cluster"):
+    >>> with extra():
     ...     raise ModuleNotFoundError("No module named 'distributed'", name="distributed")
     Traceback (most recent call last):
     ...
@@ -54,25 +55,12 @@ run: pip install "lostmotion[cluster]"
     except MissingExtraError:
         raise
     except ImportError as error:
-        package = _package(error)
-        if package not in EXTRAS[name][1]:
+        package = (error.name or "").partition(".")[0]
+        names = [name] if name else [one for one in EXTRAS if one != "sql"]
+        found = next((one for one in names if package in EXTRAS[one][1]), None)
+        if found is None:
             raise
-        raise _missing(package, name) from error
-
-
-@contextmanager
-def any_extra() -> Iterator[None]:
-    """The same where the extra is not known: the first of ``EXTRAS`` that has the missing package, except databases."""
-    try:
-        yield
-    except MissingExtraError:
-        raise
-    except ImportError as error:
-        package = _package(error)
-        names = [name for name, (_, packages) in EXTRAS.items() if package in packages and name != "sql"]
-        if not names:
-            raise
-        raise _missing(package, names[0]) from error
+        raise _missing(package, found) from error
 
 
 def need_extra(name: str, instead: str = "") -> None:
@@ -93,10 +81,6 @@ def need_extra(name: str, instead: str = "") -> None:
     missing = next((package for package in EXTRAS[name][1] if find_spec(package) is None), None)
     if missing is not None:
         raise _missing(missing, name, instead)
-
-
-def _package(error: ImportError) -> str:
-    return (error.name or "").partition(".")[0]
 
 
 def _missing(package: str, name: str, instead: str = "") -> MissingExtraError:

@@ -15,7 +15,7 @@ from lostmotion.cli.failure import say_error
 from lostmotion.cli.pairs import apart
 from lostmotion.cli.progress import compiling
 from lostmotion.errors import LostMotionError
-from lostmotion.extras import any_extra
+from lostmotion.extras import extra
 from lostmotion.kernels.compile_progress import compile_reports
 
 app = typer.Typer(
@@ -54,7 +54,7 @@ def main(arguments: list[str] | None = None) -> Any:
 
 def _told(words: list[str]) -> Any:
     try:
-        with any_extra(), compile_reports(compiling):
+        with extra(), compile_reports(compiling):
             return app(words, prog_name="lostmotion")
     except (LostMotionError, ImportError) as error:
         say_error(error, "--json" in words, words)

@@ -242,7 +242,7 @@ class SlipLikelihood:
             [
                 kernel.prediction_errors(
                     parts.a, parts.b, state, parts.offset, parts.d, s.delay, s.first, other[start:stop],
-                    problem.y[start:stop],
+                    problem.y[start:stop], 0.0,
                 )[1]
                 for (start, stop), state in zip(problem.segments.tolist(), states, strict=True)
             ]
