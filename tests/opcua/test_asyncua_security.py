@@ -264,9 +264,9 @@ def test_the_command_believes_a_fingerprint_and_nothing_less(server, pki, tmp_pa
     assert len(said.splitlines()) == 1
     assert f"lostmotion live --trust {server.address}" in said
     code, shown, _ = told(capsys, "--trust", *whom)
-    assert code == 1  # nobody is there to say yes
+    assert code == 2  # nobody is there to say yes
     digits = shown.rpartition("SHA-256")[2].strip()
-    assert told(capsys, "--trust", *whom, "--fingerprint", digits[:-1] + "?")[0] == 1
+    assert told(capsys, "--trust", *whom, "--fingerprint", digits[:-1] + "?")[0] == 2
     assert told(capsys, "--discover", *whom)[0] == 1
     assert told(capsys, "--trust", *whom, "--fingerprint", digits)[0] == 0
     assert told(capsys, "--discover", *whom)[0] == 0
@@ -282,15 +282,15 @@ def test_the_command_says_loudly_that_a_link_is_insecure(server, pki, capsys):
     assert code == 0
     assert said.startswith("INSECURE")
     code, _, said = told(capsys, "--discover", "opc.tcp://192.0.2.1:4840", "--pki", pki, "--insecure")
-    assert (code, "on this machine" in said) == (1, True)
+    assert (code, "on this machine" in said) == (2, True)
 
 
 def test_a_plant_file_holds_no_password(tmp_path, capsys):
     loop = '[[loop]]\ntag = "a"\nop = "ns=2;s=A"\npv = "ns=2;s=B"\norders = [1, 0, 1]\ndt = 1.0\n'
-    for text in (
-        f'address = "opc.tcp://reader:{PASSWORD}@plc1"\n',
-        f'address = "opc.tcp://plc1"\npassword = "{PASSWORD}"\n',
+    for text, code in (
+        (f'address = "opc.tcp://reader:{PASSWORD}@plc1"\n', 2),
+        (f'address = "opc.tcp://plc1"\npassword = "{PASSWORD}"\n', 1),
     ):
         path = tmp_path / "plant.toml"
         path.write_text(text + loop)
-        assert told(capsys, path)[0] == 1
+        assert told(capsys, path)[0] == code
