@@ -22,7 +22,7 @@ WORK = {
     "check": ("check", "{loop}"),
     "diagnose": ("diagnose", "{loop}", "--out", "diagnosis.json", "--report", "report.html"),
     "compensate": ("compensate", "{loop}", "--fit", "{fit}", "--out", "compensated.csv"),
-    "simulate": ("simulate", "{fit}", "--kp", "0.4", "--ki", "0.1", "--sp-step", "1"),
+    "simulate": ("simulate", "{fit}", "--kp", "0.4", "--ki", "0.1", "--sp-step", "1", "--op-span", "-10", "10"),
     "design": ("design", "--fit", "{fit}", "--op-limits", "-5", "5", "--duration", "60", "--out", "test.csv"),
     "export": ("export", "{fit}", "--name", "LY_101", "--date", "2026-01-31", "--span", "-10", "10", "--out", "block"),
     "online": ("online", "-", "--orders", "3,2,3"),

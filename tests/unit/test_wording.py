@@ -10,8 +10,9 @@ import typer
 
 import lostmotion
 from lostmotion.cli import app, main
-from lostmotion.cli.wording import SETTING, advice, as_options, message, named_options
-from lostmotion.errors import DataError, FileAccessError, TimeError
+from lostmotion.cli.commands_on import commands_on
+from lostmotion.cli.wording import OFFERED, SETTING, advice, as_options, message, named_options
+from lostmotion.errors import DataError, FileAccessError, ParameterError, TimeError
 
 SOURCE = Path(lostmotion.__file__).parent
 COMMANDS = typer.main.get_command(app).commands
@@ -186,3 +187,23 @@ def test_json_has_the_same_words(capsys, tmp_path):
     assert json.loads(out)["error"] == TimeError.__name__
     assert f"error: {json.loads(out)['message']}\n" == error
     assert "--dt SECONDS" in error
+
+
+@pytest.fixture
+def offering():
+    """Sets the options of the command that runs."""
+    before = OFFERED.get()
+    yield lambda *options: OFFERED.set(frozenset(options))
+    OFFERED.set(before)
+
+
+def test_a_pair_of_limits_can_be_pasted(offering):
+    offering("--span")
+    error = ParameterError.expected("limits", "none", "give span=(low, high)").leads_on({"span": (-1.5, 3.0)})
+    typed = ["export", "fit.json", "--span", "0", "100", "--out", "a"]
+    assert commands_on(error, typed) == ["lostmotion export fit.json --out a --span -1.5 3"]
+
+
+def test_the_clamps_of_a_command_that_reads_records_are_its_span(offering):
+    offering("--op-span")
+    assert as_options("give span=(low, high)") == "give --op-span LOW HIGH"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from lostmotion.addresses import without_password
-from lostmotion.cli.wording import FLAGS, OFFERED, OPTIONS
+from lostmotion.cli.wording import FLAGS, OFFERED, option_of
 
 MOST = 6  # commands under a message
 
@@ -36,22 +36,29 @@ def commands_on(error: Exception, words: Sequence[str], offered: Collection[str]
     for way in getattr(error, "ways", ())[:MOST]:
         options = [_option(name, value) for name, value in way.items()]
         if all(option[0] in known for option in options):
-            flags = {option[0] for option in options}
-            lines.append(shlex.join([*_without(shown, flags), *(word for option in options for word in option)]))
+            values = {option[0]: len(option) - 1 for option in options}
+            lines.append(shlex.join([*_without(shown, values), *(word for option in options for word in option)]))
     return lines
 
 
-def _without(words: Sequence[str], flags: Collection[str]) -> list[str]:
-    """Words without options that are given anew, and their values."""
+def _without(words: Sequence[str], values: Mapping[str, int]) -> list[str]:
+    """Words without options that are given anew, and as many values as each has."""
     kept: list[str] = []
-    for place, word in enumerate(words):
-        value_of_one = place > 0 and words[place - 1] in flags and words[place - 1] not in FLAGS.values()
-        if word not in flags and not value_of_one and word.split("=", maxsplit=1)[0] not in flags:
+    skipped = 0
+    for word in words:
+        name = word.split("=", maxsplit=1)[0]
+        if skipped:
+            skipped -= 1
+        elif word in values:
+            skipped = values[word]
+        elif name not in values:
             kept.append(word)
     return kept
 
 
 def _option(name: str, value: object) -> list[str]:
-    flag = FLAGS.get((name, str(value)))
-    shown = f"{value:.10g}" if isinstance(value, float) else str(value)
-    return [flag] if flag is not None else [OPTIONS[name], shown]
+    option = option_of(name, str(value))
+    if option in FLAGS.values():
+        return [option]
+    each = value if isinstance(value, tuple) else (value,)
+    return [option, *(f"{one:.10g}" if isinstance(one, float) else str(one) for one in each)]

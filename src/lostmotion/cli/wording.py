@@ -112,7 +112,7 @@ def named_options(text: str) -> list[str]:
     >>> named_options("pass dt=<seconds> and time=False"), named_options("cases=3")
     (['--dt', '--ignore-time'], ['cases'])
     """
-    return [_option(*found.groups()) for found in SETTING.finditer(text)]
+    return [option_of(*found.groups()) for found in SETTING.finditer(text)]
 
 
 def as_options(text: str) -> str:
@@ -120,8 +120,8 @@ def as_options(text: str) -> str:
 
     Examples
     --------
-    >>> as_options("give span=(low, high)"), as_options("name it with op='<column>'"), as_options("e.g. noise=4")
-    ('give --span LOW HIGH', 'name it with --op COLUMN', 'e.g. --noise 4')
+    >>> as_options("give op_limits=(low, high)"), as_options("name it with op='<column>'"), as_options("e.g. noise=4")
+    ('give --op-limits LOW HIGH', 'name it with --op COLUMN', 'e.g. --noise 4')
     >>> as_options("give op_span where it is not")
     'give --op-span LOW HIGH where it is not'
     """
@@ -131,12 +131,15 @@ def as_options(text: str) -> str:
     return re.sub(r"(--dt \S+) and (?=--ignore-time)", r"\1 ", options)
 
 
-def _option(name: str, value: str | None) -> str:
+def option_of(name: str, value: str | None) -> str:
+    """Option of the command that runs for a setting of the library."""
+    if name == "span" and OPTIONS[name] not in OFFERED.get() and OPTIONS["op_span"] in OFFERED.get():
+        return OPTIONS["op_span"]  # where a record may be given the clamps are its span
     return FLAGS.get((name, value or ""), OPTIONS.get(name, name))
 
 
 def _as_option(whole: str, name: str, value: str | None) -> str:
-    option = _option(name, value)
+    option = option_of(name, value)
     if option == name:
         return whole
     return option if value is None or (name, value) in FLAGS else f"{option} {_words(name, value)}"
