@@ -29,13 +29,14 @@ PROCESSES = {
     "live": "cut_network discover handed_over joined link live_command plant_file plc_link supervision_settings "
     "write_command write_faults writer",
     "opcua": "asyncua_security node_block node_opcua node_restart",
-    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list outside_text",
-    "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts numba_cache "
-    "database dates_of_records export_files html light_imports live_certificates loads long_text loop_list matlab "
-    "matlab_v5 one_tag_a_file output_options packed pages parquet_pieces plant_report plant_report_parts "
-    "plant_sources read_loop run_many store store_bad_input store_watches supervised_export times units "
-    "web_desk web_files web_guard web_jobs web_kept web_monitor web_patience web_plant web_records "
-    "web_serve web_tasks web_trend web_trend_pages wording write writer",
+    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list missing one_answer outside_text",
+    "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts control_system "
+    "database datasets dates_of_records diagnosis_figure export_files figures fit_text html light_imports "
+    "live_certificates loads long_text loop_list matlab matlab_v5 missing next_steps numba_cache one_answer "
+    "one_tag_a_file op_units output_options packed pages parquet_pieces plant_report plant_report_parts "
+    "plant_sources read_loop record_figure run_many status_message store store_bad_input store_watches "
+    "supervised_export times units web_desk web_files web_guard web_jobs web_kept web_monitor web_patience "
+    "web_plant web_records web_serve web_tasks web_trend web_trend_pages wording write writer",
 }
 TESTS = Path(__file__).parent
 FILES = {TESTS / folder / f"test_{name}.py" for folder, names in PROCESSES.items() for name in names.split()}

@@ -2,8 +2,9 @@ import math
 
 import pytest
 
-from lostmotion.diagnose.advice import advise, severity_of
+from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnosis import verdicts
+from lostmotion.diagnose.severity import severity_of
 from lostmotion.identify.actuators.kind import faults
 from tests.diagnoses import CASES
 
