@@ -29,7 +29,8 @@ PROCESSES = {
     "live": "cut_network discover handed_over joined link live_command plant_file plc_link supervision_settings "
     "write_command write_faults writer",
     "opcua": "asyncua_security node_block node_opcua node_restart",
-    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list missing one_answer outside_text",
+    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list missing one_answer "
+    "outside_text",
     "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts control_system "
     "database datasets dates_of_records diagnosis_figure export_files figures fit_text html light_imports "
     "live_certificates loads long_text loop_list matlab matlab_v5 missing next_steps numba_cache one_answer "
