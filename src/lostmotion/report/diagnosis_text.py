@@ -208,8 +208,9 @@ def _swing(one: Oscillation, dt: float) -> str:
         return "does not move, or the record is too short to tell"
     period, share = plain(one.period * dt), f"{100 * one.share:.0f} %"
     if not one.regular:
+        below = math.floor(10.0 * one.regularity) / 10.0  # 0.96 is no 1.0
         return (
-            f"does not swing regularly: regularity {one.regularity:.1f} (1 is needed); "
+            f"does not swing regularly: regularity {below:.1f} (1 is needed); "
             f"strongest near {period} s, {share} of its variance"
         )
     return (
