@@ -68,7 +68,7 @@ def test_every_public_result_is_looked_at(results):
 def test_what_it_says(results):
     assert repr(results[lm.HammersteinFit]).startswith("HammersteinFit(")
     facts, diagnosis = results[lm.FitFacts], results[lm.Diagnosis]
-    low, high = facts.interval("band")
+    low, high = facts.size_interval
     assert repr(facts) == f"FitFacts(stiction {low:.4g}..{high:.4g}, OK, 2000 samples)"
     assert repr(diagnosis).startswith("Diagnosis(stiction ")
     assert f"severity {diagnosis.severity}" in repr(diagnosis)
