@@ -15,7 +15,7 @@ from tests.unit.test_web_monitor import START, event, report
 
 AXE = ROOT / ".cache/web/axe.min.js"
 WIDTHS = (390, 1280, 1920)
-PATIENCE = 90_000  # ms; machines of tests are busy
+PATIENCE = 240_000  # ms; machines of tests are busy: 90 s were not enough beside five other processes on two cores
 
 
 class Site:
