@@ -9,7 +9,7 @@ from .compensate import (
     read_block,
 )
 from .design import Achievable, TestDesign, achievable, design
-from .diagnose import Diagnosis, PooledDiagnosis, diagnose
+from .diagnose import Diagnosis, LongDiagnosis, PooledDiagnosis, diagnose
 from .errors import (
     ColumnError,
     DataError,
@@ -64,6 +64,7 @@ __all__ = [
     "Identity",
     "InputError",
     "LinearModel",
+    "LongDiagnosis",
     "LoopRecord",
     "LoopResponse",
     "LostMotionError",

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.audit.rules import FROZEN, RINGING, advice_of
+from lostmotion.diagnose.long_record.any_length import LONG
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.store.rows import Stage
 
@@ -104,3 +105,14 @@ def test_rows_in_manual_and_at_a_limit_are_the_same_for_both(tmp_path):
     op[200:500], op[900:1000] = op[200], 100.0
     record = lm.LoopRecord(op, pv, loop.sp, dt=1.0)
     assert assert_one_answer(record, tmp_path / "loops")[1] is not None
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("cause", ["none", "stiction"])
+def test_a_record_of_more_rows_than_are_read_whole_has_one_answer(tmp_path, cause):
+    loop = random_faulty_loop(1005, samples=LONG + 1000, cause=cause)
+    record = lm.LoopRecord(loop.op, loop.pv, loop.sp, dt=5.0)
+    found, row = assert_one_answer(record, tmp_path / "loops")
+    assert row is not None
+    assert isinstance(found, lm.LongDiagnosis)
+    assert row.indices["looks"] == len(found.looks)

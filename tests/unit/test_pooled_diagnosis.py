@@ -8,8 +8,6 @@ from typer.testing import CliRunner
 
 import lostmotion as lm
 from lostmotion.cli import app
-from lostmotion.diagnose import any_record
-from lostmotion.diagnose.pooled import windows
 from lostmotion.diagnose.pooled.overlap import without_repeats
 from lostmotion.diagnose.pooled.settings import DiagnosisSettings
 from lostmotion.errors import DataError, ParameterError
@@ -115,22 +113,6 @@ def test_bad_arguments_are_refused():
         lm.diagnose([record], tolerance=2.0)
     with pytest.raises(ParameterError, match="records"):
         lm.diagnose([])
-
-
-@pytest.mark.statistics
-def test_a_long_record_is_read_by_windows(monkeypatch):
-    monkeypatch.setattr(any_record, "LONG", 3000)
-    monkeypatch.setattr(windows, "MOST", 3)
-    monkeypatch.setattr(windows, "ROWS", (400, 500))
-    said = []
-    found = lm.diagnose(response(5, 4000), progress=said.append)
-    assert isinstance(found, lm.PooledDiagnosis)
-    assert found.of_windows >= 8
-    assert len(found.shares) == len(said) == 3
-    assert found.verdict == "backlash"
-    assert found.size == pytest.approx(WIDTH, rel=0.05)
-    assert f"3 windows of {found.of_windows} read" in found.summary()
-    assert found.diagnoses == ()
 
 
 @pytest.mark.statistics

@@ -5,6 +5,7 @@ from .cross_correlation import CrossCorrelation, cross_correlation_index
 from .diagnosis import Diagnosis
 from .ellipse import Ellipse, apparent_stiction
 from .harris import HarrisIndex, harris_index
+from .long_record.long_diagnosis import LongDiagnosis
 from .oscillation import Oscillation, find_oscillation
 from .pooled.pooled_diagnosis import PooledDiagnosis
 from .relay import Relay, relay_index
@@ -19,6 +20,7 @@ __all__ = [
     "Diagnosis",
     "Ellipse",
     "HarrisIndex",
+    "LongDiagnosis",
     "Oscillation",
     "PooledDiagnosis",
     "Qualitative",

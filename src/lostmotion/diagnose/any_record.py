@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import TypeVar, overload
 
 from lostmotion.diagnose.diagnosis import Diagnosis
-from lostmotion.diagnose.one_record import diagnose as diagnose_one
+from lostmotion.diagnose.frozen import judged_by_measurement
+from lostmotion.diagnose.long_record.any_length import diagnose_valve
 from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.diagnose.pooled.settings import DiagnosisSettings
 from lostmotion.diagnose.pooled.together import diagnose_together
-from lostmotion.diagnose.pooled.windows import LONG, diagnose_long
+from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.diagnose.sampling import sampling_advice
 from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord, RecordLike
@@ -72,7 +73,7 @@ def diagnose(
     Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
     are weighed in by log-odds that were calibrated (docs/diagnosis.md). Many records have one valve, each with a
     process and noise of its own: what each says of every size is added up (:mod:`lostmotion.diagnose.pooled.evidence`).
-    A record of more than 50,000 rows is read by its informative windows, in the same way.
+    A record of more than 50,000 rows is read by looks at its most telling stretches, as in an audit.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def diagnose(
     starts : sequence of float, optional
         Of many records: when each begins, in seconds, for the trend of the size. None: only their order is known.
     progress : callable, optional
-        Told in words how far a diagnosis of many records is.
+        Told in words how far a diagnosis of many records or a long one is.
     op, pv, sp, time, dt : optional
         Columns of a path, a frame or a dict where they have other names, and the sampling time in seconds where there
         is no column of times: as in :func:`lostmotion.read_loop`, which takes more.
@@ -98,7 +99,7 @@ def diagnose(
     Returns
     -------
     Diagnosis
-        A PooledDiagnosis where there were many records or a long one; a list of one record is that record.
+        A PooledDiagnosis where there were many records, a LongDiagnosis of a long one; a list of one is that record.
 
     Raises
     ------
@@ -127,9 +128,8 @@ def diagnose(
         read, starts = as_record(read), None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
-    if len(read) > LONG:
-        return _with_sampling(diagnose_long(read, asked, progress))
-    return _with_sampling(diagnose_one(read, integrating=integrating, loop_type=loop_type, tolerance=tolerance))
+    found = diagnose_valve(read, progress, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
+    return _with_sampling(judged_by_measurement(judged_by_amplitude(found, read), read))
 
 
 def _with_sampling(found: Found) -> Found:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lostmotion.diagnose.control_error.rows import ScreenRows
-from lostmotion.diagnose.ringing import Source
+from lostmotion.diagnose.ringing import Found, Source
 from lostmotion.records import LoopRecord
-
-if TYPE_CHECKING:
-    from lostmotion.diagnose.diagnosis import Diagnosis
 
 LEAST_SHARE = 0.02  # of the time
 LEAST_OF_STALE = 0.5  # of the time without live data: else the recording stands still, whatever OP does
@@ -36,7 +32,7 @@ def frozen_share(rows: ScreenRows) -> float:
     return rows.share(rows.stuck & ~rows.stopped & rows.known & ~rows.manual)
 
 
-def judged_by_measurement(found: Diagnosis, record: LoopRecord) -> Diagnosis:
+def judged_by_measurement(found: Found, record: LoopRecord) -> Found:
     """The diagnosis, or that a PV which stood still is to be looked at first; a known lost motion stays what it is."""
     if found.kind == "actuator" and np.isfinite(found.size):
         return found

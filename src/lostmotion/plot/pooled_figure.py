@@ -30,9 +30,8 @@ def pooled_figure(found: PooledDiagnosis, title: str | None = None, figure: Figu
         Drawn into instead of a new one.
     """
     figure = new_figure(12.0, 7.5, figure)
-    what = "windows" if found.of_windows else "records"
     heard = sum(bool(share.rows) for share in found.shares)
-    heading(figure, title or f"One valve, {heard} {what}: {heading_of(found)}", advice_of(found))
+    heading(figure, title or f"One valve, {heard} records: {heading_of(found)}", advice_of(found))
     above = figure.add_subplot(2, 1, 1)
     below = figure.add_subplot(2, 1, 2, sharex=above)
     _sizes(above, found)

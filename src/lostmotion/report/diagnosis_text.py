@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lostmotion.diagnose import Diagnosis
+from lostmotion.diagnose import Diagnosis, LongDiagnosis
 from lostmotion.diagnose.diagnosis import Item
 from lostmotion.diagnose.drawn_rows import drawn_share
 from lostmotion.diagnose.evidence_words import KIND, LABEL, balance, cause, probability
@@ -28,7 +28,7 @@ LIKELY = (
 def diagnosis_summary(diagnosis: Diagnosis) -> str:
     """Report of a diagnosis as plain text."""
     parts = [
-        head(diagnosis.fit),
+        _head(diagnosis),
         fill(verdict_sentence(diagnosis)),
         fill(where_from(diagnosis)),
         _evidence(diagnosis),
@@ -40,6 +40,12 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
         _last(diagnosis),
     ]
     return "\n".join(part for part in parts if part)
+
+
+def _head(diagnosis: Diagnosis) -> str:
+    """Name and size of the record; of a long one how much of it is shown."""
+    of = f", of {diagnosis.of_rows} of the record" if isinstance(diagnosis, LongDiagnosis) else ""
+    return head(diagnosis.fit, of)
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:

@@ -42,15 +42,15 @@ def fit_summary(fit: HammersteinFit) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def head(fit: HammersteinFit) -> str:
-    """Name and size of the record, and a line under it."""
+def head(fit: HammersteinFit, of: str = "") -> str:
+    """Name and size of the record, with what it is `of`, and a line under it."""
     data = fit.data
     name = data.tag or data.source or "record"
     pieces = f" in {len(data.segments)} pieces" if len(data.segments) > 1 else ""
     reach = f"{float(data.u.min()):.5g} .. {float(data.u.max()):.5g}{bracketed(data.op_unit)}"
     return "\n".join(
         [
-            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}, OP {reach}",
+            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}{of}, OP {reach}",
             "=" * WIDTH,
         ]
     )

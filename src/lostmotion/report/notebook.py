@@ -88,12 +88,11 @@ def _evidence(item: Item) -> tuple[str, str, str, str]:
 
 def pooled_panel(found: PooledDiagnosis) -> Panel:
     """Verdict of many records, and what each said."""
-    what = "windows" if found.of_windows else "records"
-    headline = f"One valve, {len(found.shares)} {what}: {diagnosis_text.verdict_sentence(found)}"
+    headline = f"One valve, {len(found.shares)} records: {diagnosis_text.verdict_sentence(found)}"
     rows = [pooled_text.share_cells(share) for share in found.shares[:MOST_SHARES]]
     more = len(found.shares) - len(rows)
     table = Table(rows, pooled_text.HEAD)
-    said = (pooled_text.rests_on(found, what), f"The first {len(rows)} are shown, {more} more are not." if more else "")
+    said = (pooled_text.rests_on(found), f"The first {len(rows)} are shown, {more} more are not." if more else "")
     return Panel(headline, table, found.advice, said=said)
 
 

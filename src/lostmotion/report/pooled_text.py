@@ -23,39 +23,35 @@ def pooled_summary(found: PooledDiagnosis) -> str:
     """Report of a diagnosis of many records as plain text."""
     if found.single:
         return diagnosis_summary(found)
-    what = "windows" if found.of_windows else "records"
-    name = found.record.source if found.of_windows else ""
-    heads = [f"{name + ': ' if name else ''}one valve, {_number(found, what)}", "=" * WIDTH]
+    heads = [f"one valve, {_number(found)}", "=" * WIDTH]
     parts = [
         "\n".join(heads),
         fill(verdict_sentence(found)),
-        fill(rests_on(found, what)),
-        fill(_size(found, what)),
-        fill(_trend(found, what)),
+        fill(rests_on(found)),
+        fill(_size(found)),
+        fill(_trend(found)),
         _table(found),
         fill(_kinds(found)),
-        not_excluded(found, f"these {what} together do"),
+        not_excluded(found, "these records together do"),
         _last(found),
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _number(found: PooledDiagnosis, what: str) -> str:
+def _number(found: PooledDiagnosis) -> str:
     heard = sum(bool(share.rows) for share in found.shares)
-    if found.of_windows:
-        return f"{heard} {what} of {found.of_windows} read, the most informative of every part of the record"
     left = len(found.shares) - heard
-    return f"{heard} {what}" + (f", {left} more left out" if left else "")
+    return f"{heard} records" + (f", {left} more left out" if left else "")
 
 
-def rests_on(found: PooledDiagnosis, what: str) -> str:
+def rests_on(found: PooledDiagnosis) -> str:
     """How many records spoke, and whether one of them carries the answer."""
     if found.single:
-        return f"Of the {what} only {found.single} can be used: the verdict is that of it alone."
+        return f"Of the records only {found.single} can be used: the verdict is that of it alone."
     counts = {said: found.counted(said) for said in ("for", "against", "nothing")}
     kind = _likeliest(found)
     said = (
-        f"Of the {what} {counts['for']} speak for {kind}, {counts['against']} against it, {counts['nothing']} tell "
+        f"Of the records {counts['for']} speak for {kind}, {counts['against']} against it, {counts['nothing']} tell "
         "nothing of it."
     )
     if found.kind == "actuator":
@@ -69,28 +65,28 @@ def _likeliest(found: PooledDiagnosis) -> str:
     return max((name for name in found.totals if name != NO_FAULT), key=lambda name: found.totals[name])
 
 
-def _size(found: PooledDiagnosis, what: str) -> str:
+def _size(found: PooledDiagnosis) -> str:
     if not math.isfinite(found.size):
         return ""
     (low, high), unit = found.interval, bracketed(found.record.op_unit)
     error = max((high - low) / 4.0, FINEST * found.size)
     return (
-        f"In units of OP{unit}: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the {what} to "
+        f"In units of OP{unit}: {digits(found.size, error)[0]} ({span(low, high, error)}); from one of the records to "
         f"another it differs by about {100.0 * found.scatter:.0f} %."
     )
 
 
-def _trend(found: PooledDiagnosis, what: str) -> str:
+def _trend(found: PooledDiagnosis) -> str:
     trend = found.trend
     if not math.isfinite(trend.slope):
-        return "" if not math.isfinite(found.size) else f"Trend: fewer than three of the {what} show a size each."
+        return "" if not math.isfinite(found.size) else "Trend: fewer than three of the records show a size each."
     (low, high), unit = trend.interval, bracketed(found.record.op_unit)
     error = (high - low) / 4.0
     said = "grows" if trend.slope > 0.0 else "shrinks"
     first = f"Trend: the size {said}" if trend.seen else "Trend: none is seen"
     return (
         f"{first}, {digits(trend.slope, error)[0]} of OP{unit} a {trend.unit} ({span(low, high, error)}), from "
-        f"{trend.number} {what} that show a size each."
+        f"{trend.number} records that show a size each."
     )
 
 

@@ -73,7 +73,7 @@ class RecordShare:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PooledDiagnosis(Diagnosis):
-    """Diagnosis from many records of one valve, or from many windows of a long one.
+    """Diagnosis from many records of one valve.
 
     What a :class:`Diagnosis` says of the loop beside its verdict (fit, indices, performance) is that of the record that
     tells most, `record`.
@@ -92,10 +92,8 @@ class PooledDiagnosis(Diagnosis):
         Of the size over the records.
     carried_by : str
         Record without which the verdict would be another; "" where there is none.
-    of_windows : int
-        Windows of the long record that there were to choose from; 0 where records were given.
     diagnoses : tuple of Diagnosis
-        Of each record that was heard, by itself; empty for a long record.
+        Of each record that was heard, by itself.
     origin : str
         Fingerprint of all that was given.
     """
@@ -106,13 +104,12 @@ class PooledDiagnosis(Diagnosis):
     scatter: float = float("nan")
     trend: SizeTrend = field(default_factory=lambda: SizeTrend(np.nan, (np.nan, np.nan), "record", np.nan, 0))
     carried_by: str = ""
-    of_windows: int = 0
     diagnoses: tuple[Diagnosis, ...] = field(default=(), repr=False)
     origin: str = ""
 
     @property
     def fingerprint(self) -> str:
-        """Of the long record, or of all records together."""
+        """Of all records together."""
         return self.origin or super().fingerprint
 
     @property
@@ -123,7 +120,7 @@ class PooledDiagnosis(Diagnosis):
 
     def repr_parts(self) -> tuple[str, ...]:
         """Finding in a few words."""
-        return *super().repr_parts(), counted(len(self.shares), "window" if self.of_windows else "record")
+        return *super().repr_parts(), counted(len(self.shares), "record")
 
     def counted(self, said: str) -> int:
         """Records that said so: "for", "against", "nothing", "left out"."""
@@ -140,6 +137,5 @@ class PooledDiagnosis(Diagnosis):
                 "scatter": self.scatter if np.isfinite(self.scatter) else None,
                 "trend": self.trend.to_dict(),
                 "carried_by": self.carried_by,
-                "of_windows": self.of_windows,
             },
         }

@@ -44,7 +44,7 @@ class _Heard:
     number: int
     record: LoopRecord
     profile: RecordProfile
-    alone: Diagnosis | None
+    alone: Diagnosis
 
 
 def diagnose_together(
@@ -52,9 +52,6 @@ def diagnose_together(
     asked: DiagnosisSettings,
     starts: Sequence[float] | None = None,
     say: Say | None = None,
-    *,
-    singly: bool = True,
-    of_windows: int = 0,
 ) -> PooledDiagnosis:
     """Diagnose one valve from many records; see :func:`lostmotion.diagnose`.
 
@@ -66,10 +63,6 @@ def diagnose_together(
         Start of each record in seconds; None: only their order is known.
     say : callable, optional
         Told how far the work is.
-    singly : bool
-        Also diagnose each record by itself; otherwise only the one that tells most.
-    of_windows : int
-        As in PooledDiagnosis.
 
     Raises
     ------
@@ -84,17 +77,17 @@ def diagnose_together(
         raise ParameterError.expected(f"{len(records)} start times", len(starts), "give one for each record")
     asked, span = asked.of(records), _same_span(records)
     limit = 100.0 * asked.tolerance * span.strictest_percent
-    shares, heard, reach = _hear(records, asked, starts, say, singly)
+    shares, heard, reach = _hear(records, asked, starts, say)
     origin = fingerprint_of([record.fingerprint for record in records])
     if len(heard) == 1:
-        return replace(_of_one(heard[0], shares, asked), of_windows=of_windows, origin=origin)
+        return replace(_of_one(heard[0], shares), origin=origin)
     heard, evidence = _finer(heard, SMALLEST * reach, LARGEST * reach)
     verdict = weigh(evidence, limit, span, _swing(heard))
     shares = _with_gains(shares, heard, evidence, verdict.likeliest)
     gains = evidence.gains(verdict.likeliest)
     told = heard[int(np.argmax(gains))]
-    base = told.alone or asked.diagnosis(told.record)
-    found = _packed(base, tuple(shares), heard, evidence, verdict, span, limit, starts is not None, of_windows)
+    base = told.alone
+    found = _packed(base, tuple(shares), heard, evidence, verdict, span, limit, starts is not None)
     return replace(found, origin=origin)
 
 
@@ -103,7 +96,6 @@ def _hear(
     asked: DiagnosisSettings,
     starts: Sequence[float] | None,
     say: Say | None,
-    singly: bool,
 ) -> tuple[list[RecordShare], list[_Heard], float]:
     """Profile of every record that can be used, and the largest range of OP."""
     shares, usable = _usable(records, starts)
@@ -116,7 +108,7 @@ def _hear(
             say(f"{number + 1} of {len(records)}: {shares[number].name}")
         try:
             profile = profile_record(prepared, sizes, asked.integrates)
-            alone = asked.diagnosis(prepared.record) if singly else None
+            alone = asked.diagnosis(prepared.record)
         except DataError as error:  # OP or PV does not move
             shares[number] = replace(shares[number], note=str(error))
             continue
@@ -194,7 +186,7 @@ def _same_span(records: Sequence[LoopRecord]) -> OpSpan:
 
 def _swing(heard: list[_Heard]) -> str:
     """Where the swing of most records comes from; "" where most do not swing."""
-    alone = [one.alone for one in heard if one.alone is not None]
+    alone = [one.alone for one in heard]
     swinging = [one for one in alone if one.measured.swings]
     if 2 * len(swinging) <= len(alone):
         return ""
@@ -207,7 +199,7 @@ def _with_gains(shares: list[RecordShare], heard: list[_Heard], evidence: Eviden
     found = list(shares)
     for one, gain in zip(heard, evidence.gains(kind).tolist(), strict=True):
         size, interval = _own_size(one.profile, evidence, kind)
-        alone = "" if one.alone is None else one.alone.verdict
+        alone = one.alone.verdict
         found[one.number] = replace(
             found[one.number], rows=one.profile.rows, alone=alone, gain=gain, size=size, interval=interval
         )
@@ -229,9 +221,9 @@ def _own_size(profile: RecordProfile, evidence: Evidence, kind: str) -> tuple[fl
     return float(sizes[best]), (low, high)
 
 
-def _of_one(one: _Heard, shares: list[RecordShare], asked: DiagnosisSettings) -> PooledDiagnosis:
+def _of_one(one: _Heard, shares: list[RecordShare]) -> PooledDiagnosis:
     """The diagnosis of the only record that can be used: its own, with why the others were left out."""
-    base = one.alone or asked.diagnosis(one.record)
+    base = one.alone
     gain = 0.0 if base.fit.kinds is None else base.fit.kinds.likelihoods.get(base.verdict, 0.0)
     mine = replace(
         shares[one.number],
@@ -260,7 +252,6 @@ def _packed(
     span: OpSpan,
     limit: float,
     timed: bool,
-    of_windows: int,
 ) -> PooledDiagnosis:
     """The diagnosis of the record that tells most, with what all say in the place of its own."""
     hidden = evidence.hidden if sticks(verdict.verdict) else ""
@@ -302,8 +293,7 @@ def _packed(
         scatter=float("nan") if one is None else one.scatter,
         trend=trend,
         carried_by="" if verdict.carried_by is None else shares[heard[verdict.carried_by].number].name,
-        of_windows=of_windows,
-        diagnoses=tuple(one.alone for one in heard if one.alone is not None),
+        diagnoses=tuple(one.alone for one in heard),
     )
 
 

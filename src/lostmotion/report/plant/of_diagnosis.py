@@ -46,6 +46,5 @@ def _window(diagnosis: Diagnosis) -> tuple[datetime, datetime]:
 def _notes(diagnosis: Diagnosis) -> tuple[str, ...]:
     if not isinstance(diagnosis, PooledDiagnosis):
         return diagnosis.notes
-    what = "windows" if diagnosis.of_windows else "records"
-    shown = f"Trend, plots and indices are those of the one of {len(diagnosis.shares)} {what} that tells most."
-    return (rests_on(diagnosis, what), shown, *diagnosis.notes)
+    shown = f"Trend, plots and indices are those of the one of {len(diagnosis.shares)} records that tells most."
+    return (rests_on(diagnosis), shown, *diagnosis.notes)

@@ -1,4 +1,4 @@
-"""Stretches of a window that tell most of the valve, joined to one short record at its natural time scale."""
+"""Stretches of a long record that tell most of the valve, joined to one short record at its natural time scale."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.diagnose.control_error.rows import ScreenRows
-from lostmotion.diagnose.pooled.windows import LONG, MOVE
 from lostmotion.errors import DataError
 from lostmotion.identify.data import collect
 from lostmotion.identify.recording import Recording
@@ -19,12 +18,12 @@ from lostmotion.records import LoopRecord, limits, prepare
 from lostmotion.records.resample import pick
 from lostmotion.records.sampling import Bools, runs
 
-WHOLE = LONG  # rows: what `diagnose` reads whole is looked at whole, so that both say the same
 ROWS = 1500  # of a stretch after thinning
-EACH = 2  # stretches to a look, the best of each half of the window: three of 800 named fewer faults in no less time
+EACH = 2  # stretches to a look, the best of each half of the record: three of 800 named fewer faults in no less time
 SHORT = 3200  # rows after thinning: a shorter record is looked at whole
 PER_PERIOD = 250.0  # rows in a period of the swing: more are thinned; at 100 a fast process hides what the valve does
 KNOWN = 0.9  # share of the rows of a stretch that must act
+MOVE = 30.0  # turns of OP that a move of SP is worth: noise and drift, which also make turns, hide what the valve does
 STEPPED = 0.05  # of the deviation of PV: a smaller change of SP is none
 
 
@@ -37,17 +36,14 @@ class Look:
     record : LoopRecord
         Stretches with gaps between.
     places : tuple of int
-        First row of each in the window, best first.
+        First row of each in the record, best first.
     rows : int
-        Of the window in each.
-    whole : bool
-        Whether it is the window as it was recorded.
+        Of the record in each.
     """
 
     record: LoopRecord
     places: tuple[int, ...]
     rows: int
-    whole: bool = False
 
 
 def thinning(period: float | None, dt: float) -> int:
@@ -56,7 +52,7 @@ def thinning(period: float | None, dt: float) -> int:
 
 
 def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
-    """Records to be diagnosed, the most telling first; none where too little of the window acts.
+    """Records to be diagnosed, the most telling first; none where too little of the record acts.
 
     Parameters
     ----------
@@ -64,9 +60,6 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
     period : float, optional
         Seconds of the swing, or of the fastest motion above the noise.
     """
-    if len(rows.record) <= WHOLE:
-        yield Look(rows.record, (0,), len(rows.record), whole=True)
-        return
     factor = thinning(period, rows.record.dt)
     masked = _masked(rows, factor)
     if len(rows.record) <= SHORT * factor:
@@ -85,14 +78,14 @@ def looks(rows: ScreenRows, period: float | None) -> Iterator[Look]:
 
 
 def recording(rows: ScreenRows, period: float | None) -> Recording | None:
-    """How the loop was recorded, from all of the window at the pace of its looks; None: a look is at all of it.
+    """How the loop was recorded, from all of it at the pace of its looks; None: a look is at all of it.
 
     A stretch has few moves of SP: whether the loop settles between the rows it often leaves open, and the next one says
     something else; and it is too short to show that OP foretells PV. How a loop is recorded does not change from one to
-    the next. Also None where the window is refused.
+    the next. Also None where the record is refused.
     """
     factor = thinning(period, rows.record.dt)
-    whole = _thinned(_masked(rows, factor), factor) if len(rows.record) > max(SHORT * factor, WHOLE) else None
+    whole = _thinned(_masked(rows, factor), factor) if len(rows.record) > SHORT * factor else None
     if whole is None:
         return None
     try:
@@ -118,7 +111,7 @@ def _score(rows: ScreenRows, part: slice) -> float:
 
 
 def _best_of_parts(starts: IntArray, scores: FloatArray, size: int) -> list[int]:
-    """Numbers of the best stretch of each part of the window, best first; a part without any is left out."""
+    """Numbers of the best stretch of each part of the record, best first; a part without any is left out."""
     parts = np.array_split(np.arange(starts.size), EACH)
     found: list[int] = []
     for part in parts:
@@ -144,7 +137,7 @@ def _joined(record: LoopRecord, places: list[int], size: int, factor: int) -> Lo
 
 
 def _masked(rows: ScreenRows, factor: int) -> LoopRecord:
-    """The window with OP missing where the valve follows no controller for some time.
+    """The record with OP missing where the valve follows no controller for some time.
 
     Without a mode no row counts as manual here: `prepare` leaves out where OP is held.
     """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
 
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.op_span import op_span
@@ -12,23 +11,14 @@ from lostmotion.diagnose.op_span import op_span
 COUNT = {2: "two", 3: "three"}
 
 
-class Looked(Protocol):
-    """A look that was diagnosed."""
-
-    @property
-    def found(self) -> Diagnosis:
-        """What was said."""
-        ...
-
-
-def about_looks(seen: Sequence[Looked]) -> str:
+def about_looks(seen: Sequence[Diagnosis]) -> str:
     """One sentence on looks of which some name a fault and another does not; "cannot tell" contradicts nothing.
 
     Of several that name one, beside others that cannot tell: they are too weak together.
     """
-    told = [one.found for one in seen if one.found.verdict != "cannot tell"]
+    told = [one for one in seen if one.verdict != "cannot tell"]
     if any(one.kind != "actuator" for one in told):
-        return f"stretches of the window disagree: {' and '.join(repr(one.verdict) for one in told)}"
+        return f"stretches of the record disagree: {' and '.join(repr(one.verdict) for one in told)}"
     count, silent = COUNT.get(len(seen), str(len(seen))), "the other" if len(seen) == len(told) + 1 else "the others"
     if len(told) > 1:
         faults = " and ".join(dict.fromkeys(f"a {one.verdict}" for one in told))

@@ -1,0 +1,1 @@
+"""A long record: the valve by its most telling stretches."""
