@@ -25,9 +25,9 @@ from lostmotion.export.dialects import restore  # noqa: E402
 from lostmotion.export.replay import compare, expected  # noqa: E402
 from lostmotion.export.scenarios import scenario  # noqa: E402
 from pages import kept, publish  # noqa: E402
-from tests.exports import KINDS, REALS, source  # noqa: E402
 from tests.plc.machine import DoesNotCompileError, run_in_c, run_in_machine  # noqa: E402
 from tests.plc.mutants import mutants  # noqa: E402
+from tests.support.exports import KINDS, REALS, source  # noqa: E402
 
 OUTPUT = ROOT / "docs" / "export.md"
 TEMPLATE = Path(__file__).parent / "export.md"

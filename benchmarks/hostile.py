@@ -34,13 +34,13 @@ from hostile_log import Log
 from hostile_tally import HEAD, told
 from lostmotion.export import TARGETS
 from lostmotion.files import writer
-from tests import state_of_online as online
-from tests.exports import KINDS, block
-from tests.hostile_texts import MARKS, bare, bare_of, exported
-from tests.hostile_values import mutants
 from tests.properties.test_hostile_states import parts, sample, whole
-from tests.unit.test_writer import WRITES_FOR_EVER
-from tests.use_of_json import outcome
+from tests.support import state_of_online as online
+from tests.support.exports import KINDS, block
+from tests.support.hostile_texts import MARKS, bare, bare_of, exported
+from tests.support.hostile_values import mutants
+from tests.support.use_of_json import outcome
+from tests.unit.files.test_writer import WRITES_FOR_EVER
 
 TEXTS, STATES, JSONS, KILLS = 5000, 5000, 5000, 200
 Tries = Iterator[Counter[str]]
@@ -114,7 +114,7 @@ def _of_one_process(states: list[bytes], text: str) -> Counter[str]:
         (folder / "record.csv").write_text(text)
         for number, state in enumerate(states):
             (folder / f"{number:05d}.state").write_bytes(state)
-        command = [sys.executable, "-W", "error", "-m", "tests.state_of_online", str(folder)]
+        command = [sys.executable, "-W", "error", "-m", "tests.support.state_of_online", str(folder)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
         except subprocess.TimeoutExpired as late:

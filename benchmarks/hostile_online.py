@@ -33,8 +33,8 @@ from lostmotion.cli import main as command
 from lostmotion.cli import online as _  # noqa: F401  loaded before the forks
 from lostmotion.files.grid import Rows
 from lostmotion.online import service
-from tests.killed import begun, ended
-from tests.killed import threads_of_polars as threads
+from tests.support.killed import begun, ended
+from tests.support.killed import threads_of_polars as threads
 
 KILLS, KILLS_EACH = 200, 3  # of one record; of each with steps of its clock
 ROWS_EACH = 60  # that come between two kills

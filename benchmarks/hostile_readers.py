@@ -29,10 +29,10 @@ import lostmotion as lm
 from hostile_log import Log, source
 from lostmotion.files.limits import MOST_GIB, MOST_SECONDS
 from lostmotion.files.reader_process import KEPT
-from tests import use_of_files
-from tests.hostile_files import APART, FORMATS, FRAMES, bases
-from tests.hostile_plant import PLANT
-from tests.killed import threads_of_polars
+from tests.support import use_of_files
+from tests.support.hostile_files import APART, FORMATS, FRAMES, bases
+from tests.support.hostile_plant import PLANT
+from tests.support.killed import threads_of_polars
 
 ATTACK, BESIDE = "readers", "files beside records"
 COUNT = 20_000

@@ -47,10 +47,10 @@ from lostmotion.files import write_columns
 from lostmotion.files.grid import Rows
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept
-from tests import commands_that_write as commands
-from tests import state_of_online as online
-from tests.exports import block
-from tests.killed import forked, threads_of_polars
+from tests.support import commands_that_write as commands
+from tests.support import state_of_online as online
+from tests.support.exports import block
+from tests.support.killed import forked, threads_of_polars
 
 mpl.use("agg")
 KILLS = 50  # of each writer

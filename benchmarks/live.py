@@ -30,7 +30,7 @@ from lostmotion.live.run import Plant, Watched
 from lostmotion.live.warm import warm
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept, Service
-from tests.live_server import killed, node, started
+from tests.support.live_server import killed, node, started
 
 PUBLISHING = 0.1
 WHO = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)

@@ -34,8 +34,8 @@ from lostmotion.live.warm import warm
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept, Service
 from lostmotion.store.store import Store
-from tests.live_server import killed, node, started
-from tests.tcp_proxy import Proxy
+from tests.support.live_server import killed, node, started
+from tests.support.tcp_proxy import Proxy
 
 ROOT = Path(__file__).resolve().parents[1]
 DT, PUBLISHING, WIDTH = 0.1, 0.1, 2.0

@@ -24,7 +24,7 @@ from urllib.parse import quote
 from benchmarks.audit.stores import filled
 
 from lostmotion.store.store import Store
-from tests.served import Served, long_record, put_on_desk
+from tests.support.served import Served, long_record, put_on_desk
 
 CHROMIUM = Path("/usr/bin/chromium")
 TICK = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100

@@ -25,10 +25,10 @@ from lostmotion.export.dialects import restore  # noqa: E402
 from lostmotion.export.replay import compare  # noqa: E402
 from lostmotion.export.scenarios import Stretch  # noqa: E402
 from pages import kept, publish  # noqa: E402
-from tests.exports import KINDS, REALS  # noqa: E402
 from tests.plc.machine import run_in_c, run_in_machine  # noqa: E402
 from tests.properties.test_supervised import quiet  # noqa: E402
-from tests.supervised_laws import played, random_supervision, violations  # noqa: E402
+from tests.support.exports import KINDS, REALS  # noqa: E402
+from tests.support.supervised_laws import played, random_supervision, violations  # noqa: E402
 
 OUTPUT = ROOT / "docs" / "supervised.md"
 TEMPLATE = Path(__file__).parent / "supervised.md"

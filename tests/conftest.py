@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from tests import stores
+from tests.support import stores
 
 collect_ignore = ["plc/build.py", "plc/parse.py", "plc/trees.py"]  # run by the Python of .venv-plc
 

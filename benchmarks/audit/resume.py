@@ -31,7 +31,7 @@ from lostmotion.audit.settings import AuditSettings
 from lostmotion.store.run_rows import RunState
 from lostmotion.store.schema import metadata
 from lostmotion.store.store import Store
-from tests.stores import Server
+from tests.support.stores import Server
 
 WORKERS = 2
 COST = 0.004  # s of an assessment

@@ -29,7 +29,7 @@ from lostmotion.store.rows import UNDATED, AssessmentRow, GroupRow, SpectrumRow,
 from lostmotion.store.run_rows import LoopRow, ReviewState, RunRow
 from lostmotion.store.schema import assessment, metadata
 from lostmotion.store.store import Screened, Store
-from tests.stores import Server
+from tests.support.stores import Server
 
 END = UNDATED + timedelta(days=1)
 AT = datetime(2026, 3, 1, tzinfo=UTC)

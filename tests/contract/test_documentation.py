@@ -1,14 +1,13 @@
 """What is documented exists, and what exists is documented."""
 
 import re
-from pathlib import Path
 
 import pytest
 import typer
 
 from lostmotion.cli import app
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = sorted(typer.main.get_command(app).commands)
 

@@ -14,20 +14,20 @@ from lostmotion.cli.wording import FLAGS, OPTIONS
 from lostmotion.errors import LostMotionError
 from lostmotion.files import read_loop
 from tests.e2e.test_commands import run
-from tests.messages import PACKAGE, passed, places_in, refusals_in
-from tests.packed_files import workbook as spreadsheet
-from tests.reader_calls import OTHERS, PATCHED, checked, unusable
-from tests.reader_sources import SOURCES, made
-from tests.reader_texts import TEXTS, rows, stored
-from tests.unit.test_packed import ROWS
+from tests.support.messages import PACKAGE, passed, places_in, refusals_in
+from tests.support.packed_files import workbook as spreadsheet
+from tests.support.reader_calls import OTHERS, PATCHED, checked, unusable
+from tests.support.reader_sources import SOURCES, made
+from tests.support.reader_texts import TEXTS, rows, stored
+from tests.unit.files.test_packed import ROWS
 
 NOT_READERS = (  # they write, or read what we have written
     "write.py",
     "results.py",
     "fields.py",
     "schema.py",  # of saved files: tests/properties/test_hostile_json.py and test_hostile_states.py
-    "writer.py",  # tests/unit/test_writer.py
-    "apart.py",  # what becomes of a reader in its process: tests/unit/test_apart.py
+    "writer.py",  # tests/unit/files/test_writer.py
+    "apart.py",  # what becomes of a reader in its process: tests/unit/files/test_apart.py
     "reader_process.py",
 )
 READERS = sorted(f"files/{path.name}" for path in (PACKAGE / "files").glob("*.py") if path.name not in NOT_READERS)

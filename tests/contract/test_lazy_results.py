@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from tests.diagnoses import example, loop_record
+from tests.support.diagnoses import example, loop_record
 
 PLANT = lm.Hammerstein(lm.DeadZone(48.0, 52.0), lm.LinearModel((-0.9,), (0.15,), 2, 1.0))
 NOISE = lm.NoiseModel((), 0.01)

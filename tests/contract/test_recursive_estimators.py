@@ -1,7 +1,7 @@
 """What every recursive estimator promises: each check is a function of a kind, crossed with all kinds.
 
-An estimator that is added to ``tests.recursive_kinds.KINDS`` gets all checks. What only one of them does is tested in
-its own file.
+An estimator that is added to ``tests.support.recursive_kinds.KINDS`` gets all checks. What only one of them does is
+tested in its own file.
 """
 
 import copy
@@ -20,8 +20,19 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
-from tests.recursive_kinds import ANY_BAD, INF, KINDS, LENGTH, NAN, ORDERS, READY, bytes_of_started, feed, plain_record
-from tests.refusals import refusal
+from tests.support.recursive_kinds import (
+    ANY_BAD,
+    INF,
+    KINDS,
+    LENGTH,
+    NAN,
+    ORDERS,
+    READY,
+    bytes_of_started,
+    feed,
+    plain_record,
+)
+from tests.support.refusals import refusal
 
 ZONE = ("left", "right", "left_slope", "right_slope")
 every_kind = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)

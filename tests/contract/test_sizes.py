@@ -1,11 +1,12 @@
 """Nobody should have to scroll: sizes of files, functions and parameter lists."""
 
 import ast
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
+from tests.support import places
+
+ROOT = places.ROOT / "src" / "lostmotion"
 FILES = sorted(ROOT.rglob("*.py"))
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS = 350, 60, 12
 # all settings of a design or a study, and the columns of a table, are keywords of one public function;

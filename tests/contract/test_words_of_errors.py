@@ -2,11 +2,12 @@
 
 import ast
 import re
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
+from tests.support import places
+
+ROOT = places.ROOT / "src" / "lostmotion"
 COMMANDS = ("cli", "live", "web")  # nothing in them is called from Python
 FILES = sorted(path for path in ROOT.rglob("*.py") if path.relative_to(ROOT).parts[0] not in COMMANDS)
 OPTION = re.compile(r"(?<![\w`-])--[a-z][a-z-]+")

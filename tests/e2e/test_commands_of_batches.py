@@ -8,8 +8,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from tests.diagnoses import loop_record
 from tests.e2e.test_commands import run
+from tests.support.diagnoses import loop_record
 
 ROWS = 400
 RECORD = loop_record(ROWS)

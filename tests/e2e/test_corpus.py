@@ -11,7 +11,7 @@ import pytest
 
 from lostmotion.errors import InputError
 from lostmotion.files import read_loop
-from tests.command import run
+from tests.support.command import run
 
 N = 240
 DT = 5

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -29,9 +28,9 @@ from lostmotion.live.opcua.discover import discovered
 from lostmotion.live.opcua.plc_link import PlcLink, nodes_of
 from lostmotion.live.supervisor import Supervisor
 from lostmotion.live.virtual_plant import VirtualPlant
-from tests.patience import in_time
+from tests.support.patience import in_time
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 SPEED = 4.0  # a scan is 0.125 s, and the time-out of the block 2.5 s
 PRESSED = "ns=2;s=FY102.ACCEPT"
 

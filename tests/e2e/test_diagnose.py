@@ -13,8 +13,8 @@ from lostmotion.cli.wording import as_options
 from lostmotion.diagnose.audit_class import LEAST_INDEX
 from lostmotion.diagnose.diagnosis import verdicts
 from lostmotion.files import write_columns
-from tests.command import run
-from tests.diagnoses import CASES, example, loop_record, variant
+from tests.support.command import run
+from tests.support.diagnoses import CASES, example, loop_record, variant
 
 
 def strict(text):

@@ -10,9 +10,9 @@ import lostmotion as lm
 from lostmotion.cli.commands import COMMANDS
 from lostmotion.cli.exit_codes import ATTENTION, DONE, TABLE, USAGE
 from lostmotion.files import write_columns
-from tests.command import run
-from tests.diagnoses import loop_record
-from tests.fits import made_fit
+from tests.support.command import run
+from tests.support.diagnoses import loop_record
+from tests.support.fits import made_fit
 
 FIT = ("--orders", "1,0,1", "--noise", "white", "--raw", "--nonlinearity", "dead zone")
 EXPORT = ("--name", "FY_101", "--date", "2026-01-31", "--replay", "0", "--out", "new/code")

@@ -6,8 +6,8 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.export import TARGETS, Exported, Replay
-from tests.command import run
-from tests.fits import made_fit
+from tests.support.command import run
+from tests.support.fits import made_fit
 
 pytestmark = pytest.mark.statistics
 BASICS = ("--name", "FY_101", "--date", "2026-01-31")

@@ -10,7 +10,6 @@ from lostmotion.export import TARGETS
 from lostmotion.export.dialects import restore
 from lostmotion.export.replay import compare, expected
 from lostmotion.export.scenarios import scenario
-from tests.exports import KINDS, REALS, source
 from tests.plc.machine import (
     PYTHON,
     ROOT,
@@ -22,6 +21,7 @@ from tests.plc.machine import (
     run_in_c,
     run_in_machine,
 )
+from tests.support.exports import KINDS, REALS, source
 
 pytestmark = pytest.mark.statistics
 ROWS = 30_000

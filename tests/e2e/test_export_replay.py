@@ -9,8 +9,8 @@ from lostmotion.errors import DataError
 from lostmotion.export import TARGETS, reader, replay
 from lostmotion.export.reader import Program
 from lostmotion.export.replay import compare
-from tests.exports import KINDS, REALS, source
 from tests.plc.mutants import mutants
+from tests.support.exports import KINDS, REALS, source
 
 ROWS = 500 if os.environ.get("NUMBA_DISABLE_JIT") else 5_000
 

@@ -8,8 +8,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import Status
 from lostmotion.files import write_columns
-from tests.command import run
-from tests.fits import made_fit
+from tests.support.command import run
+from tests.support.fits import made_fit
 
 BASICS = ("--name", "FY_101", "--date", "2026-01-31", "--replay", 100)
 WHY = "seen on the bench, J. Doe"

@@ -5,8 +5,8 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.files import write_columns
-from tests.hints import FIRST, Walk, hints
-from tests.shared_data import shared
+from tests.support.hints import FIRST, Walk, hints
+from tests.support.shared_data import shared
 
 LAG = lm.LinearModel([-0.8], [0.2], 1)
 FAST = lm.LinearModel([], [1.0], 1)

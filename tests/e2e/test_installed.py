@@ -15,7 +15,7 @@ import pytest
 from lostmotion.extras import EXTRAS
 from lostmotion.files import write_columns
 from lostmotion.simulate import routine_operation
-from tests.installed import Environment, build_wheel
+from tests.support.installed import Environment, build_wheel
 
 NAMED = 'pip install "lostmotion[{}]"'
 WORK = {

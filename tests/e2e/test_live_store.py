@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import httpx
 import pytest
@@ -18,11 +17,10 @@ from lostmotion.store.run_rows import RunState
 from lostmotion.store.store import Store
 from lostmotion.web.app import create_app
 from lostmotion.web.page import Page
-from tests.live_server import killed, node, started
-from tests.patience import in_time
-from tests.plant_stores import plant_store
-
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.live_server import killed, node, started
+from tests.support.patience import in_time
+from tests.support.places import ROOT
+from tests.support.plant_stores import plant_store
 
 
 def live(port, store, tag, *words):

@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from tests.command import run
-from tests.hints import hints
-from tests.messy_exports import EXPORTS, Export, gaps, manual_test
+from tests.support.command import run
+from tests.support.hints import hints
+from tests.support.messy_exports import EXPORTS, Export, gaps, manual_test
 
 RIGHT_CODES = {"other oscillation": 0}  # else 1: something needs attention
 NOTES = {  # what the reader says of the file

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from lostmotion.cli.output import OutputOptions
-from tests.commands_that_write import KNOWN, ZONE
 from tests.e2e.test_commands import run
-from tests.exports import block
+from tests.support.commands_that_write import KNOWN, ZONE
+from tests.support.exports import block
 
 LONGEST = 3000  # characters of a line
 MADE = {"FY_101.st", "FY_101_vectors.csv", "FY_101_commissioning.md"}

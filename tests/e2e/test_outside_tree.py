@@ -4,8 +4,8 @@ import subprocess
 
 import numpy as np
 
-from tests.hostile_texts import MARKS, exported
 from tests.plc.machine import PYTHON, ROOT, need
+from tests.support.hostile_texts import MARKS, exported
 
 TEXTS = 40
 

@@ -9,9 +9,9 @@ import pytest
 
 from lostmotion.evaluate import random_faulty_loop
 from lostmotion.web.trend.slot import VENDOR
-from tests.plant_stores import plant_store
-from tests.served import ROOT, Served, long_record, put_on_desk
-from tests.unit.test_web_monitor import START, event, report
+from tests.support.plant_stores import plant_store
+from tests.support.served import ROOT, Served, long_record, put_on_desk
+from tests.unit.web.test_monitor import START, event, report
 
 AXE = ROOT / ".cache/web/axe.min.js"
 WIDTHS = (390, 1280, 1920)

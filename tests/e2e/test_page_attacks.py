@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-from tests.plant_rows import HOSTILE
-from tests.plant_stores import TAGS, plant_store
-from tests.served import Served
+from tests.support.plant_rows import HOSTILE
+from tests.support.plant_stores import TAGS, plant_store
+from tests.support.served import Served
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ import pytest
 pytest.importorskip("asyncua")
 
 import lostmotion as lm
-from tests.live_server import LoopServer
-from tests.served import ROOT, Served
+from tests.support.live_server import LoopServer
+from tests.support.served import ROOT, Served
 
 TAGS = ("FIC1", "LIC/2")
 SAMPLES, DT, GONE = 2000, 0.1, range(1200, 1240)

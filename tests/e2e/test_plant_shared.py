@@ -4,7 +4,7 @@ from lostmotion.errors import TimeError
 from lostmotion.plant import open_plant
 from lostmotion.plant.address import parsed
 from lostmotion.records import LoopRecord
-from tests.shared_data import shared
+from tests.support.shared_data import shared
 
 SEVERAL = {"2411FIC20102": 23, "2111LIC31102B": 9, "2111LIC33102": 4, "2411PDIC10321": 2, "2111FIC40102E": 2}
 

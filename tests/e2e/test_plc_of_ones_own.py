@@ -5,7 +5,6 @@ import shlex
 import sys
 from datetime import UTC, datetime, timedelta
 from functools import partial
-from pathlib import Path
 
 import pytest
 
@@ -19,11 +18,11 @@ from lostmotion.live.child_plc import ChildPlc
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.demo_server import DemoServer
 from lostmotion.live.virtual_plant import VirtualPlant
-from tests.command import run
 from tests.plc.machine import LIBRARY, need
-from tests.supervised import supervised
+from tests.support.command import run
+from tests.support.places import ROOT
+from tests.support.supervised import supervised
 
-ROOT = Path(__file__).resolve().parents[2]
 CHILD = (sys.executable, "-m", "tests.plc.child")
 SCANS = 220
 LOOPS = {"LIC-101": "LY101", "FIC-102": "FY102", "TIC-103": "TY103"}

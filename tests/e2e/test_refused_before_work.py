@@ -8,8 +8,8 @@ import lostmotion as lm
 from lostmotion import extras
 from lostmotion.errors import FileAccessError
 from lostmotion.files import writer
-from tests import commands_that_write as commands
-from tests.command import run
+from tests.support import commands_that_write as commands
+from tests.support.command import run
 
 RECORD = "t_s,OP,PV\n" + "".join(f"{k},{(k // 9) % 7},{(k * k) % 11}\n" for k in range(300))
 FIGURES = {

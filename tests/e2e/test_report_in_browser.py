@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lostmotion.report.plant import plant_report
-from tests.plant_rows import HOSTILE, plant
+from tests.support.plant_rows import HOSTILE, plant
 
 WIDTHS = (390, 1280, 1920)
 

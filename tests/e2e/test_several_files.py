@@ -7,8 +7,8 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.files import write_columns
-from tests.diagnoses import loop_record
 from tests.e2e.test_commands import run
+from tests.support.diagnoses import loop_record
 
 
 def table(path, record, op=None):

@@ -9,8 +9,8 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError
-from tests.diagnoses import loop_record
 from tests.e2e.test_commands import run
+from tests.support.diagnoses import loop_record
 
 TAGS = ("FIC101", "PIC102", "LIC103")
 

@@ -9,7 +9,7 @@ from benchmarks import shared_data
 
 import lostmotion as lm
 from lostmotion.records import prepare
-from tests.shared_data import ROOT, shared
+from tests.support.shared_data import ROOT, shared
 
 ENTRIES = list(shared_data.entries(ROOT)) if ROOT.is_dir() else []
 SHORT = [entry for entry in ENTRIES if entry.name in ("CHEM4", "CHEM33", "CHEM6", "stiction-P-oilgas-DB-3", "PAP2")]

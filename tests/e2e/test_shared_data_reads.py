@@ -8,7 +8,7 @@ from lostmotion.errors import TimeError
 from lostmotion.files import read_loop
 from lostmotion.records import check
 from tests.e2e.test_commands import run
-from tests.shared_data import shared, shared_files
+from tests.support.shared_data import shared, shared_files
 
 # dt in seconds that the provenance of the files gives, where the time column is not a clock
 SACAC_DT = {

@@ -14,8 +14,8 @@ import pytest
 import lostmotion as lm
 from lostmotion.cli import several
 from lostmotion.files import text, text_blocks, watch, write_columns
-from tests.diagnoses import loop_record
 from tests.e2e.test_commands import run
+from tests.support.diagnoses import loop_record
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes with names, and no such signals")
 MOST = 60.0  # s

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from lostmotion.compensate.supervised import SupervisedBlock
-from tests.command import run
-from tests.exports import block
+from tests.support.command import run
+from tests.support.exports import block
 
 
 @pytest.fixture

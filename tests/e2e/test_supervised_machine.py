@@ -7,9 +7,9 @@ from lostmotion.export import TARGETS
 from lostmotion.export.dialects import restore
 from lostmotion.export.replay import compare, expected, replay
 from lostmotion.export.scenarios import scenario
-from tests.exports import KINDS, REALS
 from tests.plc.machine import run_in_c, run_in_machine
-from tests.supervised import source
+from tests.support.exports import KINDS, REALS
+from tests.support.supervised import source
 
 pytestmark = pytest.mark.statistics
 ROWS = 2_500

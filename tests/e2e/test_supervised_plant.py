@@ -14,7 +14,7 @@ from lostmotion.live.supervisor import Supervisor
 from lostmotion.live.virtual_plant import VirtualPlant
 from lostmotion.live.virtual_plc import VirtualPlc
 from tests.properties.test_supervised import quiet
-from tests.supervised_laws import violations
+from tests.support.supervised_laws import violations
 
 SCANS = 1_500
 

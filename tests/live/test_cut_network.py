@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("asyncua")
 
 from tests.live.test_link import Listening, taker, until
-from tests.live_server import killed, started
-from tests.tcp_proxy import Proxy
+from tests.support.live_server import killed, started
+from tests.support.tcp_proxy import Proxy
 
 
 @pytest.mark.parametrize("fault", ["cut", "frozen"])

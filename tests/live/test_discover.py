@@ -12,7 +12,7 @@ from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.discover import discovered
 from lostmotion.live.recorder import Recorder
 from lostmotion.plant import loop_list_text
-from tests.live_server import LoopServer, node
+from tests.support.live_server import LoopServer, node
 
 
 def test_loops_are_found_by_their_names():

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 from threading import Event
 
 import numpy as np
@@ -21,10 +20,10 @@ from lostmotion.live.loop_source import LoopSource, Signals
 from lostmotion.live.opcua.client import connected
 from lostmotion.live.opcua.link import Followed, Link
 from lostmotion.live.run import Plant, Watched
-from tests.live_server import LoopServer, killed, node, started
-from tests.patience import in_time
+from tests.support.live_server import LoopServer, killed, node, started
+from tests.support.patience import in_time
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 UNCERTAIN = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue)
 BAD = ua.StatusCode(ua.StatusCodes.BadSensorFailure)
 KILLS = 5

@@ -14,7 +14,7 @@ from lostmotion.live.opcua.link import Followed, Link
 from lostmotion.live.run import Plant, Watched
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import Kept, Service
-from tests.live_server import LoopServer, node
+from tests.support.live_server import LoopServer, node
 
 SAMPLES, DT = 1500, 0.1
 WATCH = {"report_every": 500}

@@ -7,7 +7,7 @@ import pytest
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.live.plant_file import read_plant_file
 from lostmotion.live.supervision.settings import refuse_other_scan
-from tests.supervised import supervised
+from tests.support.supervised import supervised
 
 GOOD = """address = "opc.tcp://plc1:4840"
 

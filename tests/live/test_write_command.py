@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("asyncua")
 
 from lostmotion.live.audit_log import read_log
-from tests.command import run
-from tests.live_bench import PATIENCE, Bench, Command, fit_of
+from tests.support.command import run
+from tests.support.live_bench import PATIENCE, Bench, Command, fit_of
 
 SPEED = 2.0  # a scan is 0.25 s, the time-out 5 s
 ARGUMENTS = ("--insecure",)

@@ -17,7 +17,7 @@ from lostmotion.live.supervision.settings import BlockSettings
 from lostmotion.live.supervision.studies import Running
 from lostmotion.live.supervision.writer import BlockWriter
 from lostmotion.live.virtual_plc import VirtualPlc
-from tests.supervised import supervised
+from tests.support.supervised import supervised
 
 
 class AtOnce:

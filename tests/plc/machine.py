@@ -6,12 +6,12 @@ import re
 import shutil
 import subprocess
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.places import ROOT
+
 PLACE = ROOT / ".venv-plc"
 PYTHON = PLACE / "bin" / "python"
 LIBRARY = PLACE / "machine.so"

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import lostmotion as lm
 from lostmotion.errors import InputError, Status
-from tests.fits import VALVES, made_fit
-from tests.refusals import refusal
+from tests.support.fits import VALVES, made_fit
+from tests.support.refusals import refusal
 
 EXAMPLES = settings(max_examples=80)
 levels = st.sampled_from([0.5, 0.8, 0.95, 0.99])

@@ -12,9 +12,9 @@ import pytest
 
 from lostmotion.errors import DataError, FileAccessError, TimeError
 from lostmotion.files import limits, read_loop
-from tests.hostile_files import FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
-from tests.packed_files import zipped
-from tests.use_of_files import outcome
+from tests.support.hostile_files import FORMATS, FRAMES, OP, PV, TIMES, bases, mutant, odd_frame, text
+from tests.support.packed_files import zipped
+from tests.support.use_of_files import outcome
 
 EACH = 25
 NEEDS = {"xlsx": "fastexcel", "xls": "fastexcel", "mat 7.3": "h5py"}

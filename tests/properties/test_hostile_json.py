@@ -9,9 +9,9 @@ import pytest
 import lostmotion as lm
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.files import read_json
-from tests.exports import block
-from tests.hostile_values import mutants
-from tests.use_of_json import outcome, use
+from tests.support.exports import block
+from tests.support.hostile_values import mutants
+from tests.support.use_of_json import outcome, use
 
 
 @pytest.fixture(autouse=True)

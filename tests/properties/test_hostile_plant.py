@@ -10,8 +10,8 @@ from lostmotion.errors import DataError
 from lostmotion.files.schema import toml_of
 from lostmotion.live.plant_file import read_plant_file
 from lostmotion.plant.loop_list import parse_loop_list
-from tests.hostile_plant import PLANT, USES, plant_bases, plant_mutant
-from tests.use_of_files import outcome
+from tests.support.hostile_plant import PLANT, USES, plant_bases, plant_mutant
+from tests.support.use_of_files import outcome
 
 NEEDS = {"store": "alembic", "dropped file": "python_multipart", "JSON lines": "starlette",
          "state on the page": "starlette", "certificate": "cryptography", "list of hosts": "cryptography"}  # fmt: skip

@@ -11,8 +11,8 @@ from lostmotion.errors import DataError, LostMotionError
 from lostmotion.identify import RecursiveML
 from lostmotion.online import monitor
 from lostmotion.online.packing import STATE, unpack
-from tests import state_of_online as online
-from tests.hostile_values import archived, array_mutant, changed, mutants, signed, unarchived, unsigned
+from tests.support import state_of_online as online
+from tests.support.hostile_values import archived, array_mutant, changed, mutants, signed, unarchived, unsigned
 
 KIND, INNER = STATE, monitor.KIND
 
@@ -59,7 +59,7 @@ def started(folder, states, text):
     (folder / "record.csv").write_text(text)
     for number, state in enumerate(states):
         (folder / f"{number:05d}.state").write_bytes(state)
-    command = [sys.executable, "-W", "error::RuntimeWarning", "-m", "tests.state_of_online", str(folder)]
+    command = [sys.executable, "-W", "error::RuntimeWarning", "-m", "tests.support.state_of_online", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=500)
     assert done.returncode == 0, f"{done.returncode} after {done.stdout.splitlines()[-1:]}: {done.stderr[-500:]}"
     return done.stdout.splitlines()[:-1]

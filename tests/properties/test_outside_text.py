@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lostmotion.export import TARGETS, outside
 from lostmotion.export.commissioning import page
 from lostmotion.export.dialects import restore
-from tests.hostile_texts import bare, exported, source_with, texts
+from tests.support.hostile_texts import bare, exported, source_with, texts
 
 LANGUAGES = (outside.anywhere, outside.structured_text, outside.scl, outside.c99, outside.markdown)
 OTHERS = [to for to in TARGETS if to != "c"]

@@ -9,9 +9,9 @@ import pytest
 from lostmotion.export import TARGETS
 from lostmotion.export.dialects import restore
 from lostmotion.export.reader import Program
-from tests.exports import KINDS, REALS
-from tests.supervised import source
-from tests.supervised_laws import played, random_supervision, violations
+from tests.support.exports import KINDS, REALS
+from tests.support.supervised import source
+from tests.support.supervised_laws import played, random_supervision, violations
 
 ROWS = 1_000 if os.environ.get("NUMBA_DISABLE_JIT") else 4_000
 

@@ -5,7 +5,7 @@ import csv
 import pytest
 
 import lostmotion as lm
-from tests.shared_data import shared
+from tests.support.shared_data import shared
 
 pytestmark = pytest.mark.statistics
 STICKING = ("stiction", "backlash")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from tests.shared_data import shared
+from tests.support.shared_data import shared
 
 pytestmark = pytest.mark.statistics
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lostmotion
-from tests.unit.test_follow_like_read_loop import moments
+from tests.unit.files.test_follow_like_read_loop import moments
 
 HEAVY = ("numba", "scipy.stats", "scipy.signal", "scipy.optimize", "scipy.io", "matplotlib", "jinja2")
 ROWS = 2000

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MOSTLY = 0.3
 # of its answer to SP that PV has given a row after the move: from the first on the loop has settled between the rows,
 # if they do not show what moves OP. From the second on sizes of valves that stick are too small: by 12 to 31 % in six
-# flows of tests/unit/test_in_row.py with 0.15 to 0.32 of it, by 1 to 10 % in twelve with 0.11 or less
+# flows of tests/unit/identify/test_in_row.py with 0.15 to 0.32 of it, by 1 to 10 % in twelve with 0.11 or less
 SETTLED, HIDDEN = 0.25, 0.12
 # times these moves: at either end OP turns round further out than the rows show, and when is not known. In another
 # simulation 27 of 70 sizes were in the interval before this, 58 of 70 are with it (docs/other-simulation.md)
