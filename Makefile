@@ -6,7 +6,7 @@ OPCUA := tests/opcua/node_modules/.installed
 COMPILED := .venv/.compiled
 export PYTHONPATH :=
 
-.PHONY: setup demo test ready lint types imports unit nojit plc web opcua pages clean
+.PHONY: setup demo test test-all ready lint types imports short all nojit plc web opcua pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -19,12 +19,17 @@ $(STAMP): pyproject.toml constraints.txt
 demo: $(STAMP)
 	$(BIN)/python examples/demo.py
 
-# What needs one core each goes by twos: the kernels compile for minutes.
+# Before a pull request: at most ten minutes on two cores once all is set up. What needs one core each goes by twos.
 test: $(STAMP)
 	$(MAKE) --no-print-directory -j 2 ready
-	$(MAKE) --no-print-directory unit nojit
+	$(MAKE) --no-print-directory short
 
-ready: $(COMPILED) lint types imports plc opcua
+# Everything, in random order and with coverage, and what tests kernels once more as Python.
+test-all: $(STAMP)
+	$(MAKE) --no-print-directory -j 2 $(COMPILED) plc opcua
+	$(MAKE) --no-print-directory all nojit
+
+ready: $(COMPILED) lint types imports
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
@@ -41,14 +46,16 @@ $(COMPILED): $(STAMP) $(shell find src/lostmotion/kernels -name '*.py')
 	$(BIN)/lostmotion warm-up
 	touch $@
 
-# Three workers for two cores: a sixth of the time is waiting for plants, servers and clocks.
-unit: $(COMPILED)
-	$(BIN)/pytest -n 3 --dist worksteal
+# Three workers for two cores: a part of the time is waiting for plants, servers and clocks.
+short: $(COMPILED)
+	$(BIN)/pytest -n 3 --dist worksteal -p no:randomly -m "not long"
 
-# What is compiled, as Python: indices out of range are errors there. Commands and contracts call the same and no more.
+all: $(COMPILED)
+	$(BIN)/pytest -n 3 --dist loadgroup --cov --cov-report term:skip-covered
+
+# What is compiled, as Python: indices out of range are errors there.
 nojit: $(STAMP)
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -m "not statistics and not processes" \
-	    tests/unit tests/properties tests/published src
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -p no:randomly -m "kernels and not long and not statistics"
 
 # A PLC for the tests of exported blocks: ST machine, parsers, schema, in an environment of its own.
 plc: .venv-plc/.installed

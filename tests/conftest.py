@@ -1,6 +1,13 @@
-"""Hypothesis: the same examples in every CI run, new ones at the desk. What is left out of the run with the JIT off."""
+"""The stages: `make test` runs what is not `long`, `make test-all` the rest, and what touches kernels without the JIT.
+
+Hypothesis has the same examples in every run, new ones at the desk.
+"""
+
+from __future__ import annotations
 
 import os
+from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,43 +21,43 @@ settings.register_profile("ci", derandomize=True, deadline=None)
 settings.register_profile("desk", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
-SLOW_DOCTESTS = {
+SLOW_DOCTESTS = {  # without the JIT
     "lostmotion.diagnose.any_record.diagnose",
     "lostmotion.diagnose.one_record.diagnose",
     "lostmotion.identify.estimate.identify",
     "lostmotion.identify.recursive.ml.RecursiveML",
 }
-# Processes, files and texts: nothing of what they test is compiled code, or other tests run it with the JIT off.
-PROCESSES = {
-    "contract": "documentation every_message pages public_names scripts sizes startup writing",
-    "e2e": "audit closed_output commands_of_batches demo_live demo_plant live_store odd_words outside_tree page "
-    "page_attacks page_monitors plant_shared plc_of_ones_own refused_before_work report_in_browser "
-    "several_files several_loops shared_data_reads stopped_batches supervised_command supervised_machine",
-    "live": "cut_network discover handed_over joined link live_command plant_file plc_link supervision_settings "
-    "write_command write_faults writer",
-    "opcua": "asyncua_security node_block node_opcua node_restart",
-    "properties": "export_printer files hostile_files hostile_json hostile_plant loop_list missing one_answer "
-    "outside_text",
-    "unit": "apart audit_engines audit_history audit_limit audit_rank audit_run columns command_parts control_system "
-    "database datasets dates_of_records diagnosis_figure export_files figures fit_text html light_imports "
-    "live_certificates loads long_text loop_list matlab matlab_v5 missing next_steps numba_cache one_answer "
-    "one_tag_a_file op_units output_options packed pages parquet_pieces plant_report plant_report_parts "
-    "plant_sources read_loop record_figure run_many status_message store store_bad_input store_watches "
-    "supervised_export times units web_desk web_files web_guard web_jobs web_kept web_monitor web_patience "
-    "web_plant web_records web_serve web_tasks web_trend web_trend_pages wording write writer",
-}
-TESTS = Path(__file__).parent
-FILES = {TESTS / folder / f"test_{name}.py" for folder, names in PROCESSES.items() for name in names.split()}
+COMPILED = ("lostmotion.kernels", "tests.naive")  # a file that names one of them tests kernels or their twins
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark them, before marked tests are deselected."""
+    """Mark what a stage leaves out, before marked tests are deselected."""
+    for item in left_of_samples(items):
+        item.add_marker(pytest.mark.long)
+    compiled = {path: tests_kernels(path) for path in {item.path for item in items}}
     for item in items:
         if item.name in SLOW_DOCTESTS:
             item.add_marker(pytest.mark.statistics)
-        if item.path in FILES:
-            item.add_marker(pytest.mark.processes)
+        if compiled[item.path]:
+            item.add_marker(pytest.mark.kernels)
+
+
+def left_of_samples(items: list[pytest.Item]) -> Iterator[pytest.Item]:
+    """Cases of sampled tests but the first of each of so many equal parts."""
+    sampled: dict[tuple[Path, str], list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("sampled"):
+            sampled[item.path, item.originalname].append(item)
+    for cases in sampled.values():
+        (kept,) = cases[0].get_closest_marker("sampled").args
+        yield from (item for number, item in enumerate(cases) if number * kept % len(cases) >= kept)
+
+
+def tests_kernels(path: Path) -> bool:
+    """Whether a file tests what is compiled, or its twins."""
+    text = path.read_text(encoding="utf-8")
+    return "kernels" in path.parts or any(name in text for name in COMPILED)
 
 
 @pytest.fixture(scope="session")

@@ -142,6 +142,7 @@ def test_messages_say_what_to_do(seen):
         assert ", got " in message, case
 
 
+@pytest.mark.sampled(27)
 @pytest.mark.parametrize("case", [case for case in FILES if case not in LISTED])
 def test_what_a_message_says_to_type_works(capsys, tmp_path, case):
     source, settings = FILES[case](tmp_path, case)

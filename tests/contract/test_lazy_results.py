@@ -66,6 +66,7 @@ sys.exit(failed)
 """
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_verbs_of_a_result_alone(tmp_path):
     jobs = []
@@ -79,6 +80,7 @@ def test_verbs_of_a_result_alone(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_a_fit_made_by_its_own_room_prints():
     lines = [

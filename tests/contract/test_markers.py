@@ -1,21 +1,41 @@
-"""The list of files that are not run again without the compiler."""
+"""The stages of the tests: what is in which, and that together they are all."""
 
+import re
 from pathlib import Path
 
-from tests.conftest import FILES, TESTS
+from tests import conftest
+from tests.support.places import ROOT
 
-MAKEFILE = Path(__file__).parents[2] / "Makefile"
-
-
-def test_every_file_of_the_list_is_there():
-    assert sorted(str(path.relative_to(TESTS)) for path in FILES if not path.exists()) == []
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 
-def test_no_test_of_kernels_and_estimators_is_among_them():
-    assert not any(path.parent.name in ("naive", "published") or "kernel" in path.name for path in FILES)
+def test_the_short_stage_leaves_out_what_is_long_and_the_other_nothing():
+    expressions = re.findall(r'pytest[^\n]*-m "([^"]+)"', MAKEFILE)
+    assert expressions == ["not long", "kernels and not long and not statistics"]
+    assert ".ci/run" not in MAKEFILE
+    ran = re.findall(r"^make (.+)$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+    assert ran == ["test", "test-all"]
 
 
-def test_they_carry_the_marker(request):
-    found = {item.path for item in request.session.items if item.get_closest_marker("processes")}
-    assert found == FILES & {item.path for item in request.session.items}
-    assert 'not statistics and not processes"' in MAKEFILE.read_text(encoding="utf-8")
+def test_tests_of_kernels_and_twins_run_without_the_jit():
+    found = {path.name for path in (ROOT / "tests" / "unit").rglob("test_*.py") if conftest.tests_kernels(path)}
+    assert {"test_against_twins.py", "test_lanes.py", "test_ml_twin.py", "test_slips.py"} <= found
+    assert not conftest.tests_kernels(ROOT / "tests" / "unit" / "files" / "test_times.py")
+
+
+class Case:
+    """An item of a test with a number of cases, some of which are kept."""
+
+    def __init__(self, number, kept):
+        self.path, self.originalname, self.number, self.kept = Path("test_a.py"), "test", number, kept
+
+    def get_closest_marker(self, name):
+        return type("Mark", (), {"args": (self.kept,)})() if name == "sampled" and self.kept else None
+
+
+def test_a_sample_has_cases_from_beginning_to_end():
+    for count, kept in ((10, 4), (7, 3), (100, 1), (3, 8)):
+        left = {case.number for case in conftest.left_of_samples([Case(number, kept) for number in range(count)])}
+        assert len(left) == max(count - kept, 0)
+        assert 0 not in left
+    assert list(conftest.left_of_samples([Case(number, None) for number in range(5)])) == []

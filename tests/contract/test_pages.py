@@ -4,7 +4,6 @@ import os
 import re
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
@@ -17,40 +16,26 @@ from benchmarks.pages.sources import ROOT, sources
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 NAMES = [page.name for page in PAGES]
+DOCS = sorted((ROOT / "docs").glob("*.md"))
 
 
-@pytest.fixture(scope="module")
-def ages():
-    return {one.page.name: one for one in oldest_first()}
+def test_no_page_is_of_an_earlier_release():
+    behind = {one.page.name: one.state for one in oldest_first() if one.behind}
+    assert behind == {}, "run `make pages` before a release"
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_page_is_of_this_release(ages, name):
-    assert not ages[name].behind, f"{ages[name].state}; run `make pages` before a release"
-
-
-@pytest.mark.filterwarnings("default")
-def test_stale_pages_are_listed(ages):
-    stale = [f"docs/{name}.md ({one.minutes:g} minutes)" for name, one in ages.items() if one.stale]
-    if stale:
-        warnings.warn(f"{len(stale)} pages are older than the source: {', '.join(stale)}", stacklevel=1)
-    unread = [f"docs/{name}.md" for name, one in ages.items() if one.unread]
-    if unread:
-        warnings.warn(f"words by hand are older than the tables beside them: {', '.join(unread)}", stacklevel=1)
-
-
-@pytest.mark.parametrize("path", sorted((ROOT / "docs").glob("*.md")), ids=lambda path: path.stem)
-def test_page_is_in_the_catalogue(path):
-    footer = footer_of(path.read_text(encoding="utf-8"))
+def test_every_page_is_in_the_catalogue():
     scripts = {page.name: page.script for page in PAGES}
-    assert (path.stem in BY_HAND) != (path.stem in scripts)
-    assert footer is None if path.stem in BY_HAND else footer.script == scripts[path.stem]
+    assert not set(scripts) & set(BY_HAND)
+    assert set(scripts) | set(BY_HAND) == {path.stem for path in DOCS}
+    for path in DOCS:
+        footer = footer_of(path.read_text(encoding="utf-8"))
+        assert footer is None if path.stem in BY_HAND else footer.script == scripts[path.stem], path
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "docs").glob("*.md")), ids=lambda path: path.stem)
-def test_page_can_be_reached(path):
-    others = [ROOT / "README.md", *(page for page in (ROOT / "docs").glob("*.md") if page != path)]
-    assert any(path.name in other.read_text(encoding="utf-8") for other in others)
+def test_every_page_can_be_reached():
+    texts = {path: path.read_text(encoding="utf-8") for path in [ROOT / "README.md", *DOCS]}
+    assert [one for one in DOCS if not any(one.name in text for path, text in texts.items() if path != one)] == []
 
 
 def test_catalogue_and_scripts_agree():
@@ -59,17 +44,19 @@ def test_catalogue_and_scripts_agree():
     assert writers == {page.script for page in PAGES if page.script.startswith("benchmarks/")}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=NAMES)
-def test_script_says_its_page_and_its_minutes(page):
-    said = " ".join((ROOT / page.script).read_text(encoding="utf-8").split('"""')[1].split())
-    assert f"writes {page.file}" in said
-    assert float(re.search(r"about (\d+) minute", said)[1]) == page.minutes
-    assert all(list(ROOT.glob(pattern)) for pattern in page.also)
+def test_scripts_say_their_page_and_their_minutes():
+    for page in PAGES:
+        said = " ".join((ROOT / page.script).read_text(encoding="utf-8").split('"""')[1].split())
+        assert f"writes {page.file}" in said, page
+        assert float(re.search(r"about (\d+) minute", said)[1]) == page.minutes, page
+        assert all(list(ROOT.glob(pattern)) for pattern in page.also), page
 
 
 def test_pages_named_in_the_source_are_known():
     for folder in ("src", "benchmarks", "examples"):
         for path in (ROOT / folder).rglob("*.py"):
+            if "tests" in path.parts:
+                continue
             for name in re.findall(r"docs/([a-z-]+)\.md", path.read_text(encoding="utf-8")):
                 assert name in NAMES or name in BY_HAND, (path, name)
 

@@ -85,6 +85,7 @@ def expected(fit):
     return {name: call(fit, RECORD) for name, call in FUNCTIONS.items()}
 
 
+@pytest.mark.sampled(29)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_record_in_any_form(fit, sources, expected, name, kind):

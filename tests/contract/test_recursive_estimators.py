@@ -148,6 +148,7 @@ def continued():
     return dict(zip(names, pickle.loads(job.stdout), strict=True))  # noqa: S301  of our own process
 
 
+@pytest.mark.sampled(8)
 @every_kind
 @pytest.mark.parametrize("saved", SAVED)
 def test_bytes_continue_in_another_process(kind, saved, continued):

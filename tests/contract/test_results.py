@@ -12,6 +12,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.audit import AuditRun
+from lostmotion.diagnose.long_record.diagnose_long import diagnose_long
 from lostmotion.evaluate import monte_carlo, random_faulty_loop, random_loop
 from lostmotion.records import Prepared, prepare
 from lostmotion.simulate.adaptive_loop import AdaptiveHistory
@@ -41,7 +42,8 @@ def results(tmp_path_factory):
     found = [
         record, record.check(), lm.check(record), prepare(record), prepare(lm.LoopRecord([1.0] * 99, [1.0] * 99, dt=1)),
         diagnosis, diagnosis.fit, diagnosis.fit.facts, lm.diagnose([record[:1000], record[1000:]]),
-        lm.identify(record, nonlinearity="none"), lm.solve(record[:150]), study, study.block, study.block.run(u),
+        diagnose_long(record), lm.identify(record, nonlinearity="none"), lm.solve(record[:150]),
+        study, study.block, study.block.run(u),
         lm.achievable(u, tank, 0.03), design, design.prediction,
         lm.simulate_loop(plant, lm.PI(2.0, 0.5), np.zeros(100), 0.5), recursive, trajectory, recursive.estimate,
         AdaptiveHistory(np.arange(3), np.zeros(3), np.ones(3), np.ones(3, bool)), loop, random_loop(1, samples=200),
@@ -51,6 +53,7 @@ def results(tmp_path_factory):
     return {type(one): one for one in found}
 
 
+@pytest.mark.long
 def test_one_line_each(results):
     for kind, result in results.items():
         shown = repr(result)

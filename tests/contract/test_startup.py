@@ -24,6 +24,7 @@ def test_the_package_alone_loads_nothing_heavy():
     assert loaded_after("import lostmotion; dir(lostmotion); lostmotion.__version__", *HEAVY, "typer") == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "code",
     [

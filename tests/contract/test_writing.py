@@ -97,6 +97,7 @@ PROCESSES = {  # this Python and a script or module of ours: no word of it is fr
 }  # fmt: skip
 
 
+@pytest.mark.long
 def test_nothing_runs_what_others_wrote():
     faults = []
     for path in FILES:

@@ -39,6 +39,7 @@ def test_a_closed_pipe_is_no_failure(record):
     assert done.returncode in (seen.returncode, 1)
 
 
+@pytest.mark.long
 def test_a_batch_that_nobody_reads_does_all_its_work(record, tmp_path):
     words = ["identify", str(record), str(record.with_name("b.csv")), "--orders", "1,0,1", "--noise", "white"]
     record.with_name("b.csv").write_text(record.read_text())

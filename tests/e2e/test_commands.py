@@ -126,6 +126,7 @@ MODEL = (
 OPEN = (*MODEL, "--op-limits", 40, 60)
 
 
+@pytest.mark.long
 def test_design_writes_set_points_result_and_figure(capsys, tmp_path):
     out, figure = tmp_path / "test.csv", tmp_path / "test.png"
     words = (*OPEN, "--duration", 600, "--pv-limits", 22, 38, "--out", out, "--figure", figure)
@@ -148,6 +149,7 @@ def test_design_writes_set_points_result_and_figure(capsys, tmp_path):
     assert len(out.read_text().splitlines()) == len(data["steps"]) + 1
 
 
+@pytest.mark.long
 def test_design_in_closed_loop_and_for_an_interval(capsys, tmp_path):
     out = tmp_path / "test.csv"
     loop = ("--loop", "closed", "--kp", 0.5, "--ki", 0.02, "--sp-limits", 27, 33)

@@ -136,6 +136,7 @@ def test_corpus_is_large():
     assert {names for _, _, names, _, _ in CROSSED} == set(NAMES)
 
 
+@pytest.mark.sampled(53)
 @pytest.mark.parametrize(("times", "dress", "names", "encoding", "how"), CROSSED)
 def test_reads_to_the_same_samples(tmp_path, times, dress, names, encoding, how):
     stamps, order = TIMES[times]
@@ -148,6 +149,7 @@ def test_reads_to_the_same_samples(tmp_path, times, dress, names, encoding, how)
 HELD = np.repeat(OP[::3], 3)  # an OP that moves every third sample
 
 
+@pytest.mark.sampled(24)
 @pytest.mark.parametrize("own", [False, True], ids=["one clock", "own times"])
 @pytest.mark.parametrize("dress", ["commas", "semicolons", "tabs"])
 @pytest.mark.parametrize("times", TIMES)

@@ -31,6 +31,8 @@ from lostmotion.live.virtual_plant import VirtualPlant
 from tests.support.patience import in_time
 from tests.support.places import ROOT
 
+pytestmark = pytest.mark.long
+
 SPEED = 4.0  # a scan is 0.125 s, and the time-out of the block 2.5 s
 PRESSED = "ns=2;s=FY102.ACCEPT"
 

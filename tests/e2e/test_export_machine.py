@@ -23,7 +23,7 @@ from tests.plc.machine import (
 )
 from tests.support.exports import KINDS, REALS, source
 
-pytestmark = pytest.mark.statistics
+pytestmark = [pytest.mark.long, pytest.mark.statistics]
 ROWS = 30_000
 BOTH = [(kind, real) for kind in KINDS for real in REALS]
 

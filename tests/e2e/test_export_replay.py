@@ -15,6 +15,7 @@ from tests.support.exports import KINDS, REALS, source
 ROWS = 500 if os.environ.get("NUMBA_DISABLE_JIT") else 5_000
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("to", TARGETS)
 @pytest.mark.parametrize("kind", KINDS)
@@ -55,6 +56,7 @@ WRONG = {
 CASES = [(to, old, new) for to, changes in WRONG.items() for old, new in changes]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.statistics
 @pytest.mark.parametrize(("to", "old", "new"), CASES)
 def test_one_wrong_token_is_caught(to, old, new):
@@ -126,6 +128,7 @@ def test_the_reader_ranks_operators_as_st_does():
     assert found.tolist() == [[4.0, 1.0, 1.0], [6.0, 0.0, 1.0], [13.0, 0.0, 0.0]]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_plcs_do_differently_never_happens(kind, real, monkeypatch):

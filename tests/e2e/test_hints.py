@@ -8,6 +8,8 @@ from lostmotion.files import write_columns
 from tests.support.hints import FIRST, Walk, hints
 from tests.support.shared_data import shared
 
+pytestmark = pytest.mark.long
+
 LAG = lm.LinearModel([-0.8], [0.2], 1)
 FAST = lm.LinearModel([], [1.0], 1)
 TANK = lm.LinearModel([-1.0], [0.02], 1)

@@ -22,6 +22,8 @@ from tests.support.patience import in_time
 from tests.support.places import ROOT
 from tests.support.plant_stores import plant_store
 
+pytestmark = pytest.mark.long
+
 
 def live(port, store, tag, *words):
     """The command on the worn loop of the server, under the name of a loop of the audit."""

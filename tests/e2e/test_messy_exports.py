@@ -36,6 +36,7 @@ def diagnosed(capsys, folder, export):
     return code, " ".join(text.split()), json.loads(out.read_text())
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", EXPORTS)
 def test_verdict_size_and_severity_are_those_of_the_loop(capsys, tmp_path, name):
     export = EXPORTS[name]()

@@ -106,6 +106,7 @@ def test_one_run(expected):
     assert not [message for message in expected if message["kind"] == "event"]
 
 
+@pytest.mark.long
 def test_a_file_that_grows_and_sigterm(tmp_path, lines, expected):
     path, state = tmp_path / "FIC-1.csv", tmp_path / "state"
     whole = "".join(lines).encode()
@@ -136,6 +137,7 @@ def test_a_file_that_grows_and_sigterm(tmp_path, lines, expected):
     assert {message["kind"] for message in others} <= {"note", "report"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("moment", [1, 17])
 def test_kill_and_going_on_is_one_run(tmp_path, lines, expected, moment):
     path, state, first = tmp_path / "FIC-1.csv", tmp_path / "state", tmp_path / "out"
@@ -152,6 +154,7 @@ def test_kill_and_going_on_is_one_run(tmp_path, lines, expected, moment):
     assert told(output[: output.rfind("\n") + 1], done.stdout) == expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("again", ["from the beginning", "where it stopped"])
 def test_standard_input(tmp_path, lines, expected, again):
     state = tmp_path / "state"

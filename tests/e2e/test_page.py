@@ -13,6 +13,8 @@ from tests.support.plant_stores import plant_store
 from tests.support.served import ROOT, Served, long_record, put_on_desk
 from tests.unit.web.test_monitor import START, event, report
 
+pytestmark = pytest.mark.long
+
 AXE = ROOT / ".cache/web/axe.min.js"
 WIDTHS = (390, 1280, 1920)
 PATIENCE = 240_000  # ms; machines of tests are busy: 90 s were not enough beside five other processes on two cores

@@ -12,6 +12,8 @@ from tests.support.plant_rows import HOSTILE
 from tests.support.plant_stores import TAGS, plant_store
 from tests.support.served import Served
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):

@@ -18,6 +18,8 @@ import lostmotion as lm
 from tests.support.live_server import LoopServer
 from tests.support.served import ROOT, Served
 
+pytestmark = pytest.mark.long
+
 TAGS = ("FIC1", "LIC/2")
 SAMPLES, DT, GONE = 2000, 0.1, range(1200, 1240)
 PLANT = """address = "{}"

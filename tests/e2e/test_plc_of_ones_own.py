@@ -23,6 +23,8 @@ from tests.support.command import run
 from tests.support.places import ROOT
 from tests.support.supervised import supervised
 
+pytestmark = pytest.mark.long
+
 CHILD = (sys.executable, "-m", "tests.plc.child")
 SCANS = 220
 LOOPS = {"LIC-101": "LY101", "FIC-102": "FY102", "TIC-103": "TY103"}

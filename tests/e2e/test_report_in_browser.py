@@ -7,6 +7,8 @@ import pytest
 from lostmotion.report.plant import plant_report
 from tests.support.plant_rows import HOSTILE, plant
 
+pytestmark = pytest.mark.long
+
 WIDTHS = (390, 1280, 1920)
 
 

@@ -104,6 +104,7 @@ def answer(capsys, *words):
     return json.loads(text)
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_a_model_file_is_the_same_as_its_options(capsys, tmp_path):
     toml, as_json = tmp_path / "loop.toml", tmp_path / "loop.json"

@@ -26,6 +26,7 @@ def of(name):
     return prepare(lm.read_loop(entry.path, **entry.options))
 
 
+@pytest.mark.sampled(29)
 @pytest.mark.parametrize("entry", ENTRIES or [ABSENT], ids=names)
 def test_every_record_is_used_or_refused_with_the_reason(entry):
     if entry.refusal:

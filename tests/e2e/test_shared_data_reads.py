@@ -142,6 +142,7 @@ REFUSED = {  # own columns that contradict each other, or names that tell no rol
 }  # fmt: skip
 
 
+@pytest.mark.sampled(35)
 @pytest.mark.parametrize("path", EVERY, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_as_it_comes_or_by_a_command_that_works(capsys, path):
     path = shared(f"{path.parent.name}/{path.name}")

@@ -55,6 +55,7 @@ def test_nothing_wrong_needs_no_block(capsys, tmp_path):
     assert found["block"] is None
 
 
+@pytest.mark.long
 def test_what_is_printed_at_a_closed_gate_can_be_pasted(capsys, tmp_path, monkeypatch):
     def open_diagnosis(*given, **options):
         return replace(lm.diagnose(*given, **options), verdict="cannot tell")

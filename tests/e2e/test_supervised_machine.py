@@ -11,7 +11,7 @@ from tests.plc.machine import run_in_c, run_in_machine
 from tests.support.exports import KINDS, REALS
 from tests.support.supervised import source
 
-pytestmark = pytest.mark.statistics
+pytestmark = [pytest.mark.long, pytest.mark.statistics]
 ROWS = 2_500
 
 

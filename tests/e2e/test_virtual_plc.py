@@ -9,6 +9,8 @@ import pytest
 import lostmotion as lm
 from tests.plc.machine import c_compiler, need
 
+pytestmark = pytest.mark.long
+
 PLACE = Path(__file__).resolve().parents[2] / "examples" / "plc.py"
 SPEC = importlib.util.spec_from_file_location("example_plc", PLACE)
 plc = importlib.util.module_from_spec(SPEC)

@@ -11,6 +11,8 @@ from tests.live.test_link import Listening, taker, until
 from tests.support.live_server import killed, started
 from tests.support.tcp_proxy import Proxy
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize("fault", ["cut", "frozen"])
 def test_a_network_that_comes_back(fault):

@@ -14,6 +14,8 @@ from lostmotion.live.warm import warm
 from lostmotion.online import OnlineMonitor
 from lostmotion.online.service import at_once
 
+pytestmark = pytest.mark.long
+
 SAMPLES = 1500
 
 

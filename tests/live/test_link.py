@@ -24,6 +24,8 @@ from tests.support.live_server import LoopServer, killed, node, started
 from tests.support.patience import in_time
 from tests.support.places import ROOT
 
+pytestmark = pytest.mark.long
+
 UNCERTAIN = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue)
 BAD = ua.StatusCode(ua.StatusCodes.BadSensorFailure)
 KILLS = 5

@@ -4,6 +4,7 @@ import asyncio
 from threading import Event
 
 import numpy as np
+import pytest
 
 import lostmotion as lm
 from lostmotion.files.follow import Follower
@@ -68,6 +69,7 @@ async def live(plant, tags, write, enough, **signals):
     return said, watched, notes
 
 
+@pytest.mark.long
 def test_estimates_are_those_of_online_bit_for_bit(tmp_path):
     loop = lm.routine_operation(SAMPLES, drift="none", seed=1)
     times = DT * np.arange(1, SAMPLES + 1)

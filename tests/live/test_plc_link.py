@@ -17,6 +17,8 @@ from lostmotion.errors import FileAccessError
 from lostmotion.live.link import LinkError
 from lostmotion.live.opcua.plc_link import PlcLink
 
+pytestmark = pytest.mark.long
+
 NAMES = [variable.name for variable in supervision("", "") if variable.section in ("input", "output")]
 NODES = {name.lower(): f"ns=2;s=FY.{name}" for name in NAMES}
 ASKED = Request(1, 500, 600, 700).values

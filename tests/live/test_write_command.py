@@ -11,6 +11,8 @@ from lostmotion.live.audit_log import read_log
 from tests.support.command import run
 from tests.support.live_bench import PATIENCE, Bench, Command, fit_of
 
+pytestmark = pytest.mark.long
+
 SPEED = 2.0  # a scan is 0.25 s, the time-out 5 s
 ARGUMENTS = ("--insecure",)
 

@@ -18,6 +18,8 @@ from lostmotion.live.audit_log import read_log
 from tests.support.command import run
 from tests.support.live_bench import Bench, Command, Proxy, fit_of
 
+pytestmark = pytest.mark.long
+
 SPEED = 2.0  # a scan is 0.25 s, the time-out 5 s, and another request may come 5 s after an accept
 PASSIVE, REQUESTED, ACTIVE, SHED = 0.0, 1.0, 3.0, 4.0
 KEY = 3  # of the block TY103

@@ -229,6 +229,7 @@ def odd():
     raise ZeroDivisionError("odd")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("work", "error", "said"), [(dies, GateError, "died"), (fails, DataError, "a fit"), (odd, GateError, "odd")]
 )

@@ -26,6 +26,8 @@ from lostmotion.live.opcua.trust import TrustStore
 from tests.opcua.asyncua_server import AsyncuaServer
 from tests.opcua.certificates import pair
 
+pytestmark = pytest.mark.long
+
 PASSWORD = "correct horse battery"  # searched for in all that is shown
 
 

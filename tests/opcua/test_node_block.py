@@ -16,6 +16,8 @@ from lostmotion.live.opcua.trust import TrustStore
 from tests.opcua.certificates import URI, pair
 from tests.opcua.node_server import NodeServer, config
 
+pytestmark = pytest.mark.long
+
 NAMES = [variable.name for variable in supervision("", "") if variable.section in ("input", "output")]
 BUSY = 120.0  # s for an answer: anything may run beside it
 WRITER = User("supervisor", Secret("correct horse battery"))

@@ -19,6 +19,8 @@ from lostmotion.live.opcua.trust import TrustStore
 from tests.opcua.certificates import URI, pair
 from tests.opcua.node_server import NodeServer, config
 
+pytestmark = pytest.mark.long
+
 PASSWORD = "correct horse battery"  # searched for in all that is shown
 READER = User("reader", Secret(PASSWORD))
 BOTH = ["Basic256Sha256", "Aes256_Sha256_RsaPss"]

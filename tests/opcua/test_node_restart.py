@@ -20,6 +20,8 @@ from lostmotion.live.run import Plant, Watched
 from tests.opcua.certificates import URI, pair
 from tests.opcua.node_server import NodeServer, config
 
+pytestmark = pytest.mark.long
+
 DT, ROWS = 0.1, 25
 BUSY = 30.0  # s to connect again; 5 on a machine that does nothing else, here anything may run beside it
 NODES = {"op": "ns=1;s=FIC101.OP", "pv": "ns=1;s=FIC101.PV"}

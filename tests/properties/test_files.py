@@ -2,6 +2,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -14,6 +15,7 @@ tables = st.integers(2, 30).flatmap(lambda n: hnp.arrays(np.float64, (n, 3), ele
 styles = st.sampled_from([(",", "."), (";", "."), ("\t", "."), (";", ","), ("\t", ",")])
 
 
+@pytest.mark.long
 @given(tables, st.sampled_from([".csv", ".txt", ".tsv", ".parquet"]), st.floats(1e-3, 1e4))
 def test_write_then_read(values, suffix, dt):
     op, pv, sp = values.T

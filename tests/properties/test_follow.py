@@ -4,6 +4,7 @@ import json
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -86,6 +87,7 @@ def taken_up(follower, raw, stream, asked):
     return Follower(stream, asked, position)
 
 
+@pytest.mark.long
 @settings(max_examples=50)
 @given(records(), st.lists(st.integers(0, 4000), max_size=30), st.integers(1, 100))
 def test_cuts_between_any_bytes_change_nothing(raw, cuts, most):

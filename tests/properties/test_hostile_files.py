@@ -20,6 +20,7 @@ EACH = 25
 NEEDS = {"xlsx": "fastexcel", "xls": "fastexcel", "mat 7.3": "h5py"}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("kind", FORMATS)
 def test_each_is_read_or_refused_in_one_line(kind, tmp_path, capfd):
     pytest.importorskip(NEEDS.get(kind, "numpy"))

@@ -65,6 +65,7 @@ def started(folder, states, text):
     return done.stdout.splitlines()[:-1]
 
 
+@pytest.mark.long
 def test_a_sample_of_changed_states(saved, tmp_path):
     data, text = saved
     states = [whole(*parts(data)), *sample(data, 0.01, 6, seed=1)]

@@ -66,6 +66,7 @@ def assert_one_answer(record, folder):
     return alone, row
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 @pytest.mark.parametrize("cause", CAUSES)
 def test_diagnose_and_audit_say_the_same(tmp_path_factory, cause):
@@ -107,6 +108,7 @@ def test_rows_in_manual_and_at_a_limit_are_the_same_for_both(tmp_path):
     assert assert_one_answer(record, tmp_path / "loops")[1] is not None
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 @pytest.mark.parametrize("cause", ["none", "stiction"])
 def test_a_record_of_more_rows_than_are_read_whole_has_one_answer(tmp_path, cause):

@@ -26,6 +26,7 @@ def verdicts():
     return found
 
 
+@pytest.mark.long
 def test_the_26_loops():
     """One test: a minute of diagnoses, which workers would make one by one each."""
     found = verdicts()

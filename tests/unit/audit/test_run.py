@@ -72,6 +72,7 @@ class Stop(Exception):  # noqa: N818
     """What a killed process leaves: nothing is finished."""
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("at", [("screen", 1), ("screen", 2), ("assess", 1), ("assess", 3), ("rank", 0), ("rank", 1)])
 @pytest.mark.parametrize("how", [Stop, KeyboardInterrupt])
 def test_a_run_is_gone_on_with_where_it_was_stopped(reference, tmp_path, at, how):
@@ -168,6 +169,7 @@ def test_a_loop_that_kills_its_worker_is_a_row(tmp_path):
 
 
 # the interruption may hit a callback of the garbage collector, which drops it; it comes again after a second
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_loop_that_never_ends_is_a_row(tmp_path):
     slow = "expected a result within 0.005 minutes, got none; give a loop more minutes, or a shorter window"

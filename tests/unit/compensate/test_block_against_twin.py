@@ -108,6 +108,7 @@ def test_single_precision_is_its_twin(kind, seed):
         compare(kind, seed, np.float32)
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 @pytest.mark.parametrize("kind", SPECIFICATIONS)
 def test_is_its_twin_for_long(kind):

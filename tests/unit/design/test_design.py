@@ -130,6 +130,7 @@ def test_expected_is_the_cramer_rao_bound():
     assert answer.sees
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("target", ["width", "break points"])
 @pytest.mark.parametrize(
     ("plant", "noise", "limits", "hold", "duration"),

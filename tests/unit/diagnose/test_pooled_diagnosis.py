@@ -32,6 +32,7 @@ def of_three():
     return lm.diagnose([response(seed, 500) for seed in (1, 2, 3)], starts=[0.0, 86400.0, 5 * 86400.0])
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_three_records_of_one_valve_are_one_answer():
     found = of_three()
@@ -115,6 +116,7 @@ def test_bad_arguments_are_refused():
         lm.diagnose([])
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_the_command_pools_files_of_one_loop(tmp_path):
     paths = []

@@ -9,6 +9,7 @@ pytestmark = pytest.mark.statistics
 VALVES, RECORDS, ROWS = 3, 4, 400
 
 
+@pytest.mark.long
 def test_the_size_of_many_records_is_nearer_and_its_interval_holds():
     pooled, single, inside = [], [], 0
     for valve in range(VALVES):
@@ -22,6 +23,7 @@ def test_the_size_of_many_records_is_nearer_and_its_interval_holds():
     assert inside >= VALVES - 1
 
 
+@pytest.mark.long
 def test_sound_valves_are_not_accused():
     for valve in range(2):
         found = lm.diagnose([response(900 + 10 * valve + number, ROWS, 0.0) for number in range(RECORDS)])

@@ -56,6 +56,7 @@ def test_files_are_ascii(to):
         assert "\t" not in text
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize(("kind", "to", "real"), EVERY)
 def test_defaults_are_the_settings(kind, to, real):
     program = Program(restore(code(kind, to, real)))
@@ -63,6 +64,7 @@ def test_defaults_are_the_settings(kind, to, real):
         assert float(program.variables[name].value) == value, name
 
 
+@pytest.mark.sampled(23)
 @pytest.mark.parametrize(("kind", "to", "real"), EVERY)
 def test_only_what_every_tool_takes(kind, to, real):
     text = re.sub(r"\(\*.*?\*\)|/\*.*?\*/", "", "\n".join(code(kind, to, real).values()), flags=re.S)
@@ -77,6 +79,7 @@ def test_only_what_every_tool_takes(kind, to, real):
         assert name == name.lower()
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize(("kind", "to", "real"), EVERY)
 def test_inputs_outputs_and_settings_keep_their_names(kind, to, real):
     program = Program(restore(code(kind, to, real)))

@@ -122,6 +122,7 @@ def followed(path, settings):
     return [np.concatenate([getattr(part, name) for part in parts if len(part)]) for name in names], second
 
 
+@pytest.mark.sampled(40)
 @pytest.mark.parametrize("dress", DRESSES)
 def test_rows_that_reach_the_estimator(tmp_path, dress):
     raw, settings = DRESSES[dress]

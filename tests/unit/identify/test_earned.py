@@ -217,6 +217,7 @@ def test_binary_op_says_nothing_of_a_dead_zone(start):
     assert again.to_bytes() == lm.RecursiveIV.from_bytes(again.to_bytes()).to_bytes()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.statistics
 @pytest.mark.parametrize("seed", range(1000, 1004))
 @pytest.mark.parametrize("cause", ["backlash", "stiction"])

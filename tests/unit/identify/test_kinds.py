@@ -126,6 +126,7 @@ def test_polish_reaches_the_best_of_a_fine_grid():
     assert float(np.sum(fit.residuals**2)) <= best * (1.0 + 2.0 / u.size)
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 @pytest.mark.parametrize("kind", ["backlash", "stiction"])
 def test_profile_interval_covers_and_shrinks(kind):
@@ -289,6 +290,7 @@ def those_told(random_fits):
     return [(cause, loop, fit) for cause, loop, fit in random_fits if fit.nonlinearity.kind == cause]
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_sizes_in_random_closed_loops(random_fits):
     told = those_told(random_fits)

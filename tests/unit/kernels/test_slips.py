@@ -367,6 +367,7 @@ def sticking_at_rest(band, jump, lag, seed, noise=0.02, rows=1500):
     return lm.LoopRecord(u, pv, np.full(rows, 2.4), dt=1.0, op_span=(0.0, 100.0))
 
 
+@pytest.mark.long
 @pytest.mark.statistics
 def test_a_valve_that_breaks_away_between_the_rows_is_found_with_its_size():
     valves = [(4.0, 1.0, 0.3), (3.0, 1.0, 0.3), (5.0, 2.0, 0.5)]

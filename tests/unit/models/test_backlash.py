@@ -22,6 +22,7 @@ def commands(seed, n=400):
     return np.concatenate([walk, held, np.linspace(3, -3, n), rng.integers(-5, 5, n).astype(float)])
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("width", [0.0, 0.5, 2.0, 7.0])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_twin(seed, width):

@@ -35,6 +35,7 @@ FIGURES = {
 SIZES = {"wide": None, "page": (8.0, 6.5)}
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("name", FIGURES)
 def test_no_text_lies_over_another(name, size):

@@ -23,6 +23,7 @@ def records(plant, loops=None, **when):
     return {loop.tag: record for loop, record in plant.read(plant.loops() if loops is None else loops, **when)}
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_source_gives_what_read_loop_gives(tmp_path, kind):
     source, settings = make(kind, tmp_path / "plant" if "database" not in kind else tmp_path)

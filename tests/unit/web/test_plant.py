@@ -193,6 +193,7 @@ def test_errors_of_the_interface_are_json(site, path):
     assert set(answer.json()) == {"error", "message"}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("tag", ["a/b", "..", "a//b", "./x", "50 % ?#&", "µ/é", *HOSTILE])
 def test_any_tag_has_a_page(tmp_path, tag):
     view = plant((tag, *TAGS[1:]))

@@ -86,6 +86,7 @@ def test_a_browser_is_given_a_file_that_only_this_user_can_read(monkeypatch, tmp
     assert len(list(tmp_path.iterdir())) == 1 or sys.platform != "linux"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name != "posix", reason="a terminal of its own")
 def test_enter_prints_the_address_of_one_more_browser():
     ours, theirs = os.openpty()
