@@ -52,8 +52,8 @@ from lostmotion.records import LoopRecord  # noqa: E402
 from lostmotion.store.rows import AssessmentRow, GroupRow, SpectrumRow  # noqa: E402
 from lostmotion.store.run_rows import RunRow, RunState  # noqa: E402
 from lostmotion.store.store import Screened, Store  # noqa: E402
+from pages.commit import ROOT  # noqa: E402
 from pages.publish import STORE  # noqa: E402
-from pages.sources import ROOT  # noqa: E402
 
 KEPT = ROOT / STORE / "audit-groups.db"
 PLANTS, FAMILY = 100, 0

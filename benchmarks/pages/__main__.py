@@ -1,7 +1,8 @@
-"""Pages of the documentation: which are stale, and make them again.
+"""Pages of the documentation: of which version they are, and make them again for a release.
 
-``python -m benchmarks.pages`` makes all stale pages, oldest first. It can be stopped and started again at any time: a
-page is written whole or not at all, and fresh ones are left alone. Exit code 1: a page failed; the others are made.
+``python -m benchmarks.pages`` makes all pages, oldest first. It can be stopped and started again at any time: a page is
+written whole or not at all, and those that were made at this commit are left alone. Exit code
+1: a page failed; the others are made.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ def main() -> int:
     """Parse, do, say."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.pages", description=__doc__)
     parser.add_argument("--list", action="store_true", help="show page, script, age and expected minutes; make nothing")
-    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these pages, stale or not")
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these pages only")
     parser.add_argument("--most-minutes", type=float, default=float("inf"), help="begin no further page after these")
     parser.add_argument("--at-once", type=int, default=1, help="so many of the pages without times beside each other")
     parser.add_argument("--figures", action="store_true", help="show every quoted figure and the page it is from")

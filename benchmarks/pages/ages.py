@@ -1,4 +1,4 @@
-"""How old each page is, and which are stale."""
+"""With which version and at which commit each page was made."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
-from .by_hand import judged_source
+from .by_hand import judged_commit
 from .catalogue import PAGES, Page
+from .commit import CHANGED, ROOT, commit
 from .footer import Footer, footer_of, release
-from .publish import source, version
-from .sources import ROOT
+from .publish import version
 
 
 @dataclass(frozen=True)
 class Age:
-    """A page beside the source of today; `judged` is the source that its words by hand were written for."""
+    """A page beside the tree of today; `judged` is the commit that its words by hand were written for."""
 
     page: Page
     footer: Footer | None
-    source: str
+    commit: str
     version: str
     judged: str | None = None
 
     @property
     def unread(self) -> bool:
         """Whether it holds words by hand that were written for another run."""
-        return self.footer is not None and self.judged not in (None, self.footer.source)
+        return self.footer is not None and self.judged not in (None, self.footer.commit)
 
     @property
-    def stale(self) -> bool:
-        """Whether it was made from another source, or is not there."""
-        return self.footer is None or self.footer.source != self.source
+    def fresh(self) -> bool:
+        """Whether it was made at this commit, with nothing changed."""
+        return self.footer is not None and self.footer.commit == self.commit and not self.commit.endswith(CHANGED)
 
     @property
     def behind(self) -> bool:
@@ -55,15 +55,15 @@ class Age:
         if self.footer is None:
             return "not made"
         if self.behind:
-            return f"stale, of version {self.footer.version}"
-        return ("stale" if self.stale else "fresh") + (", words older" if self.unread else "")
+            return f"of version {self.footer.version}"
+        return ("of this commit" if self.fresh else "of this version") + (", words older" if self.unread else "")
 
 
 def age(page: Page, root: Path = ROOT) -> Age:
-    """Read a page and the source that it depends on."""
+    """Read a page."""
     path = root / page.file
     text = path.read_text(encoding="utf-8") if path.exists() else ""
-    return Age(page, footer_of(text), source(page, root), version(root), judged_source(text))
+    return Age(page, footer_of(text), commit(root), version(root), judged_commit(text))
 
 
 def oldest_first(pages: Iterable[Page] = PAGES, root: Path = ROOT) -> list[Age]:

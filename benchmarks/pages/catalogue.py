@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-REMARKS = "src/lostmotion/report/remarks_on_fit.py"  # loaded by the verb of a fit
-REPORT = "src/lostmotion/report/diagnosis_*.py"
-READERS = "src/lostmotion/files/read_any.py"  # loaded where a verb is given a path or a frame
 SHARED = "the real records in ../shared/data"
-COMMANDS = "src/lostmotion/cli/*.py"  # run as processes, and loaded by their names
-EXPORT = ("benchmarks/export.md", "src/lostmotion/export/templates/*")
-SUPERVISED = ("benchmarks/supervised.md", "src/lostmotion/export/templates/*")
-RIVALS = ("benchmarks/rivals/*.py", "benchmarks/rivals-constraints.txt", COMMANDS)
 
 
 @dataclass(frozen=True)
@@ -26,12 +19,8 @@ class Page:
         Relative to the repository.
     minutes : float
         Expected, on two cores that do nothing else.
-    also : tuple of str
-        Patterns of files that the script depends on without importing them.
     needs : str
         What must be there before.
-    reads : bool
-        Whether its script hands files or data frames to the verbs; one that does not depends on no reader.
     shares : bool
         Whether its script may run beside another: it keeps to one core, and its page holds no times.
     """
@@ -39,15 +28,8 @@ class Page:
     name: str
     script: str
     minutes: float
-    also: tuple[str, ...] = ()
     needs: str = ""
-    reads: bool = False
     shares: bool = False
-
-    @property
-    def without(self) -> tuple[str, ...]:
-        """What its script imports in vain."""
-        return () if self.reads else (READERS,)
 
     @property
     def file(self) -> str:
@@ -57,44 +39,40 @@ class Page:
 
 PAGES = (
     Page("accuracy", "benchmarks/accuracy.py", 5),
-    Page("adaptive", "benchmarks/adaptive.py", 15, ("benchmarks/adaptive.md",), reads=True, shares=True),
+    Page("adaptive", "benchmarks/adaptive.py", 15, shares=True),
     Page("blocks", "benchmarks/blocks.py", 6),
     Page("clean-bill", "benchmarks/clean_bill.py", 6),
     Page(
         "commissioning-example",
         "examples/virtual_commissioning.py",
         1,
-        ("tests/plc/*.py",),
-        "make plc",
-        reads=True,
+        needs="make plc",
         shares=True,
     ),
-    Page("compensation", "benchmarks/compensation.py", 2, ("benchmarks/compensation.md",), shares=True),
+    Page("compensation", "benchmarks/compensation.py", 2, shares=True),
     Page("compensation-study-figures", "benchmarks/compensation_study.py", 3, shares=True),
-    Page("diagnosis", "benchmarks/diagnosis.py", 13, ("benchmarks/verdicts/page.md",), SHARED, reads=True),
+    Page("diagnosis", "benchmarks/diagnosis.py", 13, needs=SHARED),
     Page(
         "eastman",
         "benchmarks/eastman.py",
         15,
-        ("benchmarks/plant/worker.py", "benchmarks/tep-constraints.txt"),
-        reads=True,
     ),
-    Page("endurance", "benchmarks/endurance.py", 8, reads=True),
-    Page("export", "benchmarks/export.py", 15, EXPORT, "make plc", reads=True, shares=True),
+    Page("endurance", "benchmarks/endurance.py", 8),
+    Page("export", "benchmarks/export.py", 15, needs="make plc", shares=True),
     Page("family", "benchmarks/family.py", 10),
     Page("ingredients", "benchmarks/ingredients.py", 15),
-    Page("online", "benchmarks/online.py", 10, RIVALS, reads=True),
+    Page("online", "benchmarks/online.py", 10),
     Page("paper", "benchmarks/paper_tables.py", 2),
     Page("published-loops", "benchmarks/published.py", 15),
-    Page("readme-examples", "benchmarks/readme_examples.py", 1, (REPORT,), SHARED, reads=True, shares=True),
-    Page("records", "benchmarks/records.py", 30, (REMARKS,), reads=True, shares=True),
-    Page("shared-data", "benchmarks/shared_data.py", 5, (REMARKS,), SHARED, reads=True),
+    Page("readme-examples", "benchmarks/readme_examples.py", 1, needs=SHARED, shares=True),
+    Page("records", "benchmarks/records.py", 30, shares=True),
+    Page("shared-data", "benchmarks/shared_data.py", 5, needs=SHARED),
     Page("speed", "benchmarks/speed.py", 6),
-    Page("startup", "benchmarks/startup.py", 4, (COMMANDS,), reads=True),
+    Page("startup", "benchmarks/startup.py", 4),
     Page("stiction", "benchmarks/stiction.py", 5),
     Page("test-design", "benchmarks/design.py", 3),
     Page("wrong-inverse", "benchmarks/wrong_inverse.py", 6),
-    Page("supervised", "benchmarks/supervised.py", 15, SUPERVISED, "make plc", reads=True, shares=True),
+    Page("supervised", "benchmarks/supervised.py", 15, needs="make plc", shares=True),
 )
 BY_HAND = {
     "audit": "what an audit does; figures with the command that repeats each",

@@ -1,4 +1,4 @@
-"""The last line of a page: when it was made, by which script, from which source, with which version."""
+"""The last line of a page: when it was made, by which script, at which commit, with which version."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from datetime import date
 
 UNKNOWN = "unknown"
 _LINE = re.compile(
-    r"\*Made on (\S+) by `(\S+)` from source `(\w+)` with version (\S+?)(?:, in (\d+) min(?:ute)?s?)?\.\*\n*\Z"
+    r"\*Made on (\S+) by `(\S+)` at commit `(\w+\+?)` with version (\S+?)(?:, in (\d+) min(?:ute)?s?)?\.\*\n*\Z"
 )
 
 
@@ -18,15 +18,13 @@ class Footer:
 
     made: date
     script: str
-    source: str
+    commit: str
     version: str
     minutes: int | None = None
 
     def __str__(self) -> str:
         took = "" if self.minutes is None else f", in {self.minutes} {'minute' if self.minutes == 1 else 'minutes'}"
-        return (
-            f"*Made on {self.made} by `{self.script}` from source `{self.source}` with version {self.version}{took}.*"
-        )
+        return f"*Made on {self.made} by `{self.script}` at commit `{self.commit}` with version {self.version}{took}.*"
 
     @property
     def release(self) -> tuple[int, ...]:
@@ -54,5 +52,5 @@ def footer_of(text: str) -> Footer | None:
     found = _LINE.search(text)
     if found is None:
         return None
-    made, script, source, version, minutes = found.groups()
-    return Footer(date.fromisoformat(made), script, source, version, int(minutes) if minutes else None)
+    made, script, commit, version, minutes = found.groups()
+    return Footer(date.fromisoformat(made), script, commit, version, int(minutes) if minutes else None)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from .catalogue import PAGES, Page
-from .publish import STORE, replace_text, source
-from .sources import ROOT
+from .commit import ROOT, commit
+from .publish import STORE, replace_text
 
 MOST_BYTES = 2**20  # of a part: rows of a table, no signals
 
@@ -26,7 +26,7 @@ def kept(name: str, key: str, work: Callable[[], Any], page: Page | None = None,
     key : str
         Which part of it, settings of the run included.
     work : callable
-        Called where the same source has not done this part before.
+        Called where the same commit has not done this part before.
     """
     page = page or next(one for one in PAGES if one.name == name)
     path = _place(page, root) / f"{''.join(letter if letter.isalnum() else '-' for letter in key)}.json"
@@ -41,8 +41,8 @@ def kept(name: str, key: str, work: Callable[[], Any], page: Page | None = None,
 
 @cache
 def _place(page: Page, root: Path) -> Path:
-    """Folder of the parts that today's source has made; those of another source are removed."""
-    place = root / STORE / page.name / source(page, root)
+    """Folder of the parts that today's commit has made; those of another one are removed."""
+    place = root / STORE / page.name / commit(root)
     for other in place.parent.glob("*"):
         if other != place:
             shutil.rmtree(other)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from .ages import Age, age, oldest_first
 from .catalogue import PAGES, Page
-from .publish import STORE
-from .sources import ROOT, forget
+from .commit import ROOT
+from .publish import MIXED, STORE
 
 SHOWN_LINES = 5  # of what a failed script said last
 
@@ -46,12 +46,12 @@ def make(
     root: Path = ROOT,
     tell: Callable[[str], None] = say,
 ) -> Outcome:
-    """Make the stale pages again, oldest first; a page that fails does not stop the others.
+    """Make the pages again for a release, oldest first; a page that fails does not stop the others.
 
     Parameters
     ----------
     only : iterable of str
-        Names of pages, made whether stale or not; empty: all that are stale.
+        Names of pages; empty: all that were not made at this commit.
     most_minutes : float
         After these no further page is begun.
     at_once : int
@@ -87,7 +87,7 @@ def wanted(only: set[str], ages: list[Age]) -> list[Age]:
     if unknown:
         names = ", ".join(sorted(one.page.name for one in ages))
         raise LookupError(f"expected names of pages, got {', '.join(sorted(unknown))}; choose among {names}")
-    return [one for one in ages if (one.page.name in only if only else one.stale)]
+    return [one for one in ages if (one.page.name in only if only else not one.fresh)]
 
 
 def fault(page: Page, root: Path) -> str:
@@ -102,8 +102,8 @@ def fault(page: Page, root: Path) -> str:
         return "\n    ".join([f"exit code {done.returncode}", *last])
     if stamp(root / page.file) == before:
         return "the script ran and wrote no page"
-    forget()
-    return "" if not age(page, root).stale else "its source changed while it was made; make it again"
+    made = age(page, root).footer
+    return "the tree changed while it was made; make it again" if made is None or made.commit == MIXED else ""
 
 
 def log_of(page: Page) -> Path:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from .commit import ROOT
 from .publish import replace_text
-from .sources import ROOT
 from .tables import NUMBER, PageText, QuoteError
 
 Find = Callable[[PageText], Iterable[float]]
@@ -126,7 +126,7 @@ def excerpt_differences(text: str, excerpts: dict[str, str], root: Path = ROOT) 
 
 
 def shown(quotes: Iterable[Quote], root: Path = ROOT) -> Iterator[str]:
-    """The manifest as lines: piece with its figures, page, source of the page."""
+    """The manifest as lines: piece with its figures, page, commit of the page."""
     for quote in quotes:
         try:
             figures = iter(quote.figures(root))
@@ -134,8 +134,8 @@ def shown(quotes: Iterable[Quote], root: Path = ROOT) -> Iterator[str]:
         except QuoteError as error:
             says = f"{quote.says} ({error})"
         footer = _page(root / "docs" / f"{quote.page}.md").footer
-        source = "unknown source" if footer is None else f"source {footer.source}, {footer.made}, {footer.script}"
-        yield f"{quote.text}: {says}\n    docs/{quote.page}.md, {source}"
+        made = "unknown commit" if footer is None else f"commit {footer.commit}, {footer.made}, {footer.script}"
+        yield f"{quote.text}: {says}\n    docs/{quote.page}.md, {made}"
 
 
 def mend(quotes: Iterable[Quote], root: Path = ROOT) -> Iterator[str]:

@@ -1,50 +1,33 @@
-"""Pages that know their age, on a toy repository: sources, footers, writing, making again, kept parts, quotes."""
+"""Pages that know their age, on a toy repository: commits, footers, writing, making again, kept parts, quotes."""
 
-import os
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from datetime import date
 
 import pytest
 from benchmarks.pages import ages, kept, publish
-from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_source
+from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_commit
 from benchmarks.pages.catalogue import Page
+from benchmarks.pages.commit import ROOT, commit
 from benchmarks.pages.footer import Footer, footer_of, release, signed, unsigned
 from benchmarks.pages.make import make
 from benchmarks.pages.publish import replace_text
 from benchmarks.pages.quotes import Quote, absent, differences, excerpt_differences, mend, shown, uncovered
-from benchmarks.pages.sources import ROOT, digest, forget, sources
 from benchmarks.pages.tables import PageText, QuoteError
 
-LATE = '''"""Doc."""
-
-
-def under():
-    """Doc."""
-    from lostmotion import late
-    return late
-'''
 FILES = {
     "src/lostmotion/__init__.py": '__version__ = "0.2.0"\n',
-    "src/lostmotion/__init__.pyi": "from . import room\nfrom .deep import near\nfrom .far import away\n",
-    "src/lostmotion/deep.py": "from lostmotion.below import under\nnear = under\n",
-    "src/lostmotion/below.py": LATE,
-    "src/lostmotion/late.py": "value = 1\n",
-    "src/lostmotion/far.py": "away = 1\n",
-    "src/lostmotion/room/__init__.py": "from .door import handle\n",
-    "src/lostmotion/room/door.py": "handle = 1\n",
-    "benchmarks/helper.py": "import math\n",
-    "benchmarks/words.md": "words\n",
-    "benchmarks/toy.py": "import helper\nimport lostmotion as lm\n\nprint(lm.near)\n",
+    "src/lostmotion/near.py": "value = 1\n",
+    "benchmarks/toy.py": "import lostmotion as lm\n",
+    ".gitignore": ".cache\n",
 }
-TOY = Page("toy", "benchmarks/toy.py", 1, ("benchmarks/words.md",), reads=True)
+TOY = Page("toy", "benchmarks/toy.py", 1)
 # a script as those of benchmarks/ are, but for the repository that it is told
 WRITER = """import sys
 sys.path.insert(0, {root!r})
 from pathlib import Path
-from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_source
+from benchmarks.pages.by_hand import NOTE, PLACE, carried, judged_commit
 from benchmarks.pages.catalogue import Page
 from benchmarks.pages.publish import publish
 here = Path(__file__).resolve().parents[1]
@@ -57,87 +40,44 @@ publish(here / "docs" / "{name}.md", "# {name}\\n", [Page("{name}", "benchmarks/
 def root(tmp_path):
     for name, text in FILES.items():
         write(tmp_path, name, text)
-    yield tmp_path
-    forget()
+    git(tmp_path, "init", "-q")
+    committed(tmp_path)
+    return tmp_path
+
+
+def git(root, *words):
+    who = ("-c", "user.name=toy", "-c", "user.email=toy@localhost")
+    done = subprocess.run(["git", *who, *words], cwd=root, check=True, capture_output=True, text=True)  # noqa: S607
+    return done.stdout.strip()
+
+
+def committed(root):
+    git(root, "add", "-A")
+    git(root, "commit", "-q", "--allow-empty", "-m", "toy")
+    return git(root, "rev-parse", "--short=12", "HEAD")
 
 
 def write(root, name, text):
     path = root / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
-    forget()
-
-
-def toy_digest(root):
-    return digest(root / TOY.script, TOY.also, root)
 
 
 def script(root, name, before=""):
     write(root, f"benchmarks/{name}.py", WRITER.format(root=str(ROOT), name=name, before=before))
-    return Page(name, f"benchmarks/{name}.py", 1, reads=True)
+    return Page(name, f"benchmarks/{name}.py", 1)
 
 
-class TestSources:
-    def test_what_is_imported_also_lazily_and_late(self, root):
-        found = {path.relative_to(root).as_posix() for path in sources(root / TOY.script, TOY.also, root)}
-        inside = {f"src/lostmotion/{name}.py" for name in ("__init__", "deep", "below", "late")}
-        assert found == inside | {"benchmarks/toy.py", "benchmarks/helper.py", "benchmarks/words.md"}
+class TestCommit:
+    def test_what_was_changed_since_is_told(self, root):
+        assert commit(root) == git(root, "rev-parse", "--short=12", "HEAD")
+        write(root, "docs/toy.md", "# Toy\n")
+        assert "+" not in commit(root), "a page is not what it measures"
+        write(root, "src/lostmotion/near.py", "value = 2\n")
+        assert commit(root).endswith("+")
 
-    def test_package_brings_what_it_imports(self, root):
-        write(root, TOY.script, "import lostmotion as lm\nlm.room.handle\n")
-        names = {path.name for path in sources(root / TOY.script, (), root)}
-        assert names == {"toy.py", "__init__.py", "door.py"}
-
-    def test_package_that_loads_lazily_inside_one_that_does(self, root):
-        write(root, "src/lostmotion/__init__.pyi", "from .room import window\n")
-        write(root, "src/lostmotion/room/__init__.py", "")
-        write(root, "src/lostmotion/room/__init__.pyi", "from .door import handle\nfrom .wall import window\n")
-        write(root, "src/lostmotion/room/wall.py", "window = 1\n")
-        write(root, TOY.script, "import lostmotion as lm\nlm.window\n")
-        names = {path.name for path in sources(root / TOY.script, (), root)}
-        assert names == {"toy.py", "__init__.py", "wall.py"}
-
-    def test_module_used_as_a_whole_brings_all_its_names(self, root):
-        write(root, TOY.script, "import lostmotion as lm\ngetattr(lm, 'near')\n")
-        assert {"deep.py", "far.py", "door.py"} <= {path.name for path in sources(root / TOY.script, (), root)}
-
-    @pytest.mark.parametrize(
-        ("name", "text"),
-        [
-            ("src/lostmotion/late.py", "value = 2\n"),
-            ("src/lostmotion/below.py", LATE.replace("return late", "return 0")),
-            ("benchmarks/helper.py", "import cmath\n"),
-            ("benchmarks/words.md", "other words\n"),
-            ("src/lostmotion/__init__.pyi", "from .far import near\n"),
-        ],
-    )
-    def test_change_of_code_changes_the_digest(self, root, name, text):
-        before = toy_digest(root)
-        write(root, name, text)
-        assert toy_digest(root) != before
-
-    @pytest.mark.parametrize(
-        ("name", "text"),
-        [
-            ("src/lostmotion/below.py", LATE.replace("Doc.", "Another.") + "# comment\n"),
-            ("src/lostmotion/late.py", "value = (\n    1\n)\n"),
-            ("src/lostmotion/far.py", "away = 2\n"),
-            ("benchmarks/unused.py", "x = 1\n"),
-        ],
-    )
-    def test_words_layout_and_strangers_do_not(self, root, name, text):
-        before = toy_digest(root)
-        write(root, name, text)
-        assert toy_digest(root) == before
-
-    def test_type_of_a_constant_counts(self, root):
-        before = toy_digest(root)
-        write(root, "src/lostmotion/late.py", "value = 1.0\n")
-        assert toy_digest(root) != before
-
-    def test_file_that_is_not_there(self, root):
-        with pytest.raises(FileNotFoundError, match=r"expected files benchmarks/gone\.md"):
-            sources(root / TOY.script, ("benchmarks/gone.md",), root)
+    def test_no_repository(self, tmp_path):
+        assert commit(tmp_path) == "unknown"
 
 
 class TestFooter:
@@ -166,10 +106,9 @@ class TestFooter:
 class TestPublish:
     def test_page_is_fresh(self, root):
         write(root, "docs/toy.md", "old")
-        begun(root)
         publish_toy(root)
         age = ages.age(TOY, root)
-        assert (age.stale, age.behind, age.state) == (False, False, "fresh")
+        assert (age.fresh, age.behind, age.state) == (True, False, "of this commit")
         assert age.minutes >= 1
 
     def test_old_page_stays_where_writing_fails(self, root):
@@ -179,35 +118,22 @@ class TestPublish:
         assert (root / "docs" / "toy.md").read_text(encoding="utf-8") == "old"
         assert [path.name for path in (root / "docs").iterdir()] == ["toy.md"]
 
-    def test_source_changed_meanwhile_makes_a_stale_page(self, root, capsys):
-        later = time.time() + 60.0
-        os.utime(root / "src/lostmotion/late.py", (later, later))
-        publish_toy(root)
-        assert "src/lostmotion/late.py" in capsys.readouterr().err
-        assert ages.age(TOY, root).footer.source == "mixed"
-        assert ages.age(TOY, root).stale
-
     def test_unknown_page_is_refused(self, root):
         with pytest.raises(LookupError, match="a page of the catalogue"):
             publish(root / "docs" / "other.md", "text", [TOY], root)
 
-    def test_stale_and_behind(self, root):
-        begun(root)
+    def test_of_this_version_and_behind(self, root):
         publish_toy(root)
-        write(root, "src/lostmotion/late.py", "value = 2\n")
-        assert ages.age(TOY, root).state == "stale"
+        write(root, "src/lostmotion/near.py", "value = 2\n")
+        committed(root)
+        age = ages.age(TOY, root)
+        assert (age.fresh, age.behind, age.state) == (False, False, "of this version")
         write(root, "src/lostmotion/__init__.py", '__version__ = "0.10.0"\n')
-        assert ages.age(TOY, root).state == "stale, of version 0.2.0"
+        assert ages.age(TOY, root).state == "of version 0.2.0"
 
     def test_page_that_is_not_there_is_behind(self, root):
         age = ages.age(TOY, root)
-        assert (age.stale, age.behind, age.state) == (True, True, "not made")
-
-
-def begun(root):
-    """Let all files be older than this process."""
-    for path in root.rglob("*.*"):
-        os.utime(path, (1.0, 1.0))
+        assert (age.fresh, age.behind, age.state) == (False, True, "not made")
 
 
 def publish_toy(root):
@@ -218,26 +144,25 @@ class TestWordsByHand:
     def test_carried_over_and_dated(self):
         template = f"# Toy\n\n{PLACE}\n\nRows.\n"
         first = carried(template, "", "aaa")
-        assert judged_source(first) == "unknown"
+        assert judged_commit(first) == "unknown"
         assert NOTE in first
-        written = first.replace("source unknown", "source aaa").replace(NOTE, "It holds.\n\n")
-        same, newer, newest = (carried(template, written, source) for source in ("aaa", "bbb", "ccc"))
+        written = first.replace("commit unknown", "commit aaa").replace(NOTE, "It holds.\n\n")
+        same, newer, newest = (carried(template, written, at) for at in ("aaa", "bbb", "ccc"))
         assert same == written
         assert NOTE + "It holds." in newer
-        assert judged_source(newer) == "aaa"
+        assert judged_commit(newer) == "aaa"
         assert carried(template, newer, "ccc") == newest == newer
         assert carried(template, newer, "aaa") == written
 
     def test_page_without_place(self):
-        old = "<!-- by hand, for source aaa -->\nIt holds.\n<!-- end of the words by hand -->"
+        old = "<!-- by hand, for commit aaa -->\nIt holds.\n<!-- end of the words by hand -->"
         assert carried("# Toy\n", "# Old\n", "aaa") == "# Toy\n"
         assert carried("# Toy\n", old, "aaa") == f"# Toy\n\n{old}\n"
 
     def test_told_in_the_list(self, root):
-        begun(root)
         publish(root / "docs" / "toy.md", f"# Toy\n\n{PLACE}\n", [TOY], root)
         age = ages.age(TOY, root)
-        assert (age.unread, age.state) == (True, "fresh, words older")
+        assert (age.unread, age.state) == (True, "of this commit, words older")
 
 
 class TestMake:
@@ -249,6 +174,7 @@ class TestMake:
         ]
         write(root, "docs/good.md", signed("# Old\n", TestFooter.LAST))
         write(root, "docs/bad.md", signed("# Old\n", TestFooter.LAST))
+        committed(root)
         told = []
         outcome = make(pages=pages, root=root, tell=told.append)
         assert [line.split()[0] for line in told if " by " in line] == ["docs/mute.md", "docs/bad.md", "docs/good.md"]
@@ -266,6 +192,7 @@ class TestMake:
 
     def test_named_pages_are_made_though_fresh(self, root):
         page = script(root, "good")
+        committed(root)
         for only in ((), ("good",)):
             assert make(only, pages=[page], root=root, tell=lambda _: None).made == ["good"]
         assert make(pages=[page], root=root, tell=lambda _: None).made == []
@@ -287,7 +214,7 @@ class TestMake:
 
 
 class TestKept:
-    def test_done_once_with_a_source(self, root):
+    def test_done_once_at_a_commit(self, root):
         calls = []
 
         def work():
@@ -304,7 +231,7 @@ class TestKept:
         publish_toy(root)
         assert not (root / ".cache" / "pages" / "toy").exists()
 
-    def test_another_source_begins_anew(self, root):
+    def test_another_commit_begins_anew(self, root):
         old = root / ".cache" / "pages" / "toy" / "000000000000" / "part.json"
         write(root, old.relative_to(root).as_posix(), "1")
         assert kept("toy", "part", lambda: 2, TOY, root) == 2
@@ -387,11 +314,11 @@ class TestQuotes:
         assert len(list(mend([self.QUOTE], root))) == 1
         assert (root / "README.md").read_text(encoding="utf-8") == self.TEXT
 
-    def test_shown_with_the_source(self, root):
+    def test_shown_with_the_commit(self, root):
         write(root, "docs/toy.md", signed(PAGE, TestFooter.LAST))
         assert list(shown([self.QUOTE], root)) == [
             "README.md: it is 4.2 times faster on 1,000 rows\n"
-            "    docs/toy.md, source 0123456789ab, 2026-01-31, benchmarks/toy.py"
+            "    docs/toy.md, commit 0123456789ab, 2026-01-31, benchmarks/toy.py"
         ]
 
     def test_number_without_a_source(self):

@@ -1,18 +1,13 @@
-"""Every page says from which source it is, and every figure of the README is that of a page."""
+"""Every page says at which commit it was made, and every figure of the README is that of a page."""
 
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
-import pytest
 from benchmarks.pages.ages import oldest_first
 from benchmarks.pages.catalogue import BY_HAND, PAGES
+from benchmarks.pages.commit import ROOT
 from benchmarks.pages.footer import footer_of
 from benchmarks.pages.quoted import EXCERPTS, GIVEN, QUOTES
 from benchmarks.pages.quotes import absent, differences, excerpt_differences, uncovered
-from benchmarks.pages.sources import ROOT, sources
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 NAMES = [page.name for page in PAGES]
@@ -49,7 +44,6 @@ def test_scripts_say_their_page_and_their_minutes():
         said = " ".join((ROOT / page.script).read_text(encoding="utf-8").split('"""')[1].split())
         assert f"writes {page.file}" in said, page
         assert float(re.search(r"about (\d+) minute", said)[1]) == page.minutes, page
-        assert all(list(ROOT.glob(pattern)) for pattern in page.also), page
 
 
 def test_pages_named_in_the_source_are_known():
@@ -59,28 +53,6 @@ def test_pages_named_in_the_source_are_known():
                 continue
             for name in re.findall(r"docs/([a-z-]+)\.md", path.read_text(encoding="utf-8")):
                 assert name in NAMES or name in BY_HAND, (path, name)
-
-
-@pytest.mark.parametrize(("script", "fewest"), [("speed", 10), ("startup", 5), ("diagnosis", 10)])
-def test_sources_hold_all_that_python_imports(script, fewest):
-    """Python itself says what importing a script loads; what runs later can only be more of the same graph."""
-    path = ROOT / "benchmarks" / f"{script}.py"
-    code = (
-        f"import runpy, sys; sys.path.insert(0, {str(path.parent)!r}); runpy.run_path({str(path)!r}, run_name='x');"
-        "print(*{m.__file__ for m in sys.modules.values() if getattr(m, '__file__', None)}, sep='\\n')"
-    )
-    tree = os.environ | {"PYTHONPATH": str(ROOT / "src")}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT, env=tree)
-    loaded = {Path(line) for line in done.stdout.splitlines() if Path(line).is_relative_to(ROOT)}
-    loaded = {path for path in loaded if ".venv" not in path.parts and "pages" not in path.relative_to(ROOT).parts}
-    assert len(loaded) > fewest  # packages load lazily: the commands that start-up measures run elsewhere
-    assert loaded <= set(sources(path))
-
-
-def test_sources_tell_scripts_apart():
-    design = ROOT / "src" / "lostmotion" / "design" / "plan.py"
-    assert design in sources(ROOT / "benchmarks" / "design.py")
-    assert design not in sources(ROOT / "benchmarks" / "accuracy.py")
 
 
 def test_figures_are_those_of_the_pages():
