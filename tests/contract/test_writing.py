@@ -1,6 +1,7 @@
 """Nobody writes a file but the writer, and nothing in the core runs what others wrote."""
 
 import ast
+import os
 import re
 import sys
 import tomllib
@@ -8,43 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from lostmotion.cli import main
+from lostmotion.files import folders, writer
+from lostmotion.kernels import numba_cache
+from tests.support import commands_that_write as commands
+from tests.support.watched import CHANGES, REACHES, RUNS, doings
+
 CORE = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
 FILES = sorted(CORE.rglob("*.py"))
-WRITERS = {
-    "write_text", "write_bytes", "writelines", "savefig", "tofile", "touch", "mkdir", "makedirs", "rename", "renames",
-    "replace", "unlink", "rmdir", "symlink_to", "hardlink_to", "link", "symlink", "truncate", "write_csv", "dump",
-    "write_parquet", "sink_csv", "sink_parquet", "save", "savez", "savetxt", "to_csv", "to_parquet", "savemat",
-    "copy2", "copyfile", "copytree", "rmtree", "mkstemp", "mkdtemp", "NamedTemporaryFile", "chmod",
-}  # fmt: skip
-NOT_FILES = {  # what has such a name and writes no file, or goes through the writer
-    "files/write.py": {"write_parquet", "write_csv", "write_bytes"},  # into memory, then the writer
-    "files/results.py": {"write_bytes", "write_text"}, "files/text.py": {"rename"},  # columns of a frame
-    "files/folders.py": {"mkdir", "rmdir"},  # folders of what is written
-    "files/joined.py": {"rename"}, "files/long.py": {"rename"},
-    "online/service.py": {"write_bytes"}, "files/child.py": {"write_csv"},
-    "live/recorder.py": {"write_parquet", "write_bytes"},  # into memory, then the writer
-    "live/run.py": {"save"},  # of a service, whose state goes through the writer
-    "cli/output.py": {"savefig", "write_bytes", "write_text"}, "cli/paper.py": {"write_text"},
-    "paper/page.py": {"savefig"}, "identify/recursive/archive.py": {"savez"}, "cli/identify.py": {"save"},
-    "web/plant/overview.py": {"link"}, "web/plant/pages.py": {"link"},  # of a query: an address
-    "web/worker/tasks.py": {"write_bytes"},
-    # folders of the page itself, with names that it has made up: what was dropped, what was read for a trend
-    "web/desk/desk.py": {"mkdir", "mkdtemp", "rmtree", "unlink"}, "web/server/browser.py": {"mkstemp"},
-    "web/trend/loop_records.py": {"mkdtemp", "rmtree", "write_bytes"},
-    "web/desk/workspace.py": {"mkdir", "mkdtemp", "rmtree"},
-    "live/demo_files.py": {"mkdir"},  # the folder that --files names, and the door in it
-    "live/supervision/handed_over.py": {"rename", "unlink"},  # a request is taken once, or taken back
-    # what Numba keeps for the kernels, and folders of older sources there; below all that could write for it
-    "kernels/numba_cache.py": {"mkdir", "rmtree"},
-}  # fmt: skip
-NOT_FILES_BUT_OPENED = {  # the null device, a pipe, folders for their locks, the worker's own output
-    "cli/closed_output.py", "files/alone.py", "files/child.py", "files/undamaged.py", "web/worker/work.py",
-    "audit/runner/limit.py",  # the null device
-    "live/audit_log.py",  # lines are appended, each on the disk before anything is sent
-    "web/desk/desk.py",  # what is dropped is streamed into a new file
-    "web/server/browser.py",  # the way of the token to the browser
-}  # fmt: skip
-RUNS = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
+CALLED = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
 MODULES = {"pickle", "marshal", "shelve", "subprocess", "socket", "urllib", "http", "requests", "ctypes", "dill"}
 
 
@@ -59,34 +32,46 @@ def calls(path):
                 yield function.id, node, ""
 
 
-def for_writing(node, name, on):
-    """A call of open() that is not for reading alone."""
-    words = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
-    words += [word.value.value for word in node.keywords if word.arg == "mode" and isinstance(word.value, ast.Constant)]
-    if on == "os" or name == "fdopen":
-        return True
-    return name == "open" and any(isinstance(word, str) and set(word) & set("wxa+") and len(word) < 4 for word in words)
+BY = {writer.__name__, folders.__name__, numba_cache.__name__}  # who writes: results, their folders, what is compiled
 
 
-def test_files_are_written_by_the_writer_alone():
-    faults = []
-    for path in FILES:
-        name = path.relative_to(CORE).as_posix()
-        allowed = NOT_FILES.get(name, set())
-        for called, node, on in calls(path):
-            opened = name not in NOT_FILES_BUT_OPENED and called in ("open", "fdopen") and for_writing(node, called, on)
-            if name != "files/writer.py" and (
-                opened or (called in WRITERS - allowed and not _harmless(called, node, on))
-            ):
-                faults.append(f"{name}:{node.lineno} {called}()")
-    assert not faults, f"files are written by files/writer.py: {faults}"
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """What each command that writes did outside of its process, as Python reports it."""
+    folder = tmp_path_factory.mktemp("commands")
+    given = commands.prepare(folder)
+    commands.warm()
+    found = {}
+    for name, words in commands.writing(given).items():
+        place = tmp_path_factory.mktemp("at")
+        code, found[name] = doings(lambda words=words, place=place: main(words(place)), place)
+        assert code in (0, 1), name
+    place = tmp_path_factory.mktemp("audit")
+    words = ["audit", str(Path(given.record).parent), "--store", f"{place}/p.db", "--report", f"{place}/p.html"]
+    code, found["audit"] = doings(lambda: main([*words, "--engine", "inline", "--screen-only"]), place)
+    assert code in (0, 1)
+    return found
 
 
-def _harmless(called, node, on):
-    """Methods of texts and dataclasses, of the command line's own output, and of results."""
-    if called == "replace" and on != "os":
-        return len(node.args) != 1 or bool(node.keywords) or on == ""
-    return on in ("output", "self", "self.kept")
+@pytest.mark.long
+def test_files_are_written_by_the_writer_alone(done):
+    faults = {
+        (name, one["event"], one["what"][0], one["by"][0])
+        for name, all_done in done.items()
+        for one in all_done
+        if one["by"] and not BY & set(one["by"]) and one["event"] in CHANGES | {"open"} and one["what"][0] != os.devnull
+    }
+    assert not faults
+    assert all(any(writer.__name__ in one["by"] for one in all_done) for all_done in done.values()), (
+        "the watch is blind"
+    )
+
+
+@pytest.mark.long
+def test_commands_reach_nobody_and_start_nothing_but_this_python(done):
+    events = [one for all_done in done.values() for one in all_done if one["by"]]
+    assert [one for one in events if one["event"] in REACHES] == []
+    assert {one["what"][0] for one in events if one["event"] in RUNS} <= {sys.executable}
 
 
 PROCESSES = {  # this Python and a script or module of ours: no word of it is from outside
@@ -105,7 +90,7 @@ def test_nothing_runs_what_others_wrote():
         faults += [
             f"{name}:{node.lineno} {called}()"
             for called, node, on in calls(path)
-            if called in RUNS - PROCESSES.get(name, set()) and on != "re"
+            if called in CALLED - PROCESSES.get(name, set()) and on != "re"
         ]
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -199,17 +184,3 @@ def test_the_core_imports_nothing_but_these_packages():
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
             imported |= {name.partition(".")[0] for name in names}
     assert imported <= known, imported - known
-
-
-CAUGHT = (
-    "open(p, 'w')", "p.open('xb')", "open(p, mode='a')", "os.open(p, 1)", "p.write_text('')", "os.replace(a, b)",
-    "beside.replace(target)", "figure.savefig(p)", "frame.write_csv(p)",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("code", CAUGHT)
-def test_the_search_finds_what_it_is_for(code, tmp_path):
-    path = tmp_path / "a.py"
-    path.write_text(code)
-    ((called, node, on),) = calls(path)
-    assert for_writing(node, called, on) or (called in WRITERS and not _harmless(called, node, on))

@@ -5,16 +5,14 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import pytest
+from coverage import Coverage
 
 from lostmotion import errors
-from lostmotion.records import findings
 
 PACKAGE = Path(errors.__file__).parent
 
@@ -52,28 +50,17 @@ def refusals_in(file: str) -> Iterator[re.Pattern[str]]:
 
 
 @contextmanager
-def passed(monkeypatch: pytest.MonkeyPatch) -> Iterator[set[tuple[str, int]]]:
-    """File and line of each place that makes a message from here on."""
-    seen: set[tuple[str, int]] = set()
+def ran() -> Iterator[Callable[[], dict[str, set[int]]]]:
+    """Gives, at the end, the lines of each file of the package that were run."""
+    folders = [str(PACKAGE / name / "*") for name in ("files", "records")]
+    watched = Coverage(data_file=None, include=folders, config_file=False, messages=False)
+    watched.start()
 
-    def note(*_: Any, **__: Any) -> None:
-        frame = sys._getframe(1)
-        while frame is not None and frame.f_code.co_filename in (errors.__file__, __file__):
-            frame = frame.f_back
-        if frame is not None and Path(frame.f_code.co_filename).is_relative_to(PACKAGE):
-            seen.add((str(Path(frame.f_code.co_filename).relative_to(PACKAGE)), frame.f_lineno))
+    def lines() -> dict[str, set[int]]:
+        data = watched.get_data()
+        return {str(Path(file).relative_to(PACKAGE)): set(data.lines(file) or ()) for file in data.measured_files()}
 
-    made = findings.Finding
-
-    def finding(*parts: Any) -> findings.Finding:
-        note()
-        return made(*parts)
-
-    def begun(self: BaseException, *parts: Any) -> None:
-        note()
-        super(errors.LostMotionError, self).__init__(*parts)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(errors.LostMotionError, "__init__", begun)
-        patch.setattr(findings, "Finding", finding)
-        yield seen
+    try:
+        yield lines
+    finally:
+        watched.stop()
