@@ -12,7 +12,7 @@ from lostmotion.extras import EXTRAS
 from tests.support.installed import Environment, build_wheel
 from tests.support.plain_commands import LACKING, NAMED, WORK, assert_names, assert_needs_none, record
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.xdist_group("installed")]  # one worker makes the environments
 
 CALLS = {
     "plot": "lm.read_loop(loop).plot().savefig('a.png')",

@@ -13,7 +13,7 @@ from tests.support.plant_stores import plant_store
 from tests.support.served import ROOT, Served, long_record, put_on_desk
 from tests.unit.web.test_monitor import START, event, report
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.xdist_group("page")]  # one worker starts the server
 
 AXE = ROOT / ".cache/web/axe.min.js"
 WIDTHS = (390, 1280, 1920)
