@@ -142,26 +142,26 @@ def tests_of(fault: Fault, covered: CoverageData) -> list[str]:
 
 
 def outcome(fault: Fault, tests: list[str], copy: Path) -> str:
-    """What became of it: "found by TEST", "not run" by any test, or "not found" by so many."""
+    """What became of it: "found by TEST", "NOT RUN" by any test, or "NOT FOUND" by so many."""
     if not tests:
         return "NOT RUN by any test of the short stage"
     place = copy / fault.file
     sound = place.read_text(encoding="utf-8")
-    place.write_text(fault.text, encoding="utf-8")
-    try:
-        begun = 0
-        for size in CHUNKS:
-            asked, begun = tests[begun : begun + size], begun + size
-            found = asked and failed(asked, copy)
-            if found:
-                return f"found by {found}"
-        return f"NOT FOUND by {len(tests)} tests"
-    finally:
-        place.write_text(sound, encoding="utf-8")
+    begun = 0
+    for size in CHUNKS:
+        asked, begun = tests[begun : begun + size], begun + size
+        place.write_text(fault.text, encoding="utf-8")
+        try:
+            found = failed(asked, copy) if asked else ""
+        finally:
+            place.write_text(sound, encoding="utf-8")
+        if found and not failed([found], copy):  # without the fault it passes
+            return f"found by {found}"
+    return f"NOT FOUND by {len(tests)} tests"
 
 
 def failed(tests: list[str], copy: Path) -> str:
-    """First of these tests that fails; "" where none does."""
+    """First of these tests that fails, or of those that never end; "" where none does."""
     words = [sys.executable, "-m", "pytest", "-x", "-q", *SHORT, "--tb=no", "-p", "no:cacheprovider", *tests]
     path = {"PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1", "CI": "1"}
     try:
@@ -169,11 +169,18 @@ def failed(tests: list[str], copy: Path) -> str:
             words, cwd=copy, env=os.environ | path, capture_output=True, text=True, timeout=SECONDS, check=False
         )
     except subprocess.TimeoutExpired:
-        return "a test that never ends"
+        return tests[0]
     if done.returncode in (0, 5):
         return ""
     lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return lines[0].split(" - ")[0].split(" ", 1)[1] if lines else done.stdout[-200:]
+    return lines[0].split(" - ")[0].split(" ", 1)[1] if lines else tests[0]
+
+
+def present() -> set[str]:
+    """Tests of the short stage that there are."""
+    words = [sys.executable, "-m", "pytest", "--collect-only", "-q", *SHORT]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    return {line for line in done.stdout.splitlines() if "::" in line}
 
 
 def take_coverage(file: Path) -> None:
@@ -213,7 +220,8 @@ def main() -> int:
             take_coverage(file)
         covered = CoverageData(str(file))
         covered.read()
-        tests = [tests_of(fault, covered) for fault in faults]
+        there = present()
+        tests = [[test for test in tests_of(fault, covered) if test in there] for fault in faults]
         copies: Queue[Path] = Queue()
         for number in range(given.at_once):
             copies.put(copied(Path(folder) / f"copy{number}"))
