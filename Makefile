@@ -51,7 +51,7 @@ short: $(COMPILED)
 	$(BIN)/pytest -n 3 --dist worksteal -p no:randomly -m "not long"
 
 all: $(COMPILED)
-	$(BIN)/pytest -n 3 --dist loadgroup --cov --cov-report term:skip-covered
+	$(BIN)/pytest -n 3 --dist loadgroup --randomly-seed=$$(date +%Y%m%d) --cov --cov-report=term:skip-covered
 
 # What is compiled, as Python: indices out of range are errors there.
 nojit: $(STAMP)

@@ -1,6 +1,6 @@
 """Small faults put into the source, one at a time: does the short stage of the tests find them?
 
-Run: ``python benchmarks/mutants.py`` (about 40 minutes on two cores; --seed for another sample)
+Run: ``python benchmarks/mutants.py`` (about an hour on two cores; --seed for another sample)
 
 Faults are drawn at random, so many of each package: a sign, a bound that is turned round, a unit, two arguments that
 are swapped, a check that is removed. For each the tests of the short stage that run the line are asked, those of its
@@ -141,6 +141,19 @@ def tests_of(fault: Fault, covered: CoverageData) -> list[str]:
     return sorted(tests, key=lambda one: (f"tests/unit/{package}/" not in one, "tests/unit/" not in one, one))
 
 
+def tests_near(fault: Fault, there: set[str]) -> list[str]:
+    """Tests of the package, and of files that name it; those that name the module first. Fewer than may run the line."""
+    package, module = fault.file.relative_to(SOURCE).parts[0], ".".join(fault.file.with_suffix("").parts[1:])
+    near: dict[str, int] = {}
+    for name in {test.partition("::")[0] for test in there}:
+        text = (ROOT / name).read_text(encoding="utf-8")
+        rank = 0 if module in text else 1 if f"tests/unit/{package}/" in name else 2 if package in text else None
+        if rank is not None and not name.startswith("src/"):
+            near[name] = rank
+    tests = [test for test in there if test.partition("::")[0] in near]
+    return sorted(tests, key=lambda test: (near[test.partition("::")[0]], test))
+
+
 def outcome(fault: Fault, tests: list[str], copy: Path) -> str:
     """What became of it: "found by TEST", "NOT RUN" by any test, or "NOT FOUND" by so many."""
     if not tests:
@@ -183,10 +196,16 @@ def present() -> set[str]:
     return {line for line in done.stdout.splitlines() if "::" in line}
 
 
-def take_coverage(file: Path) -> None:
-    """Of the short stage, with the test that ran each line."""
-    words = [sys.executable, "-m", "pytest", "-n", "3", "-q", *SHORT, "--cov", "--cov-context=test", "--cov-report="]
-    subprocess.run(words, cwd=ROOT, env=os.environ | {"COVERAGE_FILE": str(file), "CI": "1"}, check=False)
+def coverage_of(file: Path | None, folder: Path) -> CoverageData:
+    """Of the short stage, with the test that ran each line; taken where it is not given, in half an hour."""
+    if file is None:
+        file = folder / ".coverage"
+        words = [sys.executable, "-m", "pytest", "-n", "3", "-q", *SHORT, "--cov", "--cov-context=test"]
+        wanted = {"COVERAGE_FILE": str(file), "CI": "1"}
+        subprocess.run([*words, "--cov-report="], cwd=ROOT, env=os.environ | wanted, check=False)
+    covered = CoverageData(str(file))
+    covered.read()
+    return covered
 
 
 def copied(folder: Path) -> Path:
@@ -208,6 +227,7 @@ def main() -> int:
     asked.add_argument("--seed", type=int, default=0)
     asked.add_argument("--at-once", type=int, default=2)
     asked.add_argument("--coverage", type=Path, help="of the short stage with contexts; without it, it is taken")
+    asked.add_argument("--near", action="store_true", help="ask tests that are near instead: minutes, and fewer found")
     asked.add_argument("--list", action="store_true", help="print the faults only")
     given = asked.parse_args()
     faults = drawn(given.seed)
@@ -215,13 +235,12 @@ def main() -> int:
         print(*faults, sep="\n")
         return 0
     with tempfile.TemporaryDirectory() as folder:
-        file = given.coverage or Path(folder) / ".coverage"
-        if given.coverage is None:
-            take_coverage(file)
-        covered = CoverageData(str(file))
-        covered.read()
         there = present()
-        tests = [[test for test in tests_of(fault, covered) if test in there] for fault in faults]
+        covered = None if given.near else coverage_of(given.coverage, Path(folder))
+        tests = [
+            tests_near(fault, there) if covered is None else [one for one in tests_of(fault, covered) if one in there]
+            for fault in faults
+        ]
         copies: Queue[Path] = Queue()
         for number in range(given.at_once):
             copies.put(copied(Path(folder) / f"copy{number}"))
