@@ -142,7 +142,7 @@ def tests_of(fault: Fault, covered: CoverageData) -> list[str]:
 
 
 def tests_near(fault: Fault, there: set[str]) -> list[str]:
-    """Tests of the package, and of files that name it; those that name the module first. Fewer than may run the line."""
+    """Tests of the package, and of files that name it; those that name the module first. Not all that run the line."""
     package, module = fault.file.relative_to(SOURCE).parts[0], ".".join(fault.file.with_suffix("").parts[1:])
     near: dict[str, int] = {}
     for name in {test.partition("::")[0] for test in there}:
