@@ -70,10 +70,17 @@ class _Watch:
         threading.Thread(target=self._wait, daemon=True).start()
 
     def end(self) -> None:
-        """Nothing is interrupted any more."""
-        with self.lock:
-            self.ended.set()
-            _interrupt(self.thread, None)
+        """Nothing is interrupted any more.
+
+        What was sent before is raised here at the latest. It is not taken back: Python 3.11 then believes for ever that
+        something is left to raise, and a traced thread (a debugger, coverage) never goes on.
+        """
+        while not self.ended.is_set():
+            try:
+                with self.lock:
+                    self.ended.set()
+            except _Over:
+                continue
         if _MAY_END.is_set():
             faulthandler.cancel_dump_traceback_later()
 
@@ -82,13 +89,13 @@ class _Watch:
         while not self.ended.wait(wait):
             with self.lock:
                 if not self.ended.is_set():
-                    _interrupt(self.thread, _Over)
+                    _interrupt(self.thread)
             wait = AGAIN
 
 
-def _interrupt(thread: int, error: type[BaseException] | None) -> None:
-    """Raise it there, or take back what was not raised yet."""
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(error) if error else None)
+def _interrupt(thread: int) -> None:
+    """Raise `_Over` there, between two instructions."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(_Over))
 
 
 @cache
