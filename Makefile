@@ -6,7 +6,7 @@ OPCUA := tests/opcua/node_modules/.installed
 COMPILED := .venv/.compiled
 export PYTHONPATH :=
 
-.PHONY: setup demo test test-all ready lint types imports short all nojit plc web opcua pages clean
+.PHONY: setup demo test test-all ready lint types imports short long nojit plc web opcua pages clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -24,10 +24,10 @@ test: $(STAMP)
 	$(MAKE) --no-print-directory -j 2 ready
 	$(MAKE) --no-print-directory short
 
-# Everything, in random order and with coverage, and what tests kernels once more as Python.
+# What is left: the long tests, and what tests kernels once more as Python.
 test-all: $(STAMP)
 	$(MAKE) --no-print-directory -j 2 $(COMPILED) plc opcua
-	$(MAKE) --no-print-directory all nojit
+	$(MAKE) --no-print-directory long nojit
 
 ready: $(COMPILED) lint types imports
 
@@ -48,14 +48,14 @@ $(COMPILED): $(STAMP) $(shell find src/lostmotion/kernels -name '*.py')
 
 # Three workers for two cores: a part of the time is waiting for plants, servers and clocks.
 short: $(COMPILED)
-	$(BIN)/pytest -n 3 --dist worksteal -p no:randomly -m "not long"
+	$(BIN)/pytest -n 3 --dist worksteal -m "not long"
 
-all: $(COMPILED)
-	$(BIN)/pytest -n 3 --dist loadgroup --randomly-seed=$$(date +%Y%m%d) --cov --cov-report=term:skip-covered
+long: $(COMPILED)
+	$(BIN)/pytest -n 3 --dist worksteal -m "long"
 
 # What is compiled, as Python: indices out of range are errors there.
 nojit: $(STAMP)
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -p no:randomly -m "kernels and not long and not statistics"
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist worksteal -m "kernels and not long and not statistics"
 
 # A PLC for the tests of exported blocks: ST machine, parsers, schema, in an environment of its own.
 plc: .venv-plc/.installed
