@@ -10,6 +10,7 @@ from tests.support.hostile_texts import MARKS, exported
 TEXTS = 40
 
 
+@pytest.mark.long  # a parser of the environment of the PLC
 def test_the_same_tree_to_tree_sitter(tmp_path):
     need(PYTHON)
     random = np.random.default_rng(0)
