@@ -3,6 +3,7 @@
 import subprocess
 
 import numpy as np
+import pytest
 
 from tests.plc.machine import PYTHON, ROOT, need
 from tests.support.hostile_texts import MARKS, exported
