@@ -1,6 +1,6 @@
 """Small faults put into the source, one at a time: does the short stage of the tests find them?
 
-Run: ``python benchmarks/mutants.py`` (about an hour on two cores; --seed for another sample)
+Run: ``python benchmarks/mutants.py`` (--seed for another sample, --near for a quick count)
 
 Faults are drawn at random, so many of each package: a sign, a bound that is turned round, a unit, two arguments that
 are swapped, a check that is removed. For each the tests of the short stage that run the line are asked, those of its

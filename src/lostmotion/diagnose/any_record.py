@@ -73,7 +73,7 @@ def diagnose(
     Main evidence is how well each kind of actuator predicts what it was not fitted to; the field's indices of shape
     are weighed in by log-odds that were calibrated (docs/diagnosis.md). Many records have one valve, each with a
     process and noise of its own: what each says of every size is added up (:mod:`lostmotion.diagnose.pooled.evidence`).
-    A record of more than 50,000 rows is read by looks at its most telling stretches, as in an audit.
+    A record of more than 50,000 rows is read by looks at its most informative stretches, as in an audit.
 
     Parameters
     ----------

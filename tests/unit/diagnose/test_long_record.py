@@ -180,7 +180,7 @@ def test_records_of_many_stretches_are_told_apart():
     assert stiction.fingerprint == record_of(1005, "stiction").fingerprint
     said = " ".join(stiction.summary().split())
     assert "samples every 1 s, of 7000 of the record" in said
-    assert "Of 7000 rows the most telling 4500 were diagnosed in 2 looks" in said
+    assert "Of 7000 rows the most informative 4500 were diagnosed in 2 looks" in said
     assert stiction.to_dict()["long_record"]["diagnosed_rows"] == stiction.diagnosed_rows == 4500
     assert found["none"].kind != "actuator"
     assert found["tuning"].kind != "actuator"

@@ -1,1 +1,1 @@
-"""A long record: the valve by its most telling stretches."""
+"""A long record: the valve by its most informative stretches."""

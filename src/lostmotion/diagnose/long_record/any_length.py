@@ -1,4 +1,4 @@
-"""The valve of a record of any length: whole up to `LONG` rows, by its most telling stretches beyond."""
+"""The valve of a record of any length: whole up to `LONG` rows, by its most informative stretches beyond."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``diagnose_long``: a long record is diagnosed from its most telling stretches, for one loop as for all of a plant."""
+"""``diagnose_long``: a long record is diagnosed from its most informative stretches, for one loop as for all of a plant."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from lostmotion.brief import counted
 from lostmotion.diagnose.at_limits import judged_by_limits
+from lostmotion.diagnose.clean_bill import how_to_tell
 from lostmotion.diagnose.control_error.amplitude import error_oscillation
 from lostmotion.diagnose.control_error.rows import ScreenRows
 from lostmotion.diagnose.diagnosis import Diagnosis
@@ -128,6 +129,7 @@ def _told(record: LoopRecord, seen: Seen) -> LongDiagnosis:
         kept |= _pooled(best, found)
     elif any(alarm(one) for one in found):
         kept |= {"verdict": "cannot tell", "kind": "unknown", "severity": "unknown", "why": about_looks(found)}
+        kept["advice"] = how_to_tell(max(best.excluded.values(), default=np.inf), best.tolerance)
     return LongDiagnosis(
         **kept,
         looks=found,
@@ -144,8 +146,8 @@ def _note(record: LoopRecord, seen: Seen) -> str:
     pace = f", at a pace of {seen[0][0].record.dt:g} s" if seen[0][0].record.dt > record.dt else ""
     looked = counted(len(seen), "look")
     return (
-        f"Of {len(record)} rows the most telling {rows} were diagnosed in {looked}{pace}. Fit, indices and figures are "
-        "of the stretches that are believed."
+        f"Of {len(record)} rows the most informative {rows} were diagnosed in {looked}{pace}. Fit, indices, performance "
+        "and figures are of one of them."
     )
 
 

@@ -1,4 +1,4 @@
-"""LongDiagnosis: what the most telling stretches of a long record say."""
+"""LongDiagnosis: what the most informative stretches of a long record say."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lostmotion.diagnose.diagnosis import Diagnosis
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LongDiagnosis(Diagnosis):
-    """Diagnosis of a long record from looks at its most telling stretches.
+    """Diagnosis of a long record from looks at its most informative stretches.
 
     What a :class:`Diagnosis` says of the loop beside its verdict and size (fit, indices, performance) is that of the
     look that is believed, `record`.
@@ -18,13 +18,13 @@ class LongDiagnosis(Diagnosis):
     Attributes
     ----------
     looks : tuple of Diagnosis
-        Each at two stretches, joined; the most telling first.
+        Each at two stretches, joined; the most informative first.
     diagnosed_rows : int
         Of all looks, after thinning.
     of_rows : int
         Of the record.
     shown : (int, int)
-        Rows of the record, first and last but one, that show the verdict best.
+        First row of the record that shows the verdict best, and the row behind the last.
     origin : str
         Fingerprint of the record.
     """

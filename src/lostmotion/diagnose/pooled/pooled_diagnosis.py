@@ -26,7 +26,7 @@ class RecordShare:
     rows : int
         Used; 0 where the record was left out.
     alone : str
-        Verdict of this record by itself, "" where it was not asked for.
+        Verdict of this record by itself, "" where it was left out.
     gain : float
         Log-likelihood of the pooled kind at the common size over a linear process; a single record counts up to 3.
     size : float

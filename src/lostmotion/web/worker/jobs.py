@@ -14,7 +14,7 @@ from typing import Any
 
 from lostmotion.web.worker.handle import Worker, WorkerDiedError
 
-SECONDS = 900.0  # of one job: a year of a loop at 1 s is read by its windows in less
+SECONDS = 900.0  # of one job: a year of a loop at 1 s is read by its stretches in less
 REMEMBERED = 500  # jobs
 CANCELLED = "Cancelled."
 OPEN = ("waiting", "running")
