@@ -1,4 +1,4 @@
-"""``diagnose_long``: a long record is diagnosed from its most informative stretches, for one loop as for all of a plant."""
+"""``diagnose_long``: a long record is diagnosed from its most informative stretches, alone or in an audit."""
 
 from __future__ import annotations
 
@@ -146,8 +146,8 @@ def _note(record: LoopRecord, seen: Seen) -> str:
     pace = f", at a pace of {seen[0][0].record.dt:g} s" if seen[0][0].record.dt > record.dt else ""
     looked = counted(len(seen), "look")
     return (
-        f"Of {len(record)} rows the most informative {rows} were diagnosed in {looked}{pace}. Fit, indices, performance "
-        "and figures are of one of them."
+        f"Of {len(record)} rows the most informative {rows} were diagnosed in {looked}{pace}. Fit, indices, "
+        "performance and figures are of one of them."
     )
 
 
