@@ -1,21 +1,21 @@
 """Nobody writes a file but the writer, and nothing in the core runs what others wrote."""
 
 import ast
+import json
 import os
 import re
 import sys
 import tomllib
-from pathlib import Path
+from subprocess import run
 
 import pytest
 
-from lostmotion.cli import main
 from lostmotion.files import folders, writer
 from lostmotion.kernels import numba_cache
-from tests.support import commands_that_write as commands
-from tests.support.watched import CHANGES, REACHES, RUNS, doings
+from tests.support.places import ROOT
+from tests.support.watched import CHANGES, REACHES, RUNS
 
-CORE = Path(__file__).resolve().parents[2] / "src" / "lostmotion"
+CORE = ROOT / "src" / "lostmotion"
 FILES = sorted(CORE.rglob("*.py"))
 CALLED = {"eval", "exec", "compile", "__import__", "system", "popen", "Popen", "check_output", "check_call", "urlopen"}
 MODULES = {"pickle", "marshal", "shelve", "subprocess", "socket", "urllib", "http", "requests", "ctypes", "dill"}
@@ -38,19 +38,11 @@ BY = {writer.__name__, folders.__name__, numba_cache.__name__}  # who writes: re
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     """What each command that writes did outside of its process, as Python reports it."""
+    found = tmp_path_factory.mktemp("found") / "done.json"
     folder = tmp_path_factory.mktemp("commands")
-    given = commands.prepare(folder)
-    commands.warm()
-    found = {}
-    for name, words in commands.writing(given).items():
-        place = tmp_path_factory.mktemp("at")
-        code, found[name] = doings(lambda words=words, place=place: main(words(place)), place)
-        assert code in (0, 1), name
-    place = tmp_path_factory.mktemp("audit")
-    words = ["audit", str(Path(given.record).parent), "--store", f"{place}/p.db", "--report", f"{place}/p.html"]
-    code, found["audit"] = doings(lambda: main([*words, "--engine", "inline", "--screen-only"]), place)
-    assert code in (0, 1)
-    return found
+    words = ["-m", "tests.support.watched_commands", str(folder), str(found)]
+    run([sys.executable, *words], cwd=ROOT, timeout=500, check=True)
+    return json.loads(found.read_text(encoding="utf-8"))
 
 
 @pytest.mark.long
