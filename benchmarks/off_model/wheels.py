@@ -124,28 +124,26 @@ class PlainFit:
     right: float
     gain: float
     pole: float
-    offset: float
 
     @classmethod
     def of(cls, u: np.ndarray, y: np.ndarray, dt: float) -> PlainFit:
-        """From a naive start: a tenth of the range of OP on either side, gain of the ranges, three rows or 50 ms."""
+        """From a naive start: a tenth of the range of OP on either side, gain of the ranges, 50 ms or a row."""
         gain = np.ptp(y) / np.ptp(u)
-        start = np.array([-0.1 * np.ptp(u), 0.1 * np.ptp(u), gain, np.exp(-dt / max(0.05, dt)), 0.0])
-        low, high = [-np.inf, -np.inf, -np.inf, 0.0, -np.inf], [np.inf, np.inf, np.inf, 0.9999, np.inf]
-        scale = [0.1 * np.ptp(u), 0.1 * np.ptp(u), gain, 0.1, 0.1 * np.ptp(y)]
+        start = np.array([-0.1 * np.ptp(u), 0.1 * np.ptp(u), gain, np.exp(-dt / max(0.05, dt))])
+        low, high = [-np.inf, -np.inf, -np.inf, 0.0], [np.inf, np.inf, np.inf, 0.9999]
+        scale = [0.1 * np.ptp(u), 0.1 * np.ptp(u), gain, 0.1]
 
         def errors(theta: np.ndarray) -> np.ndarray:
             return cls(*theta).simulate(u, y[0]) - y
 
         return cls(*least_squares(errors, start, bounds=(low, high), x_scale=scale).x.tolist())
 
-    def simulate(self, u: np.ndarray, first: float | None = None) -> np.ndarray:
-        """PV from OP alone; OP acts on the next row."""
+    def simulate(self, u: np.ndarray, first: float = 0.0) -> np.ndarray:
+        """PV from OP alone, which acts on the next row; `first` is PV on the first row."""
         x = np.maximum(u - self.right, 0.0) + np.minimum(u - self.left, 0.0)
         aim = self.gain * x
-        before = 0.0 if first is None else first - self.offset
         driven = lfilter([0.0, 1.0 - self.pole], [1.0, -self.pole], aim)
-        return driven + before * self.pole ** np.arange(u.size) + self.offset
+        return driven + first * self.pole ** np.arange(u.size)
 
 
 def wheel_report(rows: list[WheelRow]) -> list[str]:
