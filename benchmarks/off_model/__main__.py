@@ -31,11 +31,13 @@ from scipy.signal import lfilter  # noqa: E402
 
 import lostmotion as lm  # noqa: E402
 
-from . import asymmetric, wheels  # noqa: E402
+from . import asymmetric, levels, mixed, servos, thinning, wheels  # noqa: E402
 from .places import ACTUATORS  # noqa: E402
 from .suites import Job, Suite  # noqa: E402
 
-SUITES = {suite.name: suite for module in (wheels, asymmetric) for suite in module.SUITES}
+SUITES = {
+    suite.name: suite for module in (wheels, asymmetric, thinning, levels, servos, mixed) for suite in module.SUITES
+}
 SEEDS = (0, 1, 2, 3, 4)
 
 

@@ -14,7 +14,8 @@ from itertools import product
 import numpy as np
 
 from .answer import identified
-from .plant import BACKLASH, DEAD_ZONE, DIRECTIONS, NONE, RANGE, Actuator, Array, Plant, held_levels, open_loop
+from .loops import random_fault, random_lag, truth_of
+from .plant import BACKLASH, DEAD_ZONE, DIRECTIONS, NONE, RANGE, Array, Plant, held_levels, open_loop
 from .scored import ScoredRow, Truth, scored_report
 from .suites import Job, Suite, drawn_jobs
 
@@ -41,28 +42,14 @@ def record_of(job: Job) -> Record:
     """Draw and simulate."""
     ratio, direction, fault, rate = CELLS[job.cell]
     rng = np.random.default_rng([job.seed, job.cell, 1])
-    lag = float(np.exp(rng.uniform(np.log(0.03), np.log(30.0))))  # s, a motor to a tank
+    lag = random_lag(rng)
     spread = np.sqrt(ratio) ** rng.choice([-1, 1])
-    plant = Plant(actuator_of(fault, rng), rng.uniform(0.5, 3.0), lag * spread, lag / spread, direction)
+    plant = Plant(random_fault(fault, rng), rng.uniform(0.5, 3.0), lag * spread, lag / spread, direction)
     dt, rows = lag / rate, RATES[rate]
     op = held_levels(rng, rows, (-RANGE / 2, RANGE / 2), (HOLD[0] * rate, HOLD[1] * rate))
     clean = open_loop(plant, dt, op)
     pv = clean + rng.normal(scale=rng.uniform(*NOISE) * np.ptp(clean), size=rows)
     return Record(op, pv, dt, plant, truth_of(plant, op))
-
-
-def actuator_of(fault: str, rng: np.random.Generator) -> Actuator:
-    """Break points at 6 to 10 on either side, or a play of 3 to 12."""
-    if fault == DEAD_ZONE:
-        return Actuator(fault, left=-rng.uniform(6.0, 10.0), right=rng.uniform(6.0, 10.0))
-    return Actuator(fault, width=rng.uniform(3.0, 12.0)) if fault == BACKLASH else Actuator()
-
-
-def truth_of(plant: Plant, op: Array) -> Truth:
-    """What is asked of the answer."""
-    valve = plant.actuator
-    ends = (valve.left, valve.right) if valve.kind == DEAD_ZONE else (float("nan"), float("nan"))
-    return Truth(valve.kind, valve.size, float(np.ptp(op)), *ends)
 
 
 def jobs(seeds: Sequence[int]) -> list[list[Job]]:
