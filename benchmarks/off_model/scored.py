@@ -11,6 +11,7 @@ from .answer import NO_ANSWER, NONE, REFUSED, Answer
 from .bars import at_least, at_most, share, summary, table
 
 ACCUSED = 0.01  # of the range of OP: a size that is an accusation
+LOST_MOTION = ("dead zone", "backlash", "stiction")
 SHOWN_WRONG = 40  # lines
 
 
@@ -36,17 +37,15 @@ class ScoredRow:
 
     @property
     def accused(self) -> bool:
-        """A healthy actuator with a lost motion of more than 1 % of the range of OP."""
-        if self.truth.kind != NONE or self.answer.kind == NONE or not self.answer.named:
-            return False
-        return not self.answer.size <= ACCUSED * self.truth.op_range  # also a kind without a size
+        """A healthy actuator with a lost motion of more than 1 % of the range of OP, or of an unknown size."""
+        lost = self.truth.kind == NONE and self.answer.kind in LOST_MOTION
+        return lost and not self.answer.size <= ACCUSED * self.truth.op_range
 
     @property
     def right(self) -> bool:
-        """Kind; a healthy actuator may have a size that is no accusation."""
-        if not self.answer.named:
-            return False
-        return not self.accused if self.truth.kind == NONE else self.answer.kind == self.truth.kind
+        """Kind; a healthy actuator may have a lost motion that is no accusation."""
+        small = self.truth.kind == NONE and self.answer.kind in LOST_MOTION and not self.accused
+        return small or self.answer.kind == self.truth.kind
 
     @property
     def sized_right(self) -> bool:

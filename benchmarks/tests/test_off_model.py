@@ -113,8 +113,8 @@ def test_a_job_makes_the_same_record_again_and_no_cell_fails():
 
 def test_designs_have_the_sizes_they_should():
     seeds = range(5)
-    sizes = {module: len(module.jobs(seeds)) for module in (asymmetric, thinning, levels, mixed)}
-    assert sizes == {asymmetric: 270, thinning: 100, levels: 60, mixed: 200}
+    suites = [suite for module in (asymmetric, thinning, levels, mixed) for suite in module.SUITES]
+    assert [len(suite.jobs(seeds)) for suite in suites] == [270, 270, 100, 60, 200]
 
 
 def scored(truth, **answer):
@@ -132,6 +132,8 @@ def test_scores():
     sound = Truth(NONE, 0.0, RANGE)
     accused = [scored(sound, kind=BACKLASH, size=size, interval=(0.1, 9.0)) for size in (1.0, 1.5)]
     assert [(one.right, one.accused, one.misleads) for one in accused] == [(True, False, False), (False, True, True)]
+    saturated = scored(sound, kind="saturation")
+    assert (saturated.right, saturated.accused, saturated.misleads) == (False, False, True)
 
 
 def test_bars():
