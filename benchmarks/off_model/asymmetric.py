@@ -2,7 +2,7 @@
 
 Cells: ratio 1.2, 1.5, 2.0; by the direction of motion or by speeding up and slowing down; dead zone, backlash, none;
 12, 2 and 0.5 rows a time constant. Inputs as those of the wheels: random levels over a range of 120, each held for
-several time constants. ``asymmetric_quiet`` is the same with a tenth of the noise: errors of the model count most there.
+several time constants. ``asymmetric_quiet`` is the same with a tenth of the noise, where errors of the model stand out.
 """
 
 from __future__ import annotations

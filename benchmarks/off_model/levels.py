@@ -39,6 +39,10 @@ class LevelRow(ScoredRow):
         excluded = self.answer.excluded.get(BACKLASH, np.inf)
         return self.answer.kind == NONE or excluded < self.truth.size
 
+    def __str__(self) -> str:
+        excluded = self.answer.excluded.get(BACKLASH, np.inf)
+        return f"{super().__str__()}; excluded above {excluded:.3g}{', DENIED' if self.denied else ''}"
+
 
 def loop_of(job: Job) -> tuple[Array, Array, Plant]:
     """OP, PV, plant. The closed-loop time is 60 to 300 s, the gain of the controller 1 to 4."""
