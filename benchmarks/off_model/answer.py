@@ -16,7 +16,7 @@ import lostmotion as lm
 
 LIMIT = 120.0  # s for a record
 CANNOT_TELL, NONE = "cannot tell", "none"
-NO_ANSWER, REFUSED = "no answer", "refused"
+NO_ANSWER, REFUSED, CRASHED = "no answer", "refused", "crashed"
 Interval = tuple[float, float]
 UNKNOWN = (float("nan"), float("nan"))
 
@@ -32,7 +32,8 @@ class Answer:
     Attributes
     ----------
     kind : str
-        ``fit.preferred``, `NO_ANSWER` where time ran out, `REFUSED` where the package raised an error of its own.
+        ``fit.preferred``, `NO_ANSWER` where time ran out, `REFUSED` where the package raised an error of its own,
+        `CRASHED` where it raised another.
     fitted : str
         ``fit.nonlinearity.kind``.
     size, interval : float, (float, float)
@@ -63,7 +64,7 @@ class Answer:
     @property
     def named(self) -> bool:
         """Whether a kind is named, or that there is none."""
-        return self.kind not in (CANNOT_TELL, NO_ANSWER, REFUSED)
+        return self.kind not in (CANNOT_TELL, NO_ANSWER, REFUSED, CRASHED)
 
     @property
     def sized(self) -> bool:
@@ -107,6 +108,8 @@ def identified(op: np.ndarray, pv: np.ndarray, dt: float, limit: float = LIMIT) 
         return Answer(NO_ANSWER, seconds=time.perf_counter() - begun, reason=f"no answer in {limit:g} s"), None
     except lm.InputError as refused:
         return Answer(REFUSED, seconds=time.perf_counter() - begun, reason=str(refused)), None
+    except Exception as crash:  # noqa: BLE001 - one record of hundreds; the row shows it
+        return Answer(CRASHED, seconds=time.perf_counter() - begun, reason=repr(crash)), None
 
 
 def answer_of(fit: Any, seconds: float = float("nan")) -> Answer:

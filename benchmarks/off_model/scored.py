@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .answer import NO_ANSWER, NONE, REFUSED, Answer
+from .answer import CRASHED, NO_ANSWER, NONE, REFUSED, Answer
 from .bars import at_least, at_most, share, summary, table
 
 ACCUSED = 0.01  # of the range of OP: a size that is an accusation
@@ -112,7 +112,7 @@ def counts(rows: list[ScoredRow]) -> list[object]:
     return [
         len(rows), sum(row.answer.named for row in rows), share(named_right(rows)), share(accusations(rows)),
         share(row.holds for row in rows if row.sized_right), share(places(rows)), sum(row.answer.ok for row in rows),
-        sum(row.misleads for row in rows), sum(row.answer.kind in (NO_ANSWER, REFUSED) for row in rows),
+        sum(row.misleads for row in rows), sum(row.answer.kind in (NO_ANSWER, REFUSED, CRASHED) for row in rows),
         f"{np.median([row.answer.seconds for row in rows]):.1f}",
     ]  # fmt: skip
 

@@ -93,8 +93,14 @@ def report(rows: list[ThinnedRow]) -> list[str]:
     lines = by_rate(rows) + by_kind(rows)
     return lines + summary([
         at_least("same kind, pairs of rates both named", (one.kind == other.kind for one, other in named), 0.95),
+        ["the same, backlash and stiction as one", share(family(one) == family(other) for one, other in named), "", ""],
         at_least("intervals overlap, pairs of one kind", (overlap(*pair) for pair in same), 0.97),
     ])  # fmt: skip
+
+
+def family(answer: Answer) -> str:
+    """Kind, of which backlash and stiction are one."""
+    return BACKLASH if answer.kind == STICTION else answer.kind
 
 
 def overlap(one: Answer, other: Answer) -> bool:
