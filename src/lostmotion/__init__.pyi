@@ -1,4 +1,5 @@
 from . import compensate, datasets, evaluate, export, files, models, online, plot, records, report, simulate
+from .actuator import ActuatorResponse, actuator_response
 from .audit import AuditRun, audit
 from .compensate import (
     AdaptiveCompensator,
@@ -44,6 +45,7 @@ __version__: str
 __all__ = [
     "PI",
     "Achievable",
+    "ActuatorResponse",
     "AdaptiveCompensator",
     "AuditRun",
     "Backlash",
@@ -81,6 +83,7 @@ __all__ = [
     "TestDesign",
     "TimeError",
     "achievable",
+    "actuator_response",
     "audit",
     "block_from_model",
     "check",

@@ -65,6 +65,7 @@ def _carried_out_in(room: str, functions: Mapping[str, str]) -> Callable[[Callab
 @_carried_out_in(
     "plot",
     {
+        "actuator.response:ActuatorResponse": "actuator_figure:actuator_figure",
         "audit.plant_view:PlantView": "audit_figure:audit_figure",
         "design.designed:TestDesign": "design_figure:design_figure",
         "diagnose.diagnosis:Diagnosis": "diagnosis_figure:diagnosis_figure",
@@ -109,6 +110,7 @@ def indices(result: Any, **options: Any) -> Any:
 @_carried_out_in(
     "report",
     {
+        "actuator.response:ActuatorResponse": "actuator_text:actuator_summary",
         "audit.plant_view:PlantView": "audit_text:audit_summary",
         "design.achieve:Achievable": "design_text:achievable_summary",
         "design.designed:TestDesign": "design_text:design_summary",
@@ -130,6 +132,7 @@ def text(result: Any, **options: Any) -> str:
 @_carried_out_in(
     "report",
     {
+        "actuator.response:ActuatorResponse": "tables:actuator_columns",
         "audit.plant_view:PlantView": "audit_notebook:audit_frame",
         "compensate.block:CompensatorBlock": "tables:block_columns",
         "design.achieve:Achievable": "tables:achievable_columns",
@@ -154,6 +157,7 @@ def frame(result: Any, **options: Any) -> Any:
 @_carried_out_in(
     "report",
     {
+        "actuator.response:ActuatorResponse": "notebook:actuator_panel",
         "audit.plant_view:PlantView": "audit_notebook:audit_panel",
         "compensate.block:CompensatorBlock": "notebook:block_panel",
         "design.achieve:Achievable": "notebook:achievable_panel",

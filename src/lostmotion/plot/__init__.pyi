@@ -1,3 +1,4 @@
+from .actuator_figure import actuator_figure
 from .audit_figure import audit_figure
 from .design_figure import design_figure
 from .diagnosis_figure import diagnosis_figure
@@ -8,6 +9,7 @@ from .record_figure import record_figure
 from .study_figure import study_figure
 
 __all__ = [
+    "actuator_figure",
     "audit_figure",
     "design_figure",
     "diagnosis_figure",

@@ -1,3 +1,4 @@
+from .actuator_text import actuator_summary
 from .audit_text import audit_summary
 from .design_text import achievable_summary, design_summary
 from .diagnosis_text import diagnosis_summary
@@ -13,6 +14,7 @@ from .table_of_diagnoses import diagnosis_line, diagnosis_table
 
 __all__ = [
     "achievable_summary",
+    "actuator_summary",
     "audit_summary",
     "design_summary",
     "diagnosis_line",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.actuator import ActuatorResponse
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
@@ -19,6 +20,7 @@ from lostmotion.panel import Panel, Table
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.records.report import Finding, RecordReport
 from lostmotion.report import (
+    actuator_text,
     design_text,
     diagnosis_text,
     fit_text,
@@ -65,6 +67,13 @@ def recursive_panel(estimate: RecursiveEstimate) -> Panel:
     headline = f"After {estimate.samples} samples: {estimate.status.name}"
     table = Table(recursive_text.parameter_rows(estimate), PARAMETERS)
     return Panel(headline, table, said=(recursive_text.words(estimate), *recursive_text.since(estimate)))
+
+
+def actuator_panel(response: ActuatorResponse) -> Panel:
+    """Finding and numbers of an actuator."""
+    name = response.record.tag or response.record.source or "record"
+    table = Table(actuator_text.actuator_rows(response), ("", "value", "of span"))
+    return Panel(f"{name}: {actuator_text.actuator_sentence(response)}", table, said=(response.message,))
 
 
 def diagnosis_panel(found: Diagnosis) -> Panel:

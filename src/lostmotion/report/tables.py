@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.actuator import ActuatorResponse
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.design import Achievable, TestDesign
 from lostmotion.diagnose import Diagnosis, PooledDiagnosis
@@ -16,6 +17,7 @@ from lostmotion.identify import FitFacts, HammersteinFit, RecursiveEstimate
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.records.checked import CheckedRecord
 from lostmotion.records.report import RecordReport
+from lostmotion.report.actuator_text import MEANING as OF_ACTUATOR
 from lostmotion.report.design_text import MEANING as DESIGNED
 from lostmotion.report.fit_text import MEANING
 
@@ -31,6 +33,17 @@ def parameter_columns(estimate: HammersteinFit | FitFacts | RecursiveEstimate) -
         for name, value in estimate.parameters.items()
     )
     return _columns(("parameter", "estimate", "standard_error", "low", "high", "meaning"), rows)
+
+
+def actuator_columns(response: ActuatorResponse) -> Columns:
+    """Numbers of an actuator, in units of OP and in % of span; the interval is that of the dead band."""
+    ends = {"dead_band": response.interval}
+    rows = (
+        (name, value, value / response.percent if name != "lag" else np.nan, *ends.get(name, (np.nan, np.nan)), meaning)
+        for name, meaning in OF_ACTUATOR.items()
+        for value in (getattr(response, name),)
+    )
+    return _columns(("parameter", "estimate", "percent_of_span", "low", "high", "meaning"), rows)
 
 
 def diagnosis_columns(found: Diagnosis) -> Columns:

@@ -1,0 +1,261 @@
+"""``actuator_response``: from OP and the measured position to what the actuator does."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lostmotion.actuator import holds as hold_events
+from lostmotion.actuator import play as plays
+from lostmotion.actuator import slip as slip_fit
+from lostmotion.actuator.holds import Holds, Threshold, holds_of, threshold_of
+from lostmotion.actuator.load import load_motion
+from lostmotion.actuator.play import Play, fit_play, simulated
+from lostmotion.actuator.rate import rate_limit
+from lostmotion.actuator.response import CANNOT_TELL, NONE, ActuatorResponse, ActuatorStatus
+from lostmotion.actuator.samples import Samples, samples_of
+from lostmotion.actuator.slip import Slip, as_slip, fit_slip
+from lostmotion.arrays import FloatArray
+from lostmotion.errors import DataError, ParameterError
+from lostmotion.records import LoopRecord, RecordLike, as_record
+from lostmotion.records.span import possible_spans
+
+FEWEST_ROWS = 30
+FLAT = 5.0  # resolutions that OP and position must move
+MATTERS = 1.5  # % of span: "none" excludes a larger dead band
+SIGNIFICANT = 8.0  # log-likelihood over the actuator without a play, in independent rows: odds of some 1000 to 1
+SLIPS_GAIN = 10.0  # log-likelihood of stick and slip over a play
+SLIPS = 3  # holds that end as they began: one may be a disturbance
+PARTIAL_SLIP = 0.75  # of the half band, left behind after a slip: with more it is a play
+VISIBLE = 4.0  # scales of the residuals: slips of a narrower band could not be seen
+EXACT = 0.1  # of the dead band that "none" excludes: residuals of a smaller scale show it at each reversal
+FEW_REVERSALS, MANY_REVERSALS = 2, 30  # that "none" needs: with exact residuals, and with others, by their mean
+WIDEST = 2.0  # upper over lower end of an interval from which on the size is not known
+
+
+def actuator_response(
+    record: RecordLike | None = None,
+    *,
+    op: str | npt.ArrayLike | None = None,
+    position: str | npt.ArrayLike | None = None,
+    dt: float | None = None,
+    **columns: Any,
+) -> ActuatorResponse:
+    """Estimate dead band, resolution, rate limit, lag and offset of an actuator from OP and its measured position.
+
+    Parameters
+    ----------
+    record : LoopRecord, path, data frame or dict of columns, optional
+        With OP and position. Without a position its PV counts as the position.
+    op, position : array_like, shape (n,), or str
+        Arrays where there is no record; the names of the columns where one is read.
+    dt : float, optional
+        Sampling time in seconds; needed with arrays.
+    **columns
+        More settings of :func:`lostmotion.read_loop` where a record is read (pv, time, op_span ..).
+
+    Returns
+    -------
+    ActuatorResponse
+
+    Raises
+    ------
+    DataError
+        The record cannot be read.
+    ParameterError
+        Neither a record nor arrays, or arrays without `dt`.
+
+    Notes
+    -----
+    Two descriptions of the actuator are compared. A play behind or before a lag, with a rate limit, is fitted by
+    simulation. A threshold is fitted to the holds, each of which bounds it. Where single slips are near the noise, a
+    filter over hold and slip takes the place of the holds. A position that moves at a constant OP is moved by a load;
+    the range is then the lost motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> op = 50.0 + 10.0 * np.sin(np.arange(600) / 40.0)
+    >>> valve = lm.Backlash(width=2.0)
+    >>> response = lm.actuator_response(op=op, position=valve(op), dt=1.0)
+    >>> response.kind, round(response.dead_band, 2)
+    ('backlash', 2.0)
+    """
+    return _response(_as_loop_record(record, op, position, dt, columns))
+
+
+def _as_loop_record(record: Any, op: Any, position: Any, dt: float | None, columns: dict[str, Any]) -> LoopRecord:
+    if record is None:
+        if op is None or position is None or dt is None:
+            got = ", ".join(
+                name for name, value in (("op", op), ("position", position), ("dt", dt)) if value is not None
+            )
+            raise ParameterError.expected("a record, or op, position and dt", got or "none", "give all three")
+        values = np.asarray(position, dtype=np.float64)
+        return LoopRecord(op, values, position=values, dt=dt, **columns)
+    names = {name: value for name, value in (("op", op), ("position", position), ("dt", dt)) if value is not None}
+    return as_record(record, **names, **columns)
+
+
+def _response(record: LoopRecord) -> ActuatorResponse:
+    span = _span(record)
+    samples = samples_of(record)
+    if int(np.count_nonzero(np.isfinite(samples.position))) < FEWEST_ROWS:
+        return _unknown(record, span, ActuatorStatus.SHORT)
+    least = max(FLAT * samples.resolution, 1e-9)
+    moved = float(np.nanmax(samples.position) - np.nanmin(samples.position))
+    if samples.op_range <= least or moved <= least:
+        return _unknown(record, span, ActuatorStatus.FLAT)
+    loaded = load_motion(samples)
+    rate = rate_limit(samples)
+    if loaded is not None:
+        return ActuatorResponse(
+            "backlash", loaded.band, loaded.interval, ActuatorStatus.LOAD, up=loaded.band, down=loaded.band,
+            resolution=samples.resolution, rate_limit=rate / samples.dt, offset=loaded.offset, span=span,
+            record=record, events=loaded.moves,
+        )  # fmt: skip
+    return _Evidence.of(samples.most_informative(), rate).response(record, span)
+
+
+def _told_by_holds(samples: Samples) -> tuple[Holds, Threshold | None, int, float]:
+    """Holds, their threshold, and how many slips of which travel: of the window that shows most of them."""
+    found = []
+    for factor in hold_events.WINDOWS:
+        holds = holds_of(samples, factor * hold_events.smallest_window(samples))
+        threshold = threshold_of(samples, holds)
+        slips, travel = (0, 0.0) if threshold is None else hold_events.slips(samples, holds, threshold)
+        found.append((holds, threshold, slips, travel))
+    return max(found, key=lambda one: (one[1] is not None and one[1].consistent, one[2]))
+
+
+def reversals(op: FloatArray, size: float) -> int:
+    """How often OP reverses by more than `size`.
+
+    Examples
+    --------
+    >>> reversals(np.array([0.0, 3.0, 1.0, 1.5, 1.2, 4.0]), 1.0)
+    2
+    """
+    count, way, extreme = 0, 0, float("nan")
+    for value in op[np.isfinite(op)].tolist():
+        if math.isnan(extreme):
+            extreme = value
+        elif way * (value - extreme) > 0.0:
+            extreme = value
+        elif abs(value - extreme) > size:
+            count += way != 0
+            way, extreme = (1 if value > extreme else -1), value
+    return count
+
+
+def _span(record: LoopRecord) -> tuple[float, float]:
+    """Span of OP: as given, as its values suggest, else the range seen."""
+    if record.op_span is not None:
+        return record.op_span
+    seen = float(np.nanmin(record.op)), float(np.nanmax(record.op))
+    possible = possible_spans(record.op_unit, np.array(seen))
+    return possible[0] if possible else seen
+
+
+def _unknown(record: LoopRecord, span: tuple[float, float], status: ActuatorStatus) -> ActuatorResponse:
+    return ActuatorResponse(CANNOT_TELL, np.nan, (0.0, np.inf), status, span=span, record=record)
+
+
+@dataclass(frozen=True, eq=False)
+class _Evidence:
+    """Everything that was fitted to one record."""
+
+    samples: Samples
+    rate: float
+    none: Play
+    play: Play
+    colour: float
+    holds: Holds
+    threshold: Threshold | None
+    slips: int
+    travel: float
+    slip: Slip
+    slip_gain: float
+
+    @classmethod
+    def of(cls, samples: Samples, rate: float) -> _Evidence:
+        """Fit all descriptions."""
+        none, play = fit_play(samples, (math.inf,) if math.isinf(rate) else (math.inf, rate))
+        holds, threshold, slips, travel = _told_by_holds(samples)
+        slip = fit_slip(samples, play, threshold)
+        gain = slip.log_likelihood - as_slip(samples, play).log_likelihood
+        return cls(samples, rate, none, play, plays.colour(samples, play), holds, threshold, slips, travel, slip, gain)
+
+    @property
+    def play_gain(self) -> float:
+        """Log-likelihood of the play over none, in independent rows."""
+        return (self.play.log_likelihood - self.none.log_likelihood) / self.colour
+
+    def response(self, record: LoopRecord, span: tuple[float, float]) -> ActuatorResponse:
+        """The description that the record supports."""
+        base = self._base(record, span)
+        holds_tell = self.threshold is not None and self.threshold.consistent and self.slips >= SLIPS
+        if holds_tell:
+            return self._by_holds(base)
+        partial = self.slip_gain > SLIPS_GAIN and self.slip.rest < PARTIAL_SLIP
+        if partial and self.slips >= SLIPS and self.play_gain > SIGNIFICANT:
+            interval = slip_fit.band_interval(self.samples, self.slip)
+            return self._named(replace(base, kind="stiction", dead_band=2.0 * self.slip.half, interval=interval))
+        if self.play_gain > SIGNIFICANT:
+            interval = plays.band_interval(self.samples, self.play, self.colour)
+            found = replace(base, kind="backlash", dead_band=2.0 * self.play.half, interval=interval)
+            if partial or 2.0 * self.play.half < VISIBLE * self.play.scale:
+                both = self._hull(found)
+                return replace(both, kind=CANNOT_TELL, status=ActuatorStatus.AMBIGUOUS)
+            return self._named(found)
+        return self._without(base)
+
+    def _base(self, record: LoopRecord, span: tuple[float, float]) -> ActuatorResponse:
+        """What is known of every actuator: rate, lag, offset, resolution."""
+        samples, best = self.samples, self.play
+        delay = max(best.delay - (0.0 if best.line else 1.0), 0.0)
+        return ActuatorResponse(
+            CANNOT_TELL, np.nan, (0.0, np.inf), ActuatorStatus.SEEN, resolution=samples.resolution,
+            rate_limit=self.rate / samples.dt, lag=(best.lag + delay) * samples.dt, offset=best.offset, span=span,
+            record=record, predicted=simulated(samples, best),
+        )  # fmt: skip
+
+    def _by_holds(self, base: ActuatorResponse) -> ActuatorResponse:
+        threshold = self.threshold
+        assert threshold is not None  # noqa: S101  checked by the caller
+        up, down = hold_events.directions(self.samples, self.holds, threshold)
+        band = 2.0 * threshold.half
+        return self._named(replace(
+            base, kind="stiction", dead_band=band, interval=(2.0 * threshold.interval[0], 2.0 * threshold.interval[1]),
+            up=float(np.median(up)) if len(up) else band, down=float(np.median(down)) if len(down) else band,
+            offset=threshold.offset, events=threshold.events, resolution=max(self.travel, self.samples.resolution),
+        ))  # fmt: skip
+
+    def _hull(self, found: ActuatorResponse) -> ActuatorResponse:
+        """Interval that holds a play as well as a slip."""
+        low, high = slip_fit.band_interval(self.samples, self.slip)
+        return replace(found, interval=(min(found.interval[0], low), max(found.interval[1], high)))
+
+    def _named(self, found: ActuatorResponse) -> ActuatorResponse:
+        """With its size, or "cannot tell" where the interval is too wide for one."""
+        low, high = found.interval
+        if high > WIDEST * low:
+            return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.WIDE)
+        ends = {name: found.dead_band for name in ("up", "down") if not np.isfinite(getattr(found, name))}
+        return replace(found, status=ActuatorStatus.SEEN, **ends)
+
+    def _without(self, base: ActuatorResponse) -> ActuatorResponse:
+        """No dead band is seen: how large may it be?"""
+        _, high = plays.band_interval(self.samples, self.none, self.colour)
+        steps = np.abs(np.diff(self.samples.op))
+        steps = steps[np.isfinite(steps) & (steps > 0.0)]
+        high = max(high, 2.0 * float(np.quantile(steps, 0.1)) if len(steps) else np.inf)
+        needed = FEW_REVERSALS if self.none.scale < EXACT * high else MANY_REVERSALS
+        if high <= MATTERS * base.percent and reversals(self.samples.op, high) >= needed:
+            return replace(base, kind=NONE, dead_band=0.0, interval=(0.0, high), status=ActuatorStatus.NONE)
+        coarse = 2.0 * float(np.quantile(steps, 0.1)) > MATTERS * base.percent
+        return replace(base, interval=(0.0, high), status=ActuatorStatus.COARSE if coarse else ActuatorStatus.OPEN)
