@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import lostmotion as lm
+
 
 @dataclass(frozen=True)
 class Positioner:
@@ -54,7 +56,7 @@ def _open_loop(rng: np.random.Generator, source: str, seconds: float, fine: floa
     return 50.0 + level[np.minimum((t / hold).astype(int), steps - 1)]
 
 
-def positioner(seed: int) -> Positioner:
+def positioner(seed: int) -> Positioner:  # noqa: PLR0915  one place for all that is drawn
     """Case of this number."""
     rng = np.random.default_rng(seed)
     dt = float(np.exp(rng.uniform(np.log(0.1), np.log(10.0))))
@@ -82,7 +84,6 @@ def positioner(seed: int) -> Positioner:
     pv_noise = rng.uniform(0.0, 0.2)
     set_points = 50.0 + np.repeat(rng.normal(0, rng.uniform(0.5, 5.0), n // 50 + 1), 50)[:n]
     v = x = y = 50.0
-    moving = False
     integral, pv, load, u = 50.0, 50.0 * gain, 0.0, 50.0
     op, pos = np.empty(n), np.empty(n)
     half = 0.5 * band
@@ -118,8 +119,6 @@ def positioner(seed: int) -> Positioner:
 
 def main(count: int = 200, first: int = 0) -> None:
     """Print the score of the cases first to first + count."""
-    import lostmotion as lm
-
     rows, began = [], time.perf_counter()
     for seed in range(first, first + count):
         case = positioner(seed)

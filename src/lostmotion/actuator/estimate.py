@@ -20,7 +20,7 @@ from lostmotion.actuator.response import CANNOT_TELL, NONE, ActuatorResponse, Ac
 from lostmotion.actuator.samples import Samples, samples_of
 from lostmotion.actuator.slip import Slip, as_slip, fit_slip
 from lostmotion.arrays import FloatArray
-from lostmotion.errors import DataError, ParameterError
+from lostmotion.errors import ParameterError
 from lostmotion.records import LoopRecord, RecordLike, as_record
 from lostmotion.records.span import possible_spans
 
@@ -30,6 +30,11 @@ MATTERS = 1.5  # % of span: "none" excludes a larger dead band
 SIGNIFICANT = 8.0  # log-likelihood over the actuator without a play, in independent rows: odds of some 1000 to 1
 SLIPS_GAIN = 10.0  # log-likelihood of stick and slip over a play
 SLIPS = 3  # holds that end as they began: one may be a disturbance
+SAWTOOTH = 0.1  # of the length of a slip: scale of what a play leaves of it, 1 / sqrt(12) of a full one
+PLAY_MODEL = 0.02  # of the dead band: positioners and links repeat no better
+UNRESOLVED = 6.0  # scales of the residuals: a dead band that a few reversals may hide in them
+SLIP_MODEL = 0.15  # of the dead band: friction is not the model that is fitted
+SLIP_OVER_PLAY = 3.0  # dead band of a complete slip over the play that fits it best, at most
 PARTIAL_SLIP = 0.75  # of the half band, left behind after a slip: with more it is a play
 VISIBLE = 4.0  # scales of the residuals: slips of a narrower band could not be seen
 EXACT = 0.1  # of the dead band that "none" excludes: residuals of a smaller scale show it at each reversal
@@ -123,13 +128,22 @@ def _response(record: LoopRecord) -> ActuatorResponse:
 
 def _told_by_holds(samples: Samples) -> tuple[Holds, Threshold | None, int, float]:
     """Holds, their threshold, and how many slips of which travel: of the window that shows most of them."""
-    found = []
+    found: list[tuple[Holds, Threshold | None, int, float]] = []
     for factor in hold_events.WINDOWS:
         holds = holds_of(samples, factor * hold_events.smallest_window(samples))
         threshold = threshold_of(samples, holds)
         slips, travel = (0, 0.0) if threshold is None else hold_events.slips(samples, holds, threshold)
         found.append((holds, threshold, slips, travel))
-    return max(found, key=lambda one: (one[1] is not None and one[1].consistent, one[2]))
+    return max(found, key=_rank)
+
+
+def _rank(found: tuple[Holds, Threshold | None, int, float]) -> tuple[bool, bool, float]:
+    """Order of windows: those whose holds agree and slip, then the narrowest interval."""
+    _, threshold, slips, _ = found
+    if threshold is None:
+        return False, False, -math.inf
+    low, high = threshold.interval
+    return slips >= SLIPS and threshold.consistent, slips >= SLIPS, -(high - low) / threshold.half
 
 
 def reversals(op: FloatArray, size: float) -> int:
@@ -142,9 +156,7 @@ def reversals(op: FloatArray, size: float) -> int:
     """
     count, way, extreme = 0, 0, float("nan")
     for value in op[np.isfinite(op)].tolist():
-        if math.isnan(extreme):
-            extreme = value
-        elif way * (value - extreme) > 0.0:
+        if math.isnan(extreme) or way * (value - extreme) > 0.0:
             extreme = value
         elif abs(value - extreme) > size:
             count += way != 0
@@ -195,22 +207,31 @@ class _Evidence:
         """Log-likelihood of the play over none, in independent rows."""
         return (self.play.log_likelihood - self.none.log_likelihood) / self.colour
 
+    @property
+    def seen_to_slip(self) -> bool:
+        """Whether holds end in slips, of a length that the residuals of a play show too."""
+        if self.threshold is None or self.slips < SLIPS:
+            return False
+        long = self.travel > hold_events.SAME_WAY_SHARE * self.threshold.half
+        return long and self.play.scale > SAWTOOTH * self.travel
+
     def response(self, record: LoopRecord, span: tuple[float, float]) -> ActuatorResponse:
         """The description that the record supports."""
         base = self._base(record, span)
-        holds_tell = self.threshold is not None and self.threshold.consistent and self.slips >= SLIPS
-        if holds_tell:
+        if self.threshold is not None and self.threshold.consistent and self.seen_to_slip:
             return self._by_holds(base)
         partial = self.slip_gain > SLIPS_GAIN and self.slip.rest < PARTIAL_SLIP
-        if partial and self.slips >= SLIPS and self.play_gain > SIGNIFICANT:
-            interval = slip_fit.band_interval(self.samples, self.slip)
+        if partial and self.seen_to_slip and self.play_gain > SIGNIFICANT:
+            low, high = slip_fit.band_interval(self.samples, self.slip)
+            band = 2.0 * self.slip.half
+            interval = min(low, band * (1.0 - SLIP_MODEL)), max(high, band * (1.0 + SLIP_MODEL))
             return self._named(replace(base, kind="stiction", dead_band=2.0 * self.slip.half, interval=interval))
         if self.play_gain > SIGNIFICANT:
-            interval = plays.band_interval(self.samples, self.play, self.colour)
+            interval = self._play_interval()
             found = replace(base, kind="backlash", dead_band=2.0 * self.play.half, interval=interval)
             if partial or 2.0 * self.play.half < VISIBLE * self.play.scale:
-                both = self._hull(found)
-                return replace(both, kind=CANNOT_TELL, status=ActuatorStatus.AMBIGUOUS)
+                wider = (interval[0], SLIP_OVER_PLAY * interval[1])
+                return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.AMBIGUOUS, interval=wider)
             return self._named(found)
         return self._without(base)
 
@@ -229,27 +250,43 @@ class _Evidence:
         assert threshold is not None  # noqa: S101  checked by the caller
         up, down = hold_events.directions(self.samples, self.holds, threshold)
         band = 2.0 * threshold.half
+        low, high = (
+            2.0 * (1.0 + side * PLAY_MODEL) * end for side, end in zip((-1.0, 1.0), threshold.interval, strict=True)
+        )
         return self._named(replace(
-            base, kind="stiction", dead_band=band, interval=(2.0 * threshold.interval[0], 2.0 * threshold.interval[1]),
+            base, kind="stiction", dead_band=band, interval=(low, high),
             up=float(np.median(up)) if len(up) else band, down=float(np.median(down)) if len(down) else band,
             offset=threshold.offset, events=threshold.events, resolution=max(self.travel, self.samples.resolution),
         ))  # fmt: skip
 
-    def _hull(self, found: ActuatorResponse) -> ActuatorResponse:
-        """Interval that holds a play as well as a slip."""
-        low, high = slip_fit.band_interval(self.samples, self.slip)
-        return replace(found, interval=(min(found.interval[0], low), max(found.interval[1], high)))
+    def _play_interval(self) -> tuple[float, float]:
+        """Interval of a play, with what the model and the sampling of OP leave open."""
+        low, high = plays.band_interval(self.samples, self.play, self.colour)
+        error = PLAY_MODEL * 2.0 * self.play.half
+        return max(low - error, 0.0), high + error + self._unseen()
+
+    def _unseen(self) -> float:
+        """How much farther OP went at its turns than its samples show, where it moves in lines between them."""
+        if not self.play.line:
+            return 0.0
+        steps = np.diff(self.samples.op)
+        turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0)
+        return float(np.median(np.abs(steps[turns]))) if len(turns) else 0.0
 
     def _named(self, found: ActuatorResponse) -> ActuatorResponse:
         """With its size, or "cannot tell" where the interval is too wide for one."""
         low, high = found.interval
         if high > WIDEST * low:
             return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.WIDE)
-        ends = {name: found.dead_band for name in ("up", "down") if not np.isfinite(getattr(found, name))}
+        ends: dict[str, Any] = {
+            name: found.dead_band for name in ("up", "down") if not np.isfinite(getattr(found, name))
+        }
         return replace(found, status=ActuatorStatus.SEEN, **ends)
 
     def _without(self, base: ActuatorResponse) -> ActuatorResponse:
-        """No dead band is seen: how large may it be?"""
+        """No dead band is seen: the largest one that the record leaves open."""
+        if self.slip_gain > SLIPS_GAIN and self.slip.rest < PARTIAL_SLIP and self.seen_to_slip:
+            return replace(base, interval=(0.0, SLIP_OVER_PLAY * 2.0 * self.slip.half), status=ActuatorStatus.AMBIGUOUS)
         _, high = plays.band_interval(self.samples, self.none, self.colour)
         steps = np.abs(np.diff(self.samples.op))
         steps = steps[np.isfinite(steps) & (steps > 0.0)]
@@ -257,5 +294,7 @@ class _Evidence:
         needed = FEW_REVERSALS if self.none.scale < EXACT * high else MANY_REVERSALS
         if high <= MATTERS * base.percent and reversals(self.samples.op, high) >= needed:
             return replace(base, kind=NONE, dead_band=0.0, interval=(0.0, high), status=ActuatorStatus.NONE)
+        if reversals(self.samples.op, high) < needed:
+            high = max(high, UNRESOLVED * self.none.scale)
         coarse = 2.0 * float(np.quantile(steps, 0.1)) > MATTERS * base.percent
         return replace(base, interval=(0.0, high), status=ActuatorStatus.COARSE if coarse else ActuatorStatus.OPEN)

@@ -12,11 +12,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.special import ndtr
 
 from lostmotion.actuator.play import DELAYS, LAGS, NORMAL_BAND
 from lostmotion.actuator.samples import Samples
+from lostmotion.actuator.simplex import minimised
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import positioner as kernel
 
@@ -26,6 +26,12 @@ INFORMATIVE = 3.0  # windows that OP moves in a hold: less may be the motion tha
 OUTLIER = 0.03  # probability of a hold that ends for another reason: a load, a lost sample
 MIN_EVENTS = 3
 WINDOWS = (1.0, 2.5, 6.0)  # of the smallest window: samples between those recorded are interpolated, and creep
+MIN_CONSISTENT = 5  # holds that must agree
+MISFIT = 0.35  # mean loss of log-likelihood per hold, beside one outlier: one hold in ten ends elsewhere
+MAX_SCATTER = 0.35  # of the half band: more is no threshold
+LEAST_SCATTER = 0.02  # of the half band: friction and electronics repeat no better
+COARSE = 0.7  # of the half band: OP must move in smaller steps before most holds end
+STEADY_SHARE = 0.5  # of the rows: an OP that changes in more of them does not move in single steps
 LONGEST_LAG = 5.0  # seconds; longer ones leave no clean holds
 SAME_WAY_SHARE = 0.35  # of the half band: OP goes on at least so far in a hold that ends as it began, in a slip
 
@@ -70,6 +76,8 @@ class Threshold:
         95 % interval of `half`.
     bracket : float
         Median width of the bounds on one threshold.
+    op_step : float
+        Median of the largest step of OP shortly before a hold ends.
     """
 
     half: float
@@ -82,13 +90,18 @@ class Threshold:
     down: int
     log_likelihood: float
     bracket: float
+    op_step: float
     interval: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def consistent(self) -> bool:
         """Whether one threshold explains the holds: they scatter little, and few end elsewhere."""
-        resolved = self.bracket < 0.8 * self.half and self.scatter < 0.35 * self.half
-        return self.events >= 5 and resolved and self.log_likelihood > -0.6 * self.events
+        resolved = max(self.bracket, self.op_step) < COARSE * self.half and self.scatter < MAX_SCATTER * self.half
+        return (
+            self.events >= MIN_CONSISTENT
+            and resolved
+            and self.log_likelihood > math.log(OUTLIER) - MISFIT * self.events
+        )
 
 
 def smallest_window(samples: Samples) -> float:
@@ -117,6 +130,7 @@ class _Bounds:
     way: FloatArray
     net: FloatArray
     before: FloatArray
+    op_step: FloatArray
 
 
 def _bounds(samples: Samples, holds: Holds, lag: float, delay: float) -> _Bounds:
@@ -126,13 +140,18 @@ def _bounds(samples: Samples, holds: Holds, lag: float, delay: float) -> _Bounds
     first, behind, level, way = holds.first[long], holds.behind[long], holds.level[long], holds.way[long]
     if len(first) == 0:
         empty = np.empty(0)
-        return _Bounds(empty, empty, empty, empty, empty, empty)
+        return _Bounds(empty, empty, empty, empty, empty, empty, empty)
     highest = np.array([v[a:b].max() for a, b in zip(first, behind, strict=True)]) - level
     lowest = np.array([v[a:b].min() for a, b in zip(first, behind, strict=True)]) - level
     at_end = v[np.minimum(behind, len(v) - 1)]
     before = np.concatenate([[0.0], holds.way[:-1]])[long]  # direction of the motion that led here
+    steps = np.abs(np.diff(samples.op, prepend=samples.op[:1]))
+    reach = int(samples.longest_delay) + 1
+    if float(np.mean(steps > 0.0)) > STEADY_SHARE:  # holds end at many distances of OP, which tell the threshold
+        steps[:] = 0.0
+    op_step = np.array([steps[max(b - reach, a + 1, 0) : b + 1].max() for a, b in zip(first, behind, strict=True)])
     told = highest - lowest > INFORMATIVE * holds.window
-    bounds = (highest, lowest, at_end - level, way, way * (at_end - v[first]), before)
+    bounds = (highest, lowest, at_end - level, way, way * (at_end - v[first]), before, op_step)
     return _Bounds(*(one[told] for one in bounds))
 
 
@@ -164,7 +183,8 @@ def threshold_of(samples: Samples, holds: Holds) -> Threshold | None:
     near = [(one, bounds) for one, bounds in fits if one.log_likelihood > best.log_likelihood - 0.5 * NORMAL_BAND]
     ends = [_interval(one, bounds, best.log_likelihood) for one, bounds in near]
     interval = (min(low for low, _ in ends), max(high for _, high in ends))
-    return Threshold(**{**vars(best), "interval": interval})
+    # between lags and delays that fit alike the likelihood is flat: its middle errs least
+    return Threshold(**{**vars(best), "half": 0.5 * (interval[0] + interval[1]), "interval": interval})
 
 
 def _at(samples: Samples, holds: Holds, bounds: _Bounds, lag: float, delay: float) -> Threshold:
@@ -172,22 +192,24 @@ def _at(samples: Samples, holds: Holds, bounds: _Bounds, lag: float, delay: floa
     both = [float(np.median(one)) for one in (up, down) if len(one)]
     half = max(float(np.mean(both)), holds.window)
     offset = 0.5 * (both[0] - both[1]) if len(both) == 2 else 0.0
-    least = 0.5 * samples.finest
+    finest = 0.5 * samples.finest
+
+    def scatter(point: FloatArray) -> float:
+        return max(math.exp(point[2]), LEAST_SCATTER * math.exp(point[0]), finest)
 
     def cost(point: FloatArray) -> float:
-        return -_log_likelihood(bounds, math.exp(point[0]), point[1] * half, max(math.exp(point[2]), least))
+        return -_log_likelihood(bounds, math.exp(point[0]), point[1] * half, scatter(point))
 
     start = np.array([math.log(half), offset / half, math.log(0.1 * half)])
-    simplex = np.vstack([start, start + np.diag([0.1, 0.1, 0.7])])
-    options = {"initial_simplex": simplex, "maxfev": 200, "xatol": 1e-3, "fatol": 1e-2}
-    found = minimize(cost, start, method="Nelder-Mead", options=options)
+    best = minimised(cost, start, np.array([0.1, 0.1, 0.7]), 200)
     ways = bounds.way != 0.0
     survived = np.where(bounds.way > 0.0, bounds.highest, -bounds.lowest)
     width = bounds.way * bounds.end - survived
     return Threshold(
-        half=math.exp(found.x[0]), offset=float(found.x[1]) * half, scatter=max(math.exp(found.x[2]), least), lag=lag,
-        delay=delay, events=int(np.count_nonzero(ways)), up=len(up), down=len(down), log_likelihood=-float(found.fun),
+        half=math.exp(best[0]), offset=float(best[1]) * half, scatter=scatter(best), lag=lag,
+        delay=delay, events=int(np.count_nonzero(ways)), up=len(up), down=len(down), log_likelihood=-cost(best),
         bracket=float(np.median(np.abs(width[ways]))),
+        op_step=float(np.median(bounds.op_step[ways])),
     )  # fmt: skip
 
 
@@ -196,13 +218,11 @@ def _interval(threshold: Threshold, bounds: _Bounds, best: float) -> tuple[float
 
     def inside(half: float) -> bool:
         def cost(point: FloatArray) -> float:
-            return -_log_likelihood(bounds, half, point[0], math.exp(point[1]))
+            return -_log_likelihood(bounds, half, point[0], max(math.exp(point[1]), LEAST_SCATTER * half))
 
         start = np.array([threshold.offset, math.log(threshold.scatter)])
-        simplex = np.vstack([start, start + np.diag([0.1 * threshold.half, 0.5])])
-        options = {"initial_simplex": simplex, "maxfev": 60, "xatol": 1e-3, "fatol": 1e-2}
-        found = minimize(cost, start, method="Nelder-Mead", options=options)
-        return bool(-found.fun > best - 0.5 * NORMAL_BAND)
+        nearest = minimised(cost, start, np.array([0.1 * threshold.half, 0.5]), 60)
+        return cost(nearest) < 0.5 * NORMAL_BAND - best
 
     ends = []
     for side in (-1.0, 1.0):

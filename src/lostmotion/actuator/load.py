@@ -6,6 +6,7 @@ A load that reverses pushes the stem or the shaft from one side of its play to t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from lostmotion.arrays import FloatArray
 
 MIN_ROWS = 12  # in which the command stands still: time to settle, and to be pushed
 SETTLED_ROWS = 4  # without a move: the position has arrived
-PUSHED = 4.0  # resolutions, and noise: the load moves the position by more
+PUSHED = 4.0  # resolutions: the load moves the position by more
+PUSHED_NOISE = 8.0  # standard deviations of the position: more than its range at rest
 MIN_TURNS = 2  # moves in both directions, in all of the record
 
 
@@ -42,7 +44,7 @@ class LoadMotion:
 def load_motion(samples: Samples) -> LoadMotion | None:
     """Range of the settled position at a constant command; None where no load moves it."""
     quiet = max(1.01 * samples.resolution, 4.0 * samples.rest_noise, 2e-4 * samples.op_range)
-    pushed = max(PUSHED * samples.resolution, 10.0 * samples.rest_noise, 2e-3 * samples.op_range)
+    pushed = max(PUSHED * samples.resolution, PUSHED_NOISE * samples.noise, 2e-3 * samples.op_range)
     ranges, middles, turns = [], [], 0
     for first, behind in _constant(samples.op):
         position = _without_spikes(samples.position[first:behind])
@@ -69,7 +71,7 @@ def _without_spikes(position: FloatArray) -> FloatArray:
 def _constant(op: FloatArray) -> list[tuple[int, int]]:
     """Rows, first and behind the last, of each stretch in which OP stands still."""
     edges = np.concatenate([[0], np.flatnonzero(np.diff(op) != 0.0) + 1, [len(op)]])
-    return [(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a >= MIN_ROWS]
+    return [(int(a), int(b)) for a, b in pairwise(edges) if b - a >= MIN_ROWS]
 
 
 def _settled(position: FloatArray, quiet: float) -> FloatArray:

@@ -8,13 +8,13 @@ it never loses step, and its likelihood is smooth.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 
 from lostmotion.actuator.samples import Samples
+from lostmotion.actuator.simplex import minimised
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import positioner as kernel
 
@@ -23,6 +23,7 @@ LONGEST_LAG = 30.0  # seconds: a positioner is faster
 DELAYS = (0.0, 0.5, 1.0, 2.0, 4.0)  # samples: the first search
 HALF_BANDS = (0.0, 0.001, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.15)  # of the range of OP: the first search
 NO_LAG = 0.02  # samples: shorter ones cannot be told from none
+JITTER = 0.3  # samples, 1 / sqrt(12): OP changes anywhere between two samples, where it is not recorded at each change
 PARTS = 4  # steps in a sample: a play that takes up in the middle of one is simulated to a quarter
 FREEDOM = 4.0  # degrees of freedom of Student's t: heavy tails, finite variance
 NORMAL_BAND = 3.841  # 95 % quantile of chi-squared with one degree of freedom
@@ -44,8 +45,10 @@ class Play:
         Whether the lag lies behind the play.
     line : bool
         Whether OP goes in straight lines between its samples; otherwise it holds.
+    jitter : float
+        Uncertainty of the times of OP, in samples: the residuals are larger where the position moves.
     scale : float
-        Scale of the residuals.
+        Scale of the residuals of a position at rest.
     log_likelihood : float
     """
 
@@ -56,6 +59,7 @@ class Play:
     rate: float = math.inf
     lag_last: bool = False
     line: bool = False
+    jitter: float = 0.0
     scale: float = math.nan
     log_likelihood: float = -math.inf
 
@@ -81,14 +85,20 @@ def simulated(samples: Samples, play: Play, parts: int = PARTS) -> FloatArray:
 
 def rated(samples: Samples, play: Play, parts: int = PARTS) -> Play:
     """The same play with its likelihood, and the scale of the residuals that makes it largest."""
-    error = (samples.position - simulated(samples, play, parts))[samples.settling :]
-    error = error[np.isfinite(error)]
-    scale = max(1.35 * float(np.median(np.abs(error))), samples.finest)
-    for _ in range(3):  # a fixed point that is reached to some percent
-        weight = (FREEDOM + 1.0) / (FREEDOM + (error / scale) ** 2)
-        scale = max(math.sqrt(float(np.mean(weight * error**2))), samples.finest)
-    fit = -0.5 * (FREEDOM + 1.0) * float(np.sum(np.log1p((error / scale) ** 2 / FREEDOM)))
-    return replace(play, scale=scale, log_likelihood=fit - len(error) * math.log(scale))
+    x = simulated(samples, play, parts)
+    error = (samples.position - x)[samples.settling :]
+    there = np.isfinite(error)
+    moves = (play.jitter * np.diff(x, prepend=x[:1])[samples.settling :][there]) ** 2
+    square = error[there] ** 2
+    scale = max(1.35 * math.sqrt(float(np.median(square))), samples.finest)
+    for _ in range(3 if play.jitter == 0.0 else 6):  # a fixed point that is reached to some percent
+        spread = scale**2 + moves
+        weight = (FREEDOM + 1.0) / (FREEDOM + square / spread)
+        scale *= math.sqrt(float(np.sum(weight * square / spread**2)) / float(np.sum(1.0 / spread)))
+        scale = max(scale, samples.finest)
+    spread = scale**2 + moves
+    fit = 0.5 * (FREEDOM + 1.0) * float(np.sum(np.log1p(square / spread / FREEDOM)))
+    return replace(play, scale=scale, log_likelihood=-fit - 0.5 * float(np.sum(np.log(spread))))
 
 
 def refined(samples: Samples, start: Play, half: float | None = None, evaluations: int = 300, rounds: int = 3) -> Play:
@@ -117,20 +127,6 @@ def refined(samples: Samples, start: Play, half: float | None = None, evaluation
     if free:
         point, steps = [*point, start.half / unit], [*steps, 0.15]
     return rated(samples, decoded(minimised(cost, np.array(point), np.array(steps), evaluations, rounds)), PARTS)
-
-
-def minimised(cost: object, point: FloatArray, steps: FloatArray, evaluations: int, rounds: int) -> FloatArray:
-    """Minimum by Nelder and Mead's simplex, begun anew from where it ended until that gains nothing."""
-    best = math.inf
-    for turn in range(rounds):
-        sides = steps * (1.0 if turn % 2 == 0 else -0.6)
-        simplex = np.vstack([point, point + np.diag(sides)])
-        options = {"initial_simplex": simplex, "maxfev": evaluations, "xatol": 1e-3, "fatol": 0.03, "adaptive": True}
-        found = minimize(cost, point, method="Nelder-Mead", options=options)
-        gain, best, point = best - float(found.fun), min(best, float(found.fun)), found.x
-        if gain < 0.5:
-            break
-    return point
 
 
 def _first_search(samples: Samples, rates: Iterable[float]) -> list[Play]:
@@ -172,6 +168,7 @@ def _most_likely(samples: Samples, starts: list[Play], half: float | None) -> Pl
     for one in (first, *others[:1]):
         both.append(refined(samples, one, half, 160, 1))
         both.append(refined(samples, replace(one, line=True, delay=max(one.delay - 0.5, 0.0)), half, 160, 1))
+    both += [refined(samples, replace(one, jitter=JITTER), half, 160, 1) for one in both]
     both.sort(key=lambda one: -one.log_likelihood)
     return max((refined(samples, one, half) for one in both[:2]), key=lambda one: one.log_likelihood)
 
@@ -197,12 +194,14 @@ def colour(samples: Samples, play: Play) -> float:
     half = max(play.half, 0.5 * play.scale)
     step = 0.05 * half
     slope = simulated(samples, replace(play, half=half + step)) - simulated(samples, replace(play, half=half - step))
-    error = samples.position - simulated(samples, play)
-    score = (error / (FREEDOM * play.scale**2 + error**2) * slope)[samples.settling :]
-    return long_run_ratio(score[np.isfinite(score)], samples)
+    x = simulated(samples, play)
+    error = samples.position - x
+    spread = play.scale**2 + (play.jitter * np.diff(x, prepend=x[:1])) ** 2
+    score = (error / (FREEDOM * spread + error**2) * slope)[samples.settling :]
+    return long_run_ratio(score[np.isfinite(score)])
 
 
-def long_run_ratio(score: FloatArray, samples: Samples) -> float:
+def long_run_ratio(score: FloatArray) -> float:
     """Long-run variance over variance of a sequence, at least 1."""
     score = score - score.mean()
     own = float(score @ score)
@@ -228,14 +227,14 @@ def band_interval(samples: Samples, play: Play, factor: float) -> tuple[float, f
     )
 
 
-def _crossing(loss: object, start: float, step: float, drop: float, end: float) -> float:
+def _crossing(loss: Callable[[float], float], start: float, step: float, drop: float, end: float) -> float:
     """Half band at which the loss passes `drop`, on the way from `start` to `end`."""
     inside = start
     for _ in range(14):
         outside = inside + step
         if (step < 0.0 and outside <= end) or (step > 0.0 and outside >= end):
             outside = end
-        if loss(outside) > drop:  # type: ignore[operator]
+        if loss(outside) > drop:
             break
         if outside == end:
             return end
@@ -244,7 +243,7 @@ def _crossing(loss: object, start: float, step: float, drop: float, end: float) 
         return outside
     for _ in range(5):
         middle = 0.5 * (inside + outside)
-        if loss(middle) > drop:  # type: ignore[operator]
+        if loss(middle) > drop:
             outside = middle
         else:
             inside = middle

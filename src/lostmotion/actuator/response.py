@@ -109,6 +109,22 @@ class ActuatorResponse(Brief):
         """1 % of span, in units of OP."""
         return 0.01 * (self.span[1] - self.span[0])
 
+    def percent_text(self, size: float) -> str:
+        """Size in % of span, two digits."""
+        return f"{float(f'{size / self.percent:.2g}'):.9g} %"
+
+    @property
+    def finding(self) -> str:
+        """Kind and size: one sentence."""
+        low, high = self.interval
+        if self.kind == NONE:
+            return f"NO DEAD BAND larger than {self.percent_text(high)} of span."
+        if self.kind == CANNOT_TELL:
+            size = f": a dead band of at most {self.percent_text(high)} of span" if np.isfinite(high) else ""
+            return f"CANNOT TELL{size}."
+        between = f"({self.percent_text(low)[:-2]} .. {self.percent_text(high)[:-2]})"
+        return f"{self.kind.upper()}: dead band {self.percent_text(self.dead_band)} of span {between}."
+
     @property
     def dead_band_percent(self) -> float:
         """Dead band in % of span."""

@@ -13,7 +13,8 @@ MAX_ROWS = 2500  # longer records are read at their most informative stretch of 
 SETTLING_ROWS = 60  # at most, a tenth of the record: the state of the actuator before the first row is not known
 INTEGER_SHARE = 0.99  # of the steps of the position that are whole numbers of one resolution
 FINEST = 2e-5  # of the range of OP: no position is taken for more exact
-NORMAL_QUARTILE = 0.3186  # of the absolute value of a normal number: 25 % are smaller
+QUIETEST = 0.1  # share of the steps from which the noise of a position at rest is taken
+NORMAL_TENTH = 0.1257  # of the absolute value of a normal number: 10 % are smaller
 SECOND_DIFFERENCE = 2.449  # standard deviation of the second difference of white noise, sqrt(6)
 
 
@@ -34,7 +35,7 @@ class Samples:
     noise : float
         Standard deviation of the position, from second differences; too large where it moves in jumps.
     rest_noise : float
-        The same from the quietest quarter of the steps: that of a position which holds for a quarter of the time.
+        The same from the quietest tenth of the steps: that of a position which holds for a tenth of the time.
     """
 
     op: FloatArray
@@ -52,7 +53,7 @@ class Samples:
         second = np.abs(np.diff(self.position, 2))
         floor = FINEST * self.op_range
         noise = 1.4826 * float(np.nanmedian(second)) / SECOND_DIFFERENCE if np.isfinite(second).any() else 0.0
-        quiet = float(np.quantile(steps, 0.25)) / (NORMAL_QUARTILE * np.sqrt(2.0)) if len(steps) else 0.0
+        quiet = float(np.quantile(steps, QUIETEST)) / (NORMAL_TENTH * np.sqrt(2.0)) if len(steps) else 0.0
         object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "noise", max(0.29 * resolution, floor, noise))
         object.__setattr__(self, "rest_noise", max(quiet, 0.0 if resolution else floor))

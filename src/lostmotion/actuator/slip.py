@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from lostmotion.actuator.holds import Threshold
-from lostmotion.actuator.play import LONGEST_LAG, NO_LAG, NORMAL_BAND, Play, long_run_ratio, minimised
+from lostmotion.actuator.play import LONGEST_LAG, NO_LAG, NORMAL_BAND, Play, long_run_ratio
 from lostmotion.actuator.samples import Samples
+from lostmotion.actuator.simplex import minimised
 from lostmotion.arrays import FloatArray
 from lostmotion.kernels import positioner as kernel
 
@@ -75,7 +77,7 @@ def refined(samples: Samples, start: Slip, held: tuple[str, ...] = (), evaluatio
     unit = max(0.1 * start.half, samples.finest)
 
     def decoded(point: FloatArray) -> Slip:
-        values = {}
+        values: dict[str, Any] = {}
         for name, number in zip(free, point.tolist(), strict=True):
             value = math.exp(min(number, 50.0)) if name in _LOGARITHMIC else number
             if name == "offset":
@@ -148,7 +150,7 @@ def band_interval(samples: Samples, slip: Slip) -> tuple[float, float]:
     """95 % interval of the full dead band by the profile likelihood, widened where the rows depend on each other."""
     step = 0.02
     above, below = (rows_of(samples, replace(slip, half=slip.half * factor)) for factor in (1.0 + step, 1.0 - step))
-    drop = 0.5 * NORMAL_BAND * long_run_ratio(above - below, samples)
+    drop = 0.5 * NORMAL_BAND * long_run_ratio(above - below)
     ends = []
     for side in (-1.0, 1.0):
         width, inside = 0.01, slip

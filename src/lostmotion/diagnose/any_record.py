@@ -12,6 +12,7 @@ from lostmotion.diagnose.long_record.any_length import diagnose_valve
 from lostmotion.diagnose.op_span import TOLERANCE
 from lostmotion.diagnose.pooled.settings import DiagnosisSettings
 from lostmotion.diagnose.pooled.together import diagnose_together
+from lostmotion.diagnose.position import judged_by_position
 from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.diagnose.sampling import sampling_advice
 from lostmotion.errors import ParameterError
@@ -122,14 +123,16 @@ def diagnose(
         read = as_record(read)
     asked = DiagnosisSettings(integrating, loop_type, tolerance)
     if isinstance(read, list | tuple) and len(read) != 1:
-        return _with_sampling(diagnose_together([as_record(one) for one in read], asked, starts, progress))
+        pooled = diagnose_together([as_record(one) for one in read], asked, starts, progress)
+        return judged_by_position(_with_sampling(pooled), pooled.record)
     if isinstance(read, list | tuple):
         _check_single(starts)
         read, starts = as_record(read), None
     if starts is not None:
         raise ParameterError.expected("start times of many records only", "one record", "leave starts out")
     found = diagnose_valve(read, progress, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
-    return _with_sampling(judged_by_measurement(judged_by_amplitude(found, read), read))
+    judged = judged_by_measurement(judged_by_amplitude(found, read), read)
+    return judged_by_position(_with_sampling(judged), read)
 
 
 def _with_sampling(found: Found) -> Found:

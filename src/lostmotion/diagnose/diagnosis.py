@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lostmotion import _verbs
+from lostmotion.actuator import ActuatorResponse
 from lostmotion.brief import Brief, between
 from lostmotion.diagnose.control_error.amplitude import ErrorOscillation
 from lostmotion.diagnose.features import Measured
@@ -88,6 +89,8 @@ class Diagnosis(Brief):
         Of the error of control in all of the record; None where nothing oscillates.
     source : str
         Where it comes from, in words, where the amplitude of the oscillation or a PV that stood still tells; else "".
+    actuator : ActuatorResponse or None
+        What the actuator does, from OP and its measured position; None where the record has no position.
     """
 
     verdict: str
@@ -111,6 +114,7 @@ class Diagnosis(Brief):
     why: str = ""
     error_oscillation: ErrorOscillation | None = None
     source: str = ""
+    actuator: ActuatorResponse | None = field(default=None, repr=False)
 
     @property
     def fingerprint(self) -> str:
@@ -178,6 +182,7 @@ class Diagnosis(Brief):
             if self.stability is None
             else {name: _finite(value) for name, value in vars(self.stability).items()},
             "performance": self.performance.to_dict(),
+            "actuator": None if self.actuator is None else self.actuator.to_dict(),
             "fit": self.fit.to_dict(),
         }
 

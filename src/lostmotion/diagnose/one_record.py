@@ -19,6 +19,7 @@ from lostmotion.diagnose.frozen import judged_by_measurement
 from lostmotion.diagnose.loop_stability import LoopStability, loop_stability
 from lostmotion.diagnose.op_span import SOUND, TOLERANCE, OpSpan, checked_tolerance, op_span
 from lostmotion.diagnose.performance import measure_performance
+from lostmotion.diagnose.position import judged_by_position
 from lostmotion.diagnose.ringing import judged_by_amplitude
 from lostmotion.diagnose.verdict import Verdict, decide
 from lostmotion.errors import ParameterError
@@ -86,7 +87,7 @@ def diagnose(
     'stiction'
     """
     found = diagnose_part(record, None, integrating=integrating, loop_type=loop_type, tolerance=tolerance)
-    return judged_by_measurement(judged_by_amplitude(found, record), record)
+    return judged_by_position(judged_by_measurement(judged_by_amplitude(found, record), record), record)
 
 
 @one_thread

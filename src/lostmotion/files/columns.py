@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from lostmotion.errors import ColumnError
+from lostmotion.files.actuator_columns import actuator_pair, is_position
 from lostmotion.files.hints import likely
 from lostmotion.files.names import ALIASES, SAMPLING_NAMES, SECONDS
 from lostmotion.files.tags import BRACKETS, folded, key, loops_of, one_loop, same_tag, tag_and_role
@@ -16,6 +17,7 @@ Wanted = str | Literal[False] | None
 
 __all__ = ["SAMPLING_NAMES", "Columns", "Wanted", "by_alias", "key", "named", "resolve", "time_unit", "usual"]
 SHOWN = 8  # loops in a message
+OF_ACTUATOR = "No column holds PV: the position of the actuator, {!r}, stands for it."
 
 
 class SeveralLoopsError(ColumnError):
@@ -36,6 +38,11 @@ class Columns:
     notes: tuple[str, ...] = ()
     mode: str | None = None
     loop: str = ""
+
+    @property
+    def pv_is_position(self) -> bool:
+        """Whether the column of PV holds the position of the actuator, and no other does."""
+        return self.position is None and is_position(self.pv)
 
 
 def resolve(
@@ -73,6 +80,7 @@ def resolve(
     >>> resolve(["Time", "FC1.PV", "FC1.OUT", "FC2.PV", "FC2.OUT"], loop="fc2").op
     'FC2.OUT'
     """
+    op, pv, sp, position, pair = _actuator_only(names, op, pv, sp, position)
     wanted: dict[str, Wanted] = {
         "op": op,
         "pv": pv,
@@ -87,7 +95,7 @@ def resolve(
         ours = loops_of(names)[tag]
         found = {role: name for role, name in ours.items() if wanted[role] is not False} | found
         names = [name for name in names if name in found.values() or tag_and_role(name) is None]
-    notes = [_note(role, name) for role, name in found.items() if not _is_named(role, wanted[role])]
+    notes = [*pair, *(_note(role, name) for role, name in found.items() if not _is_named(role, wanted[role]))]
     chosen = _is_named("op", op) and _is_named("pv", pv)
     for role, name in wanted.items():
         if role in found or name is False:
@@ -114,6 +122,24 @@ def resolve(
         found.get("mode"),
         tag,
     )
+
+
+def _actuator_only(
+    names: Sequence[str], op: str, pv: str, sp: Wanted, position: Wanted
+) -> tuple[str, str, Wanted, Wanted, list[str]]:
+    """Columns to look for, where a table may hold an actuator and no loop: its position is then PV; and a note.
+
+    Only where no column is called as OP or as PV is, so that no loop is read otherwise.
+    """
+    if _is_named("pv", pv) or usual("pv", names):
+        return op, pv, sp, (False if position is None and _is_named("pv", pv) and is_position(pv) else position), []
+    named_op = _is_named("op", op)
+    if named_op and isinstance(position, str):
+        return op, position, sp, False, [OF_ACTUATOR.format(position)]
+    pair = None if usual("op", names) else actuator_pair(names)
+    if pair is None or named_op:
+        return op, pv, sp, position, []
+    return pair[0], pair[1], (False if sp == "SP" else sp), False, [OF_ACTUATOR.format(pair[1])]
 
 
 def _of_tag(names: Sequence[str], pv: str, notes: list[str]) -> list[str]:

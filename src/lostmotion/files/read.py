@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
@@ -67,7 +68,8 @@ def read_loop(
         accept the usual other names (CO, MV, OUT.. and y, measurement..).
     sp, position : str, None or False
         Columns of set point and actuator position. The defaults take them if they are there. ``sp=None`` or
-        False: do not read.
+        False: do not read. Where a table holds the command and the position of an actuator but no PV (setpoint and
+        position, command and feedback), OP is the command, and PV as well as the position are the position.
     time : str, None or False
         Time column: seconds, the unit in its name (t_ms), seconds or milliseconds since 1970, or dates.
         None: by its usual names; a column of dates and one of times of day are taken together. False: ignore it;
@@ -152,6 +154,8 @@ def read_loop(
         op_unit=unit_of(meaning.table, meaning.columns.op),
         pv_unit=unit_of(meaning.table, meaning.columns.pv),
     )
+    if meaning.columns.pv_is_position:
+        record = replace(record, position=record.pv)
     return record if missing == "error" else with_absent_rows(record)
 
 

@@ -62,7 +62,7 @@ def follow(
     parts: int,
     x: FloatArray,
 ) -> None:
-    """Fill `x` (n,) with the position of a play of half width `half` behind `v` (n * parts,), as :func:`command` has it.
+    """Fill `x` (n,) with the position of a play of half width `half` behind `v` (n * parts,) of :func:`command`.
 
     Behind the play the position approaches its target by the share `approach` in each part of a sample, and by no more
     than `rate` in it. It begins at the measured y (n,), and again where `fresh` is 1.

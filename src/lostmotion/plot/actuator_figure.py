@@ -8,7 +8,6 @@ import numpy as np
 
 from lostmotion.actuator import ActuatorResponse
 from lostmotion.plot.style import ALERT, BAND, MEASURED, MODEL, calm, heading, labelled, new_figure, one_panel
-from lostmotion.report.actuator_text import actuator_sentence
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +43,7 @@ def actuator_figure(
         return one_panel(ax, figure, lambda axes: _trend(axes, response))
     figure = new_figure(12.0, 4.5, figure)
     name = response.record.tag or response.record.source or "record"
-    heading(figure, title or f"{name}: {actuator_sentence(response)}", response.message)
+    heading(figure, title or f"{name}: {response.finding}", response.message)
     grid = figure.add_gridspec(1, 2, width_ratios=(3.0, 2.0))
     _trend(figure.add_subplot(grid[0]), response)
     _difference(figure.add_subplot(grid[1]), response)

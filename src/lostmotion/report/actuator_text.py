@@ -26,19 +26,7 @@ def actuator_summary(response: ActuatorResponse) -> str:
     name = record.tag or record.source or "record"
     head = f"{name}: {len(record)} samples of OP and position every {record.dt:g} s"
     table = [f"  {meaning:<42}{value:>10}  {share}".rstrip() for meaning, value, share in actuator_rows(response)]
-    return "\n".join([head, "=" * WIDTH, fill(f"{actuator_sentence(response)} {response.message}"), *table])
-
-
-def actuator_sentence(response: ActuatorResponse) -> str:
-    """Kind and size: one sentence."""
-    low, high = response.interval
-    if response.kind == "none":
-        return f"NO DEAD BAND larger than {percent(response, high)} of span."
-    if not math.isfinite(response.dead_band):
-        open_size = f": at most {percent(response, high)} of span" if math.isfinite(high) else ""
-        return f"CANNOT TELL{open_size}."
-    between = f"({percent(response, low)[:-2]} .. {percent(response, high)[:-2]})"
-    return f"{response.kind.upper()}: dead band {percent(response, response.dead_band)} of span {between}."
+    return "\n".join([head, "=" * WIDTH, fill(f"{response.finding} {response.message}"), *table])
 
 
 def actuator_rows(response: ActuatorResponse) -> list[tuple[str, str, str]]:
@@ -48,11 +36,6 @@ def actuator_rows(response: ActuatorResponse) -> list[tuple[str, str, str]]:
     for name, meaning in MEANING.items():
         value = getattr(response, name)
         if math.isfinite(value):
-            share = f"{percent(response, value)} of span" if name in _SHARES else ""
+            share = f"{response.percent_text(value)} of span" if name in _SHARES else ""
             rows.append((meaning, plain(value) + (unit if name in _SHARES else ""), share))
     return rows
-
-
-def percent(response: ActuatorResponse, size: float) -> str:
-    """Size in % of span, two digits."""
-    return f"{plain(float(f'{size / response.percent:.2g}'))} %"

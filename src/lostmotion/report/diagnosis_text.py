@@ -20,6 +20,7 @@ from lostmotion.report.fit_text import fill, head
 
 MARK = 0.5  # log-odds of one mark of a bar
 MOST_MARKS = 12
+BEHIND = " The {} that PV shows lies behind the position transmitter: look for a loose linkage."
 LIKELY = (
     0.8  # probability of a fault of the actuator, from which on it is named as the place even where the fault is not
 )
@@ -31,6 +32,7 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
         _head(diagnosis),
         fill(verdict_sentence(diagnosis)),
         fill(where_from(diagnosis)),
+        fill(seen_in_position(diagnosis)),
         _evidence(diagnosis),
         _oscillation(diagnosis),
         _kinds(diagnosis),
@@ -64,6 +66,22 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             return "CANNOT TELL: the record does not show how OP moves PV."
         return f"CANNOT TELL: no cause reaches a probability of {100 * SURE:.0f} %."
     return f"{verdict.upper()}{_size(diagnosis)}, severity {_severity(diagnosis)}, confidence {sure}."
+
+
+def seen_in_position(diagnosis: Diagnosis) -> str:
+    """What the measured position shows, and what PV adds; "" where there is none."""
+    response = diagnosis.actuator
+    if response is None:
+        return ""
+    if not response.status.told:
+        return f"The position does not tell the dead band: {response.message}"
+    low, high = (response.percent_text(end) for end in response.interval)
+    if response.kind == NO_FAULT:
+        seen = f"Seen directly in the position: no dead band larger than {high} of span."
+        behind = diagnosis.kind == "actuator" and diagnosis.verdict != NO_FAULT
+        return seen + (BEHIND.format(diagnosis.verdict) if behind else "")
+    size = f"{response.percent_text(response.dead_band)} of span ({low[:-2]} .. {high[:-2]})"
+    return f"Seen directly in the position: {response.kind}, dead band {size}."
 
 
 def _severity(diagnosis: Diagnosis) -> str:

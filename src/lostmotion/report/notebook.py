@@ -73,7 +73,7 @@ def actuator_panel(response: ActuatorResponse) -> Panel:
     """Finding and numbers of an actuator."""
     name = response.record.tag or response.record.source or "record"
     table = Table(actuator_text.actuator_rows(response), ("", "value", "of span"))
-    return Panel(f"{name}: {actuator_text.actuator_sentence(response)}", table, said=(response.message,))
+    return Panel(f"{name}: {response.finding}", table, said=(response.message,))
 
 
 def diagnosis_panel(found: Diagnosis) -> Panel:
