@@ -40,6 +40,7 @@ def study(fit, record):
 # what each makes of a record, as plain values
 FUNCTIONS = {
     "achievable": lambda fit, record: lm.achievable(record, MODEL, 0.01).expected,
+    "actuator_response": lambda fit, record: lm.actuator_response(record).to_dict(),
     "check": lambda fit, record: lm.check(record).to_dict()["loop"],
     "compensation_study": study,
     "diagnose": lambda fit, record: lm.diagnose(record).to_dict()["verdict"],

@@ -41,6 +41,7 @@ def results(tmp_path_factory):
     store = tmp_path_factory.mktemp("audit") / "plant.db"
     found = [
         record, record.check(), lm.check(record), prepare(record), prepare(lm.LoopRecord([1.0] * 99, [1.0] * 99, dt=1)),
+        lm.actuator_response(lm.LoopRecord(u, lm.Backlash(2.0)(u), dt=1.0)),
         diagnosis, diagnosis.fit, diagnosis.fit.facts, lm.diagnose([record[:1000], record[1000:]]),
         diagnose_long(record), lm.identify(record, nonlinearity="none"), lm.solve(record[:150]),
         study, study.block, study.block.run(u),

@@ -14,9 +14,14 @@ ROOT = SHARED / "data"
 
 def shared(path: str) -> Path:
     """Path of a shared file or folder; where it is absent, skip, or fail if the environment has CI set."""
-    found = ROOT / path
+    return beside(f"data/{path}")
+
+
+def beside(path: str) -> Path:
+    """Path in the folder of all that is shared; the same where it is absent."""
+    found = SHARED / path
     if not found.exists():
-        reason = f"shared/data/{path} is not beside the repository"
+        reason = f"shared/{path} is not beside the repository"
         if os.environ.get("CI"):
             pytest.fail(reason)
         pytest.skip(reason)

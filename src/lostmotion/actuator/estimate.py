@@ -27,16 +27,20 @@ from lostmotion.records.span import possible_spans
 FEWEST_ROWS = 30
 FLAT = 5.0  # resolutions that OP and position must move
 MATTERS = 1.5  # % of span: "none" excludes a larger dead band
+FINE_STEPS = 1.0  # % of span: a dead band that a tenth of the steps of OP cross at once could be hidden; no more
 SIGNIFICANT = 8.0  # log-likelihood over the actuator without a play, in independent rows: odds of some 1000 to 1
 SLIPS_GAIN = 10.0  # log-likelihood of stick and slip over a play
 SLIPS = 3  # holds that end as they began: one may be a disturbance
 SAWTOOTH = 0.1  # of the length of a slip: scale of what a play leaves of it, 1 / sqrt(12) of a full one
 PLAY_MODEL = 0.02  # of the dead band: positioners and links repeat no better
+HOLDS_MODEL = 0.03  # of the dead band: the threshold of one direction is not that of the other
 UNRESOLVED = 6.0  # scales of the residuals: a dead band that a few reversals may hide in them
-SLIP_MODEL = 0.15  # of the dead band: friction is not the model that is fitted
+SLIP_MODEL = 0.25  # of the dead band: friction is not the model that is fitted
 SLIP_OVER_PLAY = 3.0  # dead band of a complete slip over the play that fits it best, at most
 PARTIAL_SLIP = 0.75  # of the half band, left behind after a slip: with more it is a play
-VISIBLE = 4.0  # scales of the residuals: slips of a narrower band could not be seen
+VISIBLE = 5.0  # scales of the residuals: slips of a narrower band could not be seen
+MISFIT = 2.5  # noises of the position: residuals of a larger scale are not those of a play
+NEAR_PLAY = 0.9  # of the half band, left behind after a slip: with less a play is not sure
 EXACT = 0.1  # of the dead band that "none" excludes: residuals of a smaller scale show it at each reversal
 FEW_REVERSALS, MANY_REVERSALS = 2, 30  # that "none" needs: with exact residuals, and with others, by their mean
 WIDEST = 2.0  # upper over lower end of an interval from which on the size is not known
@@ -229,8 +233,8 @@ class _Evidence:
         if self.play_gain > SIGNIFICANT:
             interval = self._play_interval()
             found = replace(base, kind="backlash", dead_band=2.0 * self.play.half, interval=interval)
-            if partial or 2.0 * self.play.half < VISIBLE * self.play.scale:
-                wider = (interval[0], SLIP_OVER_PLAY * interval[1])
+            if not self._is_play:
+                wider = (interval[0], max(SLIP_OVER_PLAY * interval[1], self._slip_at_most))
                 return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.AMBIGUOUS, interval=wider)
             return self._named(found)
         return self._without(base)
@@ -251,7 +255,7 @@ class _Evidence:
         up, down = hold_events.directions(self.samples, self.holds, threshold)
         band = 2.0 * threshold.half
         low, high = (
-            2.0 * (1.0 + side * PLAY_MODEL) * end for side, end in zip((-1.0, 1.0), threshold.interval, strict=True)
+            2.0 * (1.0 + side * HOLDS_MODEL) * end for side, end in zip((-1.0, 1.0), threshold.interval, strict=True)
         )
         return self._named(replace(
             base, kind="stiction", dead_band=band, interval=(low, high),
@@ -259,11 +263,30 @@ class _Evidence:
             offset=threshold.offset, events=threshold.events, resolution=max(self.travel, self.samples.resolution),
         ))  # fmt: skip
 
+    @property
+    def _is_play(self) -> bool:
+        """Whether a play explains the position to its noise, and slips would have been visible."""
+        slips = self.slip_gain > SLIPS_GAIN and self.slip.rest < NEAR_PLAY
+        visible = 2.0 * self.play.half >= VISIBLE * self.play.scale
+        return visible and not slips and self.play.scale < MISFIT * self.samples.noise
+
     def _play_interval(self) -> tuple[float, float]:
         """Interval of a play, with what the model and the sampling of OP leave open."""
         low, high = plays.band_interval(self.samples, self.play, self.colour)
-        error = PLAY_MODEL * 2.0 * self.play.half
+        error = PLAY_MODEL * 2.0 * self.play.half + self._timing()
         return max(low - error, 0.0), high + error + self._unseen()
+
+    def _timing(self) -> float:
+        """Way of OP in the time by which its changes are uncertain, where the fit found them so."""
+        steps = np.abs(np.diff(self.samples.op))
+        moving = steps[np.isfinite(steps) & (steps > 0.0)]
+        uncertain = plays.JITTER if self.play.line else 0.5 * self.play.jitter
+        return uncertain * float(np.median(moving)) if len(moving) else 0.0
+
+    @property
+    def _slip_at_most(self) -> float:
+        """Largest dead band that the best fit of stick and slip leaves open."""
+        return 2.0 * (1.0 + SLIP_MODEL) * self.slip.half
 
     def _unseen(self) -> float:
         """How much farther OP went at its turns than its samples show, where it moves in lines between them."""
@@ -277,7 +300,8 @@ class _Evidence:
         """With its size, or "cannot tell" where the interval is too wide for one."""
         low, high = found.interval
         if high > WIDEST * low:
-            return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.WIDE)
+            wider = (low, max(SLIP_OVER_PLAY * high, self._slip_at_most))
+            return replace(found, kind=CANNOT_TELL, status=ActuatorStatus.WIDE, interval=wider)
         ends: dict[str, Any] = {
             name: found.dead_band for name in ("up", "down") if not np.isfinite(getattr(found, name))
         }
@@ -290,11 +314,15 @@ class _Evidence:
         _, high = plays.band_interval(self.samples, self.none, self.colour)
         steps = np.abs(np.diff(self.samples.op))
         steps = steps[np.isfinite(steps) & (steps > 0.0)]
-        high = max(high, 2.0 * float(np.quantile(steps, 0.1)) if len(steps) else np.inf)
+        hidden = 2.0 * float(np.quantile(steps, 0.1)) if len(steps) else np.inf
+        steady = len(steps) > hold_events.STEADY_SHARE * len(self.samples)
+        coarse = hidden > (MATTERS if steady else FINE_STEPS) * base.percent
+        high = max(high, hidden)
         needed = FEW_REVERSALS if self.none.scale < EXACT * high else MANY_REVERSALS
-        if high <= MATTERS * base.percent and reversals(self.samples.op, high) >= needed:
+        if not coarse and high <= MATTERS * base.percent and reversals(self.samples.op, high) >= needed:
             return replace(base, kind=NONE, dead_band=0.0, interval=(0.0, high), status=ActuatorStatus.NONE)
         if reversals(self.samples.op, high) < needed:
             high = max(high, UNRESOLVED * self.none.scale)
-        coarse = 2.0 * float(np.quantile(steps, 0.1)) > MATTERS * base.percent
+        if self.slip_gain > SLIPS_GAIN:
+            high = max(high, self._slip_at_most)
         return replace(base, interval=(0.0, high), status=ActuatorStatus.COARSE if coarse else ActuatorStatus.OPEN)

@@ -26,6 +26,7 @@ INFORMATIVE = 3.0  # windows that OP moves in a hold: less may be the motion tha
 OUTLIER = 0.03  # probability of a hold that ends for another reason: a load, a lost sample
 MIN_EVENTS = 3
 WINDOWS = (1.0, 2.5, 6.0)  # of the smallest window: samples between those recorded are interpolated, and creep
+SAME_FIT = 0.05  # of log-likelihood a hold: what LEAST_SCATTER alone may cost one lag more than another
 MIN_CONSISTENT = 5  # holds that must agree
 MISFIT = 0.35  # mean loss of log-likelihood per hold, beside one outlier: one hold in ten ends elsewhere
 MAX_SCATTER = 0.35  # of the half band: more is no threshold
@@ -180,8 +181,9 @@ def threshold_of(samples: Samples, holds: Holds) -> Threshold | None:
     if not fits:
         return None
     best = max((one for one, _ in fits), key=lambda one: one.log_likelihood)
-    near = [(one, bounds) for one, bounds in fits if one.log_likelihood > best.log_likelihood - 0.5 * NORMAL_BAND]
-    ends = [_interval(one, bounds, best.log_likelihood) for one, bounds in near]
+    drop = 0.5 * NORMAL_BAND + SAME_FIT * best.events
+    near = [(one, bounds) for one, bounds in fits if one.log_likelihood > best.log_likelihood - drop]
+    ends = [_interval(one, bounds, one.log_likelihood) for one, bounds in near]
     interval = (min(low for low, _ in ends), max(high for _, high in ends))
     # between lags and delays that fit alike the likelihood is flat: its middle errs least
     return Threshold(**{**vars(best), "half": 0.5 * (interval[0] + interval[1]), "interval": interval})
