@@ -30,6 +30,8 @@ MATTERS = 1.5  # % of span: "none" excludes a larger dead band
 FINE_STEPS = 1.0  # % of span: a dead band that a tenth of the steps of OP cross at once could be hidden; no more
 SIGNIFICANT = 8.0  # log-likelihood over the actuator without a play, in independent rows: odds of some 1000 to 1
 SLIPS_GAIN = 10.0  # log-likelihood of stick and slip over a play
+SURE_GAIN = 100.0  # the same, where no single slip is seen: the model of the noise may be wrong
+SHORT_REST = 0.5  # of the half band, left behind after a slip
 SLIPS = 3  # holds that end as they began: one may be a disturbance
 SAWTOOTH = 0.1  # of the length of a slip: scale of what a play leaves of it, 1 / sqrt(12) of a full one
 PLAY_MODEL = 0.02  # of the dead band: positioners and links repeat no better
@@ -41,7 +43,9 @@ PARTIAL_SLIP = 0.75  # of the half band, left behind after a slip: with more it 
 VISIBLE = 5.0  # scales of the residuals: slips of a narrower band could not be seen
 MISFIT = 2.5  # noises of the position: residuals of a larger scale are not those of a play
 NEAR_PLAY = 0.9  # of the half band, left behind after a slip: with less a play is not sure
-EXACT = 0.1  # of the dead band that "none" excludes: residuals of a smaller scale show it at each reversal
+STEP_TIMING = 0.03  # of a step of OP: what is left of it at the end of the hold behind it
+BENT = 0.2  # second over first differences of OP: a controller that acts on noise has 1 and more
+EXACT = 0.25  # of the dead band that "none" excludes: residuals of a smaller scale show it at each reversal
 FEW_REVERSALS, MANY_REVERSALS = 2, 30  # that "none" needs: with exact residuals, and with others, by their mean
 WIDEST = 2.0  # upper over lower end of an interval from which on the size is not known
 
@@ -225,7 +229,7 @@ class _Evidence:
         if self.threshold is not None and self.threshold.consistent and self.seen_to_slip:
             return self._by_holds(base)
         partial = self.slip_gain > SLIPS_GAIN and self.slip.rest < PARTIAL_SLIP
-        if partial and self.seen_to_slip and self.play_gain > SIGNIFICANT:
+        if partial and (self.seen_to_slip or self._surely_slips) and self.play_gain > SIGNIFICANT:
             low, high = slip_fit.band_interval(self.samples, self.slip)
             band = 2.0 * self.slip.half
             interval = min(low, band * (1.0 - SLIP_MODEL)), max(high, band * (1.0 + SLIP_MODEL))
@@ -264,6 +268,12 @@ class _Evidence:
         ))  # fmt: skip
 
     @property
+    def _surely_slips(self) -> bool:
+        """Whether the filter finds slips that leave little behind, of a band that the play agrees with."""
+        agrees = self.play.half < self.slip.half < SLIP_OVER_PLAY * self.play.half
+        return self.slip_gain > SURE_GAIN and self.slip.rest < SHORT_REST and agrees
+
+    @property
     def _is_play(self) -> bool:
         """Whether a play explains the position to its noise, and slips would have been visible."""
         slips = self.slip_gain > SLIPS_GAIN and self.slip.rest < NEAR_PLAY
@@ -278,10 +288,18 @@ class _Evidence:
 
     def _timing(self) -> float:
         """Way of OP in the time by which its changes are uncertain, where the fit found them so."""
-        steps = np.abs(np.diff(self.samples.op))
-        moving = steps[np.isfinite(steps) & (steps > 0.0)]
-        uncertain = plays.JITTER if self.play.line else 0.5 * self.play.jitter
-        return uncertain * float(np.median(moving)) if len(moving) else 0.0
+        moving = np.abs(np.diff(self.samples.op))
+        moving = moving[np.isfinite(moving) & (moving > 0.0)]
+        if len(moving) == 0 or (self.play.jitter == 0.0 and not self._smooth):
+            return 0.0
+        return (plays.JITTER if self._smooth else STEP_TIMING) * float(np.median(moving))
+
+    @property
+    def _smooth(self) -> bool:
+        """Whether OP is a ramp or a slow wave that goes on between its samples."""
+        op = self.samples.op
+        bend, slope = float(np.nanmedian(np.abs(np.diff(op, 2)))), float(np.nanmedian(np.abs(np.diff(op))))
+        return self.play.line and bend < BENT * slope
 
     @property
     def _slip_at_most(self) -> float:
@@ -290,7 +308,7 @@ class _Evidence:
 
     def _unseen(self) -> float:
         """How much farther OP went at its turns than its samples show, where it moves in lines between them."""
-        if not self.play.line:
+        if not self._smooth:
             return 0.0
         steps = np.diff(self.samples.op)
         turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0)
