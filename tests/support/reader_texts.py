@@ -52,6 +52,7 @@ TEXTS = {  # text of a file, and the settings it is read with
     "two of one role": (rows(head="time,CO,PV,MV", more=",1"), {}),
     "two that differ in case": (rows(head="time,Out1,OUT1,PV", more=",1"), {"op": "out1"}),
     "a name that is not there": (rows(), {"op": "FV1"}),
+    "several actuators": ("target pos (1),pos (1),target pos (2),pos (2)\n1,1,2,2\n2,2,3,3\n", {"dt": 1.0}),
     "one column for two roles": (rows(head="time,valve,PV"), {"op": "valve", "pv": "valve"}),
     "several loops": (WIDE, {}),
     "a loop that is not there": (WIDE, {"loop": "FIC9"}),

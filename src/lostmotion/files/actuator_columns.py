@@ -58,7 +58,7 @@ def actuator_pair(names: Sequence[str]) -> tuple[str, str] | None:
     if len(pairs) > 1:
         first = {"op": pairs[0][0], "pv": pairs[0][1]}
         got = ", ".join(f"{command!r} and {position!r}" for command, position in pairs)
-        remedy = f"name one: op={first['op']!r}, pv={first['pv']!r}"
+        remedy = f"name one: op={first['op']!r} and pv={first['pv']!r}"
         error = ColumnError.expected("command and position of one actuator", got, remedy)
         raise error.leads_on(*({"op": command, "pv": position} for command, position in pairs))
     return pairs[0] if pairs else None

@@ -124,6 +124,59 @@ def _slips(error: float, half: float, rest: float) -> float:
 
 
 @njit()
+def _moves(
+    error: float,
+    y: float,
+    variance: float,
+    half: float,
+    rest: float,
+    approach: float,
+    rate: float,
+    noise: float,
+    scatter: float,
+    landing: float,
+) -> tuple[float, float, float, float, float]:
+    """Hypotheses of a position at rest, all relative to it, y too: densities of hold, up, down; both moves."""
+    sigma = math.sqrt(variance + scatter)
+    p_up, p_down = _exceeds(error - half, sigma), _exceeds(-error - half, sigma)
+    hold = max(1.0 - p_up - p_down, NEVER) * _density(y, variance + noise)
+    up, down = min(approach * max(error - rest, 0.0), rate), -min(approach * max(-error - rest, 0.0), rate)
+    b, d = p_up * _density(y - up, landing + noise), p_down * _density(y - down, landing + noise)
+    if rest < half:  # slips of one length each are as likely as one that ends at the command
+        slipped = min(approach * _slips(error, half, rest), rate)
+        other = p_up * _density(y - slipped, landing + variance + noise)
+        up, b = (slipped if other > b else up), 0.5 * (b + other)
+        slipped = -min(approach * _slips(-error, half, rest), rate)
+        other = p_down * _density(y - slipped, landing + variance + noise)
+        down, d = (slipped if other > d else down), 0.5 * (d + other)
+    return hold, b, d, up, down
+
+
+@njit()
+def _merged(
+    y: float,
+    weights: tuple[float, float, float, float],
+    moves: tuple[float, float],
+    variance: float,
+    spread: float,
+    noise: float,
+) -> tuple[float, float]:
+    """Mean, relative to that before, and variance of hold, up, down and unexplained with these weights."""
+    gain_hold, gain_move = variance / (variance + noise), spread / (spread + noise)
+    hold = gain_hold * y
+    up, down = moves[0] + gain_move * (y - moves[0]), moves[1] + gain_move * (y - moves[1])
+    a, b, d, o = weights
+    mean = a * hold + b * up + d * down + o * y
+    variance = (
+        a * (gain_hold * noise + (hold - mean) ** 2)
+        + b * (gain_move * noise + (up - mean) ** 2)
+        + d * (gain_move * noise + (down - mean) ** 2)
+        + o * (noise + (y - mean) ** 2)
+    )
+    return mean, variance
+
+
+@njit()
 def filtered(
     v: FloatArray,
     y: FloatArray,
@@ -156,54 +209,28 @@ def filtered(
             started, mean, variance, target, way = True, y[k], noise, y[k], 0.0
             x[k] = mean
             continue
-        goal = v[k] - offset
-        error = goal - mean
+        goal, seen = v[k] - offset - mean, y[k] - mean
         if way != 0.0:  # on its way: the target follows the command in this direction only
-            follow = goal - way * rest
+            follow = goal + mean - way * rest
             target = max(target, follow) if way > 0.0 else min(target, follow)
-            step = min(max(approach * (target - mean), -rate), rate)
-            moved, spread = mean + step, landing + variance
-            p_hold, p_up, p_down = NEVER, (1.0 if way > 0.0 else NEVER), (1.0 if way < 0.0 else NEVER)
-            up, down, spread_up = moved, moved, spread
-            aim_up, aim_down = target, target
-            slipped, slipped_down = moved, moved
+            up = down = min(max(approach * (target - mean), -rate), rate)
+            spread = landing + variance
+            moving = _density(seen - up, spread + noise)
+            a = NEVER * _density(seen, variance + noise)
+            b, d = (moving, NEVER * moving) if way > 0.0 else (NEVER * moving, moving)
+            aim_up = aim_down = target
         else:
-            sigma = math.sqrt(variance + scatter)
-            p_up, p_down = _exceeds(error - half, sigma), _exceeds(-error - half, sigma)
-            p_hold = max(1.0 - p_up - p_down, NEVER)
-            aim_up, aim_down = max(goal - rest, mean), min(goal + rest, mean)
-            up = mean + min(approach * (aim_up - mean), rate)
-            down = mean + max(approach * (aim_down - mean), -rate)
-            spread_up = landing
-            slipped = mean + min(approach * _slips(error, half, rest), rate)
-            slipped_down = mean - min(approach * _slips(-error, half, rest), rate)
-        a = (1.0 - UNEXPLAINED) * p_hold * _density(y[k] - mean, variance + noise)
-        b = (1.0 - UNEXPLAINED) * p_up * _density(y[k] - up, spread_up + noise)
-        d = (1.0 - UNEXPLAINED) * p_down * _density(y[k] - down, spread_up + noise)
-        if way == 0.0 and rest < half:
-            other = (1.0 - UNEXPLAINED) * p_up * _density(y[k] - slipped, spread_up + variance + noise)
-            up = slipped if other > b else up
-            b = 0.5 * (b + other)
-            other = (1.0 - UNEXPLAINED) * p_down * _density(y[k] - slipped_down, spread_up + variance + noise)
-            down = slipped_down if other > d else down
-            d = 0.5 * (d + other)
-        o = UNEXPLAINED * _density(y[k] - mean, variance + wide * wide)
+            spread = landing
+            a, b, d, up, down = _moves(goal, seen, variance, half, rest, approach, rate, noise, scatter, landing)
+            aim_up, aim_down = mean + max(goal - rest, 0.0), mean + min(goal + rest, 0.0)
+        a, b, d = (1.0 - UNEXPLAINED) * a, (1.0 - UNEXPLAINED) * b, (1.0 - UNEXPLAINED) * d
+        o = UNEXPLAINED * _density(seen, variance + wide * wide)
         all_of = a + b + d + o + 1e-300
         per_row[k] = math.log(all_of)
-        if k >= skipped:
-            total += per_row[k]
+        total += per_row[k] if k >= skipped else 0.0
         a, b, d, o = a / all_of, b / all_of, d / all_of, o / all_of
-        gain_hold, gain_move = variance / (variance + noise), spread_up / (spread_up + noise)
-        m_hold = mean + gain_hold * (y[k] - mean)
-        m_up, m_down = up + gain_move * (y[k] - up), down + gain_move * (y[k] - down)
-        merged = a * m_hold + b * m_up + d * m_down + o * y[k]
-        variance = (
-            a * (gain_hold * noise + (m_hold - merged) ** 2)
-            + b * (gain_move * noise + (m_up - merged) ** 2)
-            + d * (gain_move * noise + (m_down - merged) ** 2)
-            + o * (noise + (y[k] - merged) ** 2)
-        )
-        mean = merged
+        moved, variance = _merged(seen, (a, b, d, o), (up, down), variance, spread, noise)
+        mean += moved
         if b > 0.5:
             target, way = aim_up, (1.0 if aim_up - mean > near else 0.0)
         elif d > 0.5:
