@@ -75,6 +75,7 @@ PAGES = (
     Page("supervised", "benchmarks/supervised.py", 15, needs="make plc", shares=True),
 )
 BY_HAND = {
+    "actuator": "what the measured position shows; benchmarks/positioners.py scores it",
     "audit": "what an audit does; figures with the command that repeats each",
     "compensation-study": "what the study simulates; its figures are quoted from compensation-study-figures",
     "equations": "the paper's equations and where they are in the code",

@@ -99,7 +99,7 @@ def test_a_load_moves_the_position():
     position[190:198] -= 8.0
     found = lm.actuator_response(op=op, position=np.round(position), dt=0.1)
     assert (found.kind, found.status) == ("backlash", ActuatorStatus.LOAD)
-    assert found.dead_band == 16.0
+    assert found.dead_band == 17.0
 
 
 @settings(max_examples=2, deadline=None)
