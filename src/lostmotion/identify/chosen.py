@@ -24,6 +24,9 @@ class Chosen:
     slopes : tuple of float, optional
         Of a characteristic that bends, at the lowest and the highest position of the valve, over its mean slope, which
         is that of the model; None: it is straight.
+    asymmetry : tuple of float, optional
+        Of a lag that differs with direction: by this share it is faster than its mean upwards, and away from PV at OP
+        0, and slower the other way; the mean is that of the model. None: it is the same in all directions.
     noise_zero : float
         Zero of the noise; 0: it is autoregressive.
     """
@@ -36,6 +39,7 @@ class Chosen:
     loads: tuple[Mapping[str, float], ...] = ()
     noise_zero: float = 0.0
     slopes: tuple[float, float] | None = None
+    asymmetry: tuple[float, float] | None = None
 
     @property
     def periods(self) -> tuple[float, ...]:
@@ -54,6 +58,9 @@ class Chosen:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of :meth:`to_dict`."""
-        slopes = data.get("slopes")
-        bent = None if slopes is None else (float(slopes[0]), float(slopes[1]))
-        return cls(**{**data, "loads": tuple(data.get("loads", ())), "slopes": bent})
+        pairs = {name: _pair(data.get(name)) for name in ("slopes", "asymmetry")}
+        return cls(**{**data, "loads": tuple(data.get("loads", ())), **pairs})
+
+
+def _pair(saved: Any) -> tuple[float, float] | None:
+    return None if saved is None else (float(saved[0]), float(saved[1]))

@@ -17,6 +17,7 @@ from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
+from lostmotion.identify.actuators.free_simulation import another_size, simulated
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
@@ -27,6 +28,7 @@ from lostmotion.identify.in_units import chosen_of, fit_percent_of, model_of, on
 from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
+from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.misfit import residual_tests
 from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
@@ -250,7 +252,9 @@ class _Identification:
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
         found = self._beside_nested(kind, found, linear)
         linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
-        packed = self._compared(self._packed(found, linear), found, linear)
+        packed = self._packed(found, linear)
+        by_simulation = self._by_simulation(packed, linear, {name: found}) if self.compared else None
+        packed = by_simulation or self._compared(packed, found, linear)
         if packed.status not in HIDDEN:
             return packed
         return replace(packed, linear_alternative=self._packed(linear, linear))
@@ -283,8 +287,12 @@ class _Identification:
         return kind.settled(found, scaled.scaling, self.settings["offset"])
 
     def _likeliest(self, linear: Fitted) -> HammersteinFit:
-        """The kind that predicts best, or the linear model where none is seen."""
+        """The kind that predicts best, or the linear model where none is seen; by simulation where that differs."""
         linear, fits = EveryKind(self.scaled, self.asked, partial(self._fitted, linear)).fits(linear)
+        found = self._by_prediction(linear, fits)
+        return self._by_simulation(found, linear, fits) or found
+
+    def _by_prediction(self, linear: Fitted, fits: dict[str, Fitted]) -> HammersteinFit:
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
         aside = set_aside(kinds, simplest, linear)
@@ -304,8 +312,30 @@ class _Identification:
         sizes = left_open(linear, fits, linear_result, self.scaled.scaling, slow)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
-    def _packed(self, fitted: Fitted, linear: Fitted) -> HammersteinFit:
-        """Result in engineering units with status."""
+    def _by_simulation(self, found: HammersteinFit, linear: Fitted, fits: dict[str, Fitted]) -> HammersteinFit | None:
+        """What reproduces PV best from OP alone, where that differs from what predicts best; of the kind asked for."""
+        if self.asked.noise is not None or self.data.sp is not None or feedback(self.scaled).closed:
+            return None  # who records a set point has a controller
+        chosen = fits.get(found.kind.name, linear)
+        rival = simulated(self.scaled, self.asked, linear, chosen, fits, found.status is not Status.OK)
+        if rival is None:
+            return None
+        asked_for = found.kinds is None
+        name = rival.kinds.best if rival.clear and not asked_for else found.kind.name
+        if name not in rival.fits:
+            return None
+        other = self._packed(rival.fits[name], rival.fits[NO_FAULT], linear)
+        size = None if found.kind.size is None else found.parameters[found.kind.size]
+        other = replace(other, evidence=replace(other.evidence, by_prediction=(found.kind.name, size)))
+        if other.status not in CLAIMS or not (rival.clear or another_size(found, other, found.kind)):
+            return None
+        if asked_for and rival.clear and (ahead := rival.kinds.ahead_of(name)) is not None:
+            evidence = replace(other.evidence, other_kind=ahead)
+            return replace(other, status=Status.OTHER_KIND, evidence=evidence, widest=None)
+        return replace(other, status=Status.MISFIT, kinds=rival.kinds if rival.clear and not asked_for else found.kinds)
+
+    def _packed(self, fitted: Fitted, linear: Fitted, predicting: Fitted | None = None) -> HammersteinFit:
+        """Result in engineering units with status; `predicting`: the linear model with noise, where these have none."""
         data, scaled, family = self.data, self.scaled, fitted.problem.family
         scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
         lag = kind.lag(fitted) if self.compared else NO_LAG  # who is not compared goes on without one
@@ -313,7 +343,7 @@ class _Identification:
         profiled = lag.joined(kind.intervals(fitted, scaling), scaling.u_scale)
         covariance = with_profiled(named, profiled)
         simulated, errors = simulated_output(fitted), fitted.problem.predict(fitted.fit.theta)[1]
-        evidence = weigh(scaled, fitted, linear, named.values, data, self.asked)
+        evidence = weigh(scaled, fitted, linear, named.values, data, self.asked, predicting or linear)
         evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
         tests = residual_tests(fitted, errors)
         rows, percent = on_rows(simulated, scaled, s.first), fit_percent_of(scaled, simulated, s.first)

@@ -44,6 +44,9 @@ class Evidence:
     gain_over_healthy : float or None
         The same of a dead zone or a saturation over the likeliest healthy valve, which may bend or be slow
         (``Kind.healthy``); None: a straight line is the likeliest, or a fit saved before it was asked.
+    by_prediction : (str, float or None) or None
+        Kind that one-step predictions name, and its size, where free simulation from OP names or sizes it otherwise and
+        counts; None: both agree, or the loop is closed.
     actuator_lag : float
         Seconds by which the actuator lags before its lost motion, where the record shows it; 0: it shows none.
     answered : bool
@@ -68,6 +71,7 @@ class Evidence:
     actuator_lag: float = 0.0
     gain_over_healthy: float | None = None
     foreknown: bool = False
+    by_prediction: tuple[str, float | None] | None = None
 
     @property
     def gain(self) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.characteristic import slopes
+from lostmotion.identify.actuators.directional_lag import asymmetry
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import IdentificationData
@@ -18,7 +19,7 @@ def chosen_of(fitted: Fitted) -> Chosen:
     """Structure, and what acts beside the actuator."""
     s, loads = fitted.problem.structure, fitted.problem.family.loads
     events = () if loads is None else loads.to_dicts()
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, slopes(fitted))
+    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, slopes(fitted), asymmetry(fitted))
 
 
 def model_of(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:

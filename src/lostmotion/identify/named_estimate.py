@@ -102,7 +102,8 @@ class NamedEstimate(Brief):
         integrating process is the parameter `load`; where a fit has none, an array begins with the load that its first
         OP holds, and each piece of a record has the one that its PV shows best. Swings and steps of load
         (`fit.chosen.loads`) belong to the record in which they were found, and are not simulated; nor is a
-        characteristic that bends (`fit.chosen.slopes`): the gain is the mean one.
+        characteristic that bends (`fit.chosen.slopes`) or a lag that differs with direction (`fit.chosen.asymmetry`):
+        gain and time constant are the mean ones.
 
         Examples
         --------

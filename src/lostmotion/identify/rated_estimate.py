@@ -16,6 +16,7 @@ from lostmotion.errors import Status
 from lostmotion.files.results import write_json
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
+from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.identify.size_interval import slips_at_rest, with_model_error
@@ -41,6 +42,21 @@ class RatedEstimate(NamedEstimate, ABC):
     kinds: KindChoice | None
     widest: float | None
     profiled: dict[str, tuple[float, float]]
+    chosen: Chosen
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """What a sound plant may do and this record needed in the model, beside the fault and a linear process.
+
+        Out of "direction-dependent lag" (`chosen.asymmetry`), "bent characteristic" (`chosen.slopes`) and "actuator
+        lag" (`evidence.actuator_lag`).
+        """
+        needed = {
+            "direction-dependent lag": self.chosen.asymmetry is not None,
+            "bent characteristic": self.chosen.slopes is not None,
+            "actuator lag": self.evidence.actuator_lag > 0.0,
+        }
+        return tuple(name for name, there in needed.items() if there)
 
     @property
     @abstractmethod

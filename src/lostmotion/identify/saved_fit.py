@@ -102,7 +102,15 @@ def _chosen(saved: Fields) -> Chosen:
     loads = saved.made("loads", "a list of loads", _loads) if "loads" in saved else ()
     na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
     zero = saved.number("noise_zero") if "noise_zero" in saved else 0.0
-    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads, zero)
+    pairs = {name: saved.made(name, "two numbers", _pair) for name in ("slopes", "asymmetry") if name in saved}
+    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads, zero, **pairs)
+
+
+def _pair(saved: object) -> tuple[float, float] | None:
+    if saved is None:
+        return None
+    first, second = map(as_number, as_list(saved))
+    return first, second
 
 
 def _loads(rows: object) -> tuple[Mapping[str, float], ...]:
@@ -156,6 +164,8 @@ def _evidence(saved: Fields) -> Evidence:
         given["rivals"] = saved.made("rivals", "rows of left, right, behind", _rivals)
     if "other_kind" in saved:
         given["other_kind"] = saved.made("other_kind", "a kind and how far it is ahead", _other_kind)
+    if "by_prediction" in saved:
+        given["by_prediction"] = saved.made("by_prediction", "a kind and its size", _by_prediction)
     if "unseen_moves" in saved:
         given["unseen_moves"] = saved.made("unseen_moves", "a deviation", _deviation)
     if "actuator_lag" in saved:
@@ -174,6 +184,13 @@ def _gain(value: object) -> float | None:
 def _other_kind(pair: object) -> tuple[str, float]:
     name, ahead = as_list(pair)
     return kind_of(str(name)).name, as_number(ahead)
+
+
+def _by_prediction(pair: object) -> tuple[str, float | None] | None:
+    if pair is None:
+        return None
+    name, size = as_list(pair)
+    return kind_of(str(name)).name, None if size is None else as_number(size)
 
 
 def _deviation(saved: object) -> float:

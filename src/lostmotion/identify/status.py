@@ -22,9 +22,18 @@ VAGUE = 0.5  # of the width: an inverse with a break point that is so little kno
 
 
 def weigh(
-    scaled: ScaledData, fitted: Fitted, linear: Fitted, values: dict[str, float], data: IdentificationData, asked: Asked
+    scaled: ScaledData,
+    fitted: Fitted,
+    linear: Fitted,
+    values: dict[str, float],
+    data: IdentificationData,
+    asked: Asked,
+    predicting: Fitted,
 ) -> Evidence:
-    """Compare the fit with the linear model and with PV alone, per row, on the common number of rows."""
+    """Compare the fit with the linear model and with PV alone, per row, on the common number of rows.
+
+    `predicting` is the linear model by its predictions, as that of PV alone is.
+    """
     alone = _alone(scaled, MOST_NOISE_LAGS if asked.noise is None else asked.noise)
     kind, n = kind_of(fitted.problem.family.kind), min(fitted.problem.errors, linear.problem.errors)
     beyond, crossed = (0, 0), None
@@ -38,7 +47,7 @@ def weigh(
     return Evidence(
         gain_over_linear=gain_over_linear(fitted, linear),
         gain_over_healthy=None if healthy is linear else gain_over_linear(fitted, healthy),
-        gain_over_no_input=n * (alone - per_row(linear)),
+        gain_over_no_input=n * (alone - per_row(predicting)),
         samples_left=beyond[0],
         samples_right=beyond[1],
         rivals=_rivals(fitted, scaled.scaling) if kind.dead_between else (),

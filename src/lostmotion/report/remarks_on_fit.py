@@ -20,6 +20,7 @@ FEWEST_LEFT = 300  # samples after resampling: fewer tell less
 LEAST_REACH = 1e-4  # of the range of OP: a step of PV that less would make is one of a gain that is rounding
 LATE = 20  # samples of delay
 MOST_SAID = 3  # periods
+LEAST_ASYMMETRY = 0.02  # of the speed of a lag: less is not worth a word
 SLOW = 0.5  # samples in the slowest time constant
 NO_LAG = 0.0483  # samples in the slowest time constant: its pole is below 1e-9, which is 0 but for rounding
 NO_SIZE = (Status.NOT_SEEN, Status.CANNOT_TELL, Status.SAME_SIGNAL, Status.OTHER_KIND)  # of which nobody asks how wide
@@ -35,7 +36,7 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     """
     about = (
         about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads, about_characteristic,
-        in_percent,
+        about_asymmetry, about_horizon, in_percent,
     )  # fmt: skip
     return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
@@ -98,6 +99,34 @@ def about_characteristic(fit: HammersteinFit) -> str:
     return (
         f"The characteristic bends: about OP {low:.3g} valve and process have {slopes[0]:.2g} times the gain of this"
         f" model, about {high:.3g} {slopes[1]:.2g} times. Simulations take the gain of the model at any OP."
+    )
+
+
+def about_asymmetry(fit: HammersteinFit) -> str:
+    """Of a lag that differs with direction."""
+    if fit.chosen.asymmetry is None:
+        return ""
+    ways = zip(fit.chosen.asymmetry, ("upwards", "away from PV at OP 0"), ("downwards", "back to it"), strict=True)
+    shares = [(share, fast, slow) if share > 0 else (-share, slow, fast) for share, fast, slow in ways]
+    words = [
+        f"{(1 + share) / (1 - share):.2g} times as fast {fast} as {slow}"
+        for share, fast, slow in shares
+        if LEAST_ASYMMETRY < share < 1.0
+    ]
+    found = f" ({', '.join(words)})" if words else ""
+    return f"The lag of the process differs with direction{found}. Simulations use its mean."
+
+
+def about_horizon(fit: HammersteinFit) -> str:
+    """Where one-step predictions and free simulation do not agree."""
+    if fit.evidence.by_prediction is None:
+        return ""
+    kind, size = fit.evidence.by_prediction
+    before = kind if size is None else f"{kind} {size:.3g}"
+    return (
+        f"The result depends on the horizon: one-step predictions give {before}; simulation from OP alone gives "
+        f"{fit.found_in_words}, with a smaller error on held-out samples, and is reported. The process is not quite of "
+        "this model; the interval allows for coloured residuals."
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.choice import choose_kind
 from lostmotion.identify.actuators.every_kind import likely_kinds
-from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, Kind, faults, kind_of
+from lostmotion.identify.actuators.kind import NO_FAULT, Kind, faults, kind_of
 from lostmotion.identify.actuators.operator_profile import LaggedRegression, lags_of
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.likelihood.asked import Asked
@@ -54,9 +54,7 @@ class AskedKind:
         if not fits:
             return None
         simplest = {name: kind_of(name).simplest(one) for name, one in {mine.name: found, **fits}.items()}
-        kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
-        ahead = kinds.likelihoods[kinds.best] - max(kinds.likelihoods.get(mine.name, 0.0), 0.0)
-        return None if kinds.best in (mine.name, NO_FAULT) or ahead <= NEEDED else (kinds.best, ahead)
+        return choose_kind(self.scaled, {NO_FAULT: linear, **simplest}).ahead_of(mine.name)
 
     def _far_ahead(self, found: Fitted, mine: Kind) -> bool:
         """Whether it explains so much of the liveliest rows that the others, which explain little, need no search."""

@@ -58,7 +58,7 @@ def _slopes(fitted: Fitted, loads: Loads) -> FloatArray:
     event = loads.events[loads.bend]
     assert isinstance(event, Bend)  # noqa: S101
     low, high = np.quantile(event.position, (OUTER, 1.0 - OUTER)).tolist()
-    return event.slopes(fitted.fit.theta[places_of_loads(fitted)[loads.bend]], np.linspace(low, high, 50))
+    return event.slopes(fitted.fit.theta[places_of_loads(fitted.problem)[loads.bend]], np.linspace(low, high, 50))
 
 
 def _is_one(fitted: Fitted) -> bool:

@@ -70,6 +70,11 @@ class KindChoice:
         others = [kind for kind in self.likelihoods if kind not in (self.best, NO_FAULT)]
         return [kind for kind in others if self.likelihoods[kind] > least and self.firm[kind] > NEEDED]
 
+    def ahead_of(self, name: str) -> tuple[str, float] | None:
+        """The best fault and how far it is ahead of another kind; None where that is not firm."""
+        ahead = self.likelihoods[self.best] - max(self.likelihoods.get(name, 0.0), 0.0)
+        return None if self.best in (name, NO_FAULT) or ahead <= NEEDED else (self.best, ahead)
+
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         return {
@@ -107,7 +112,7 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     scores = {kind: kind_of(kind).handicapped(scores, candidates) for kind in scores}
     best, *others = sorted(scores, key=lambda kind: scores[kind], reverse=True)
     runner_up = others[0] if others else best
-    return KindChoice(best, gains, likelihoods, firm, _confidence(scores[best] - scores[runner_up]), runner_up)
+    return KindChoice(best, gains, likelihoods, firm, confidence_of(scores[best] - scores[runner_up]), runner_up)
 
 
 def set_aside(choice: KindChoice, candidates: dict[str, Fitted], linear: Fitted) -> list[str]:
@@ -152,7 +157,7 @@ def _log_densities(fitted: Fitted) -> FloatArray:
     return found
 
 
-def _confidence(ahead: float) -> float:
+def confidence_of(ahead: float) -> float:
     """Probability of the better of two kinds.
 
     Two models of equal prior would give 1 / (1 + exp(-ahead)). But the best of many places and structures was taken
@@ -165,14 +170,14 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
     """Log predictive density of every row that is left out once; a record too short for that says 0."""
     s = fitted.problem.structure
     structure = replace(s, start=max(start, s.delay + s.noise_order))
-    pieces = _pieces(data.segments, structure.start + FEWEST)
+    pieces = pieces_of(data.segments, structure.start + FEWEST)
     found = []
     for fold in range(FOLDS):
         mine = np.arange(len(pieces)) % FOLDS == fold
         if not mine.any() or mine.all():
             continue
-        theta, variance = _refitted(fitted, structure, pieces[~mine])
-        errors = _predicted(fitted, structure, pieces[mine], theta)
+        theta, variance = refitted(fitted, structure, pieces[~mine])
+        errors = predicted(fitted, structure, pieces[mine], theta)
         found.append(-0.5 * (np.log(variance) + errors**2 / variance))
     if not found:
         return np.zeros(1)
@@ -183,7 +188,7 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
     return np.asarray(densities - paid / densities.size)
 
 
-def _pieces(segments: IntArray, shortest: int) -> IntArray:
+def pieces_of(segments: IntArray, shortest: int) -> IntArray:
     """Segments cut into pieces, FOLDS or more in all."""
     longest = max(int((segments[:, 1] - segments[:, 0]).sum()) // FOLDS, 2 * shortest)
     cuts = []
@@ -199,7 +204,7 @@ def _on(fitted: Fitted, structure: Structure, pieces: IntArray) -> Problem:
     return replace(problem, segments=pieces, structure=structure)
 
 
-def _refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[FloatArray, float]:
+def refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[FloatArray, float]:
     """Shared parameters without the fold, and the residual variance there."""
     problem = _on(fitted, structure, pieces)
     shared = fitted.fit.theta[: problem.initial_at]
@@ -213,7 +218,7 @@ def _refitted(fitted: Fitted, structure: Structure, pieces: IntArray) -> tuple[F
     return fit.theta[: problem.initial_at], fit.cost / problem.errors
 
 
-def _predicted(fitted: Fitted, structure: Structure, pieces: IntArray, shared: FloatArray) -> FloatArray:
+def predicted(fitted: Fitted, structure: Structure, pieces: IntArray, shared: FloatArray) -> FloatArray:
     """Prediction errors of the fold; only its initial states are fitted, and its level: disturbances drift."""
     problem = _on(fitted, structure, pieces)
     theta = np.concatenate([shared, np.zeros(problem.size - shared.size)])

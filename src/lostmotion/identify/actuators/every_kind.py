@@ -9,6 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.characteristic import bent
+from lostmotion.identify.actuators.directional_lag import directional
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
@@ -27,6 +28,7 @@ from lostmotion.identify.actuators.operator_profile import regression
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
+from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.scaled import ScaledData
 
@@ -61,16 +63,17 @@ class EveryKind:
         Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
         what the actuator does.
         """
-        linear = self._beside_swings(self._cleaned(_completed(linear)))
-        found = {kind: _completed(one) for kind, one in self._of_likely(self.scaled, without_loads(linear)).items()}
+        linear = self._beside_swings(self._cleaned(self._completed(linear)))
+        likely = self._of_likely(self.scaled, without_loads(linear))
+        found = {kind: self._completed(one) for kind, one in likely.items()}
         self._without_loads_of(linear, found)
         nested = [kind for kind in faults() if kind.nests]
         for kind in nested:
             if kind.name in found:
-                _keep(found, kind.nests, _completed(kind.simplified(found[kind.name])))
+                _keep(found, kind.nests, self._completed(kind.simplified(found[kind.name])))
         linear = _best_linear(linear, found)
         for kind in nested:
-            linear = further(found, kind, linear, self.asked, _completed)
+            linear = further(found, kind, linear, self.asked, self._completed)
         return linear, found
 
     def _beside_swings(self, linear: Fitted) -> Fitted:
@@ -88,7 +91,7 @@ class EveryKind:
             return
         clean = without_their_effect(linear, self.scaled)
         for kind, one in self._of_likely(clean, without_loads(linear, clean.y)).items():
-            other = _completed(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
+            other = self._completed(pruned(loaded(one, self.scaled.y, loads, sizes_of_loads(linear))))
             _keep(found, kind, other)
 
     def _cleaned(self, linear: Fitted) -> Fitted:
@@ -98,7 +101,7 @@ class EveryKind:
             return linear
         clean = without_their_effect(linear, self.scaled)
         again = fit_linear(clean, self.asked)
-        again = _completed(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
+        again = self._completed(pruned(loaded(again, self.scaled.y, loads, sizes_of_loads(linear))))
         return again if gain_over_linear(again, linear) > 0 else linear
 
     def _of_likely(self, data: ScaledData, linear: Fitted) -> Fits:
@@ -112,10 +115,20 @@ class EveryKind:
                 found[name] = fitted
         return found
 
+    def _completed(self, fitted: Fitted) -> Fitted:
+        """The model with what a sound plant may do besides, where it pays.
 
-def _completed(fitted: Fitted) -> Fitted:
-    """The model with what else acts on PV, where it pays: a characteristic that bends, swings and steps of load."""
-    return with_own_loads(bent(fitted))
+        A characteristic that bends, a lag that differs with direction, swings and steps of load.
+        """
+        fitted = bent(fitted)
+        if not feedback(self.scaled).closed:
+            fitted = directional(fitted, self._centre(fitted))
+        return with_own_loads(fitted)
+
+    def _centre(self, fitted: Fitted) -> float:
+        """Position in steady state where OP is 0, scaled."""
+        scaling = self.scaled.scaling
+        return 0.0 if fitted.problem.family.relative else -scaling.u_centre / scaling.u_scale
 
 
 def _best_linear(linear: Fitted, found: Fits) -> Fitted:

@@ -105,7 +105,7 @@ def pruned(fitted: Fitted) -> Fitted:
     inverse, _ = information_inverse(fitted.fit.hessian, fitted.basis)
     limit = COST * np.log(fitted.problem.errors)
     kept = []
-    for index, rows in enumerate(places_of_loads(fitted)):
+    for index, rows in enumerate(places_of_loads(fitted.problem)):
         size = fitted.fit.theta[rows]
         spread = fitted.variance * inverse[np.ix_(rows, rows)]
         if 0.5 * float(size @ np.linalg.lstsq(spread, size, rcond=1e-12)[0]) > limit:
@@ -181,12 +181,12 @@ def explained_by(fitted: Fitted, events: Loads) -> tuple[FloatArray, float]:
 
 def sizes_of_loads(fitted: Fitted) -> FloatArray:
     """Sizes of the shapes of its loads."""
-    return fitted.fit.theta[[row for rows in places_of_loads(fitted) for row in rows]]
+    return fitted.fit.theta[[row for rows in places_of_loads(fitted.problem) for row in rows]]
 
 
-def places_of_loads(fitted: Fitted) -> list[list[int]]:
+def places_of_loads(problem: Problem) -> list[list[int]]:
     """Places of the sizes of every event in the parameter vector."""
-    loads, at = fitted.problem.family.loads, fitted.problem.noise_at
+    loads, at = problem.family.loads, problem.noise_at
     counts = [] if loads is None else [len(event.names) for event in loads.events]
     ends = at - sum(counts) + np.cumsum(counts)
     return [list(range(end - count, end)) for end, count in zip(ends.tolist(), counts, strict=True)]
@@ -195,7 +195,7 @@ def places_of_loads(fitted: Fitted) -> list[list[int]]:
 def _with_only(fitted: Fitted, kept: list[int]) -> Fitted:
     problem, loads = fitted.problem, fitted.problem.family.loads
     assert loads is not None  # noqa: S101  asked only of models with loads
-    dropped = [row for index, rows in enumerate(places_of_loads(fitted)) if index not in kept for row in rows]
+    dropped = [row for index, rows in enumerate(places_of_loads(fitted.problem)) if index not in kept for row in rows]
     start = np.delete(fitted.fit.theta, dropped)
     basis = None
     if fitted.basis is not None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, TypeAlias
 from weakref import ref
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray, own_pages
+from lostmotion.arrays import FloatArray, IntArray, own_pages
+from lostmotion.kernels.directional_lag import missing_travel
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,49 @@ def _line(x: FloatArray, y: FloatArray) -> tuple[float, float]:
     return float(y.mean()) - rise * float(x.mean()), rise
 
 
-Event: TypeAlias = Swing | Step | Bend
+@dataclass(frozen=True, eq=False)
+class Asymmetry:
+    """What a lag that differs with direction adds to the position of the valve.
+
+    Behind a pole, z(k + 1) = z(k) + (1 - pole) (d + up |d| + outward |d| sign(z - centre)) with d(k) = x(k) - z(k): the
+    last two terms are an input more of a process with one pole, known but for their sizes where z is.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Of the valve, in units of scaled OP.
+    segments : ndarray, shape (s, 2)
+        Start and stop rows.
+    pole : float
+    up, outward : float
+        Of the lag by which `z` was simulated: faster up than down, away from `centre` than back to it.
+    centre : float or None
+        Position at which the process rests; None: it stays on one side of it, where both directions are one.
+    """
+
+    position: FloatArray
+    segments: IntArray
+    pole: float
+    up: float = 0.0
+    outward: float = 0.0
+    centre: float | None = None
+    sought: ClassVar[int] = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the sizes."""
+        return ("up",) if self.centre is None else ("up", "outward")
+
+    def fill(self, courses: FloatArray) -> None:
+        """The inputs, in courses (1 or 2, n) that are 0."""
+        found, centre = np.empty((2, self.position.size)), -np.inf if self.centre is None else self.centre
+        for start, stop in self.segments.tolist():
+            at = slice(start, stop)
+            missing_travel(self.position[at], self.pole, self.up, self.outward, centre, found[:, at])
+        courses[:] = found[: len(self.names)]
+
+
+Event: TypeAlias = Swing | Step | Bend | Asymmetry
 
 
 @dataclass(frozen=True)
@@ -142,16 +185,21 @@ class Loads:
     @property
     def bend(self) -> int | None:
         """Place of the characteristic among the events; None where it is straight."""
-        return next((at for at, event in enumerate(self.events) if isinstance(event, Bend)), None)
+        return self.place_of(Bend)
+
+    def place_of(self, event: type[Event]) -> int | None:
+        """Place of the first of its type among the events; None where there is none."""
+        return next((at for at, one in enumerate(self.events) if isinstance(one, event)), None)
 
     def to_dicts(self) -> tuple[dict[str, float], ...]:
         """Swings and steps, JSON-ready."""
-        return tuple(event.to_dict() for event in self.events if not isinstance(event, Bend))
+        return tuple(event.to_dict() for event in self.events if isinstance(event, Swing | Step))
 
     def along(self, position: FloatArray) -> Loads:
         """The same, the characteristic that of a valve which went another way (n,)."""
-        bent = tuple(Bend(position) if isinstance(event, Bend) else event for event in self.events)
-        return self if self.bend is None else Loads(bent, self.rows)
+        if not any(isinstance(event, Bend | Asymmetry) for event in self.events):
+            return self
+        return Loads(tuple(_along(event, position) for event in self.events), self.rows)
 
     def kept(self, index: list[int]) -> Loads | None:
         """Only some of the events; None where none is left."""
@@ -160,6 +208,12 @@ class Loads:
     def joined(self, other: Loads | None) -> Loads:
         """Both."""
         return self if other is None else Loads((*self.events, *other.events), self.rows)
+
+
+def _along(event: Event, position: FloatArray) -> Event:
+    if isinstance(event, Bend):
+        return Bend(position)
+    return replace(event, position=position) if isinstance(event, Asymmetry) else event
 
 
 def courses_of(event: Event, rows: int) -> FloatArray:

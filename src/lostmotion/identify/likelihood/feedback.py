@@ -21,6 +21,7 @@ HELD = 0.97  # share of rows at which OP rests in a test: thirty rows and more a
 # share of the moves of OP which PV explains, beside OP itself: of 6 tests at most 0.01; of 12 controllers that hold OP
 # within a dead band or until a whole step of it is due 0.65 to 0.82 (loops of benchmarks/other_simulation.py)
 ANSWERED, FEWEST_MOVES = 0.25, 30
+BY_CHANCE, PAST = 0.05, 2  # that PV of so many rows before the moves tells as much of them
 SURE = 8.0  # standard errors of a gain of the controller, from which on its sign is known
 SURE_BY_SP = 5.0  # the same of its answer to SP, which is not weighed against that to PV then
 LARGEST_CONDITION = 1e12  # above it the moves of PV and PV itself are one column to double precision
@@ -148,15 +149,24 @@ def _by_hand(signals: Signals) -> bool:
 
 
 def _answers(signals: Signals) -> bool:
-    """Whether PV says how far OP moves where it moves: a controller with a dead band, or with an output in steps."""
+    """Whether PV says how far OP moves where it moves: a controller with a dead band, or with an output in steps.
+
+    Before the move already: in the same row a fast process may have answered it (five of eight records of motors).
+    """
     u, y = signals.u, signals.y
-    now = np.concatenate([np.arange(start + 1, stop) for start, stop in signals.segments.tolist()])
+    now = np.concatenate([np.arange(start + 2, stop) for start, stop in signals.segments.tolist()])
     now = now[(u[now] != u[now - 1]) & (u[now] > u.min()) & (u[now] < u.max())]
     if now.size < FEWEST_MOVES:
         return False
     moves, before = u[now] - u[now - 1], np.column_stack([np.ones(now.size), u[now - 1]])
-    alone, both = (
+    alone, past, both = (
         float(np.sum((moves - columns @ np.linalg.lstsq(columns, moves, rcond=None)[0]) ** 2))
-        for columns in (before, np.column_stack([before, y[now], y[now - 1]]))
+        for columns in (
+            before,
+            np.column_stack([before, y[now - 1], y[now - 2]]),
+            np.column_stack([before, y[now], y[now - 1]]),
+        )
     )
-    return both < (1.0 - ANSWERED) * alone
+    free = now.size - before.shape[1] - PAST
+    by_chance = f_tail((alone - past) / PAST / max(past / free, 1e-300), PAST, free)
+    return bool(both < (1.0 - ANSWERED) * alone and by_chance < BY_CHANCE)

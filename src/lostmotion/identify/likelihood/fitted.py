@@ -22,6 +22,7 @@ class Fitted:
     fit: LocalFit
     basis: FloatArray | None = None  # directions that were free; None: all
     rivals: tuple[tuple[FloatArray, float], ...] = ()  # other actuators that fit about as well, and by how much less
+    dispersion: float = 1.0  # variance of the estimates over that with white residuals
 
     @cached_property
     def parts(self) -> Parts:
@@ -35,8 +36,8 @@ class Fitted:
 
     @property
     def variance(self) -> float:
-        """Residual variance, corrected for the parameters."""
-        return self.fit.cost / max(self.problem.errors - self.free, 1)
+        """Residual variance, corrected for the parameters; of coloured residuals as large as would scatter them so."""
+        return self.dispersion * self.fit.cost / max(self.problem.errors - self.free, 1)
 
     @property
     def free(self) -> int:

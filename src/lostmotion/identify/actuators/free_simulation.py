@@ -1,0 +1,203 @@
+"""Kinds compared by free simulation: what one-step predictions forgive, a simulation from OP alone does not.
+
+One-step predictions with a rich model of the noise hardly see a process that is wrong over long horizons, and on fast
+samples they name whatever that process lacks most: four motors with a dead zone of 12 % were called backlash at 2 and
+20 ms. In open loop the output error is consistent whatever the noise is, so it beats a model that is right on held-out
+rows by chance only, and finds the same size (Hausman, 1978, Econometrica 46). Where it is clearly better, or finds
+another size, it is taken. Its residuals are coloured: intervals count them by blocks (quasi-likelihood).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.choice import FOLDS, KindChoice, confidence_of, pieces_of, predicted, refitted
+from lostmotion.identify.actuators.fit_kind import fit_linear
+from lostmotion.identify.actuators.in_place import placed
+from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, Kind, faults
+from lostmotion.identify.actuators.loads import without_loads
+from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.fitted import Fitted
+from lostmotion.identify.likelihood.parameters import information_inverse
+from lostmotion.identify.likelihood.refinement import MOST_STEPS, refine, with_states
+from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.scaled import ScaledData
+
+STARTS, ROUGH_STEPS = 3, 8  # of each kind that are refined, the best of its whole range after a few steps
+LEAST_GAIN = 0.04  # of the sum of squared errors: less is not worth another model
+SURE = 2.0  # standard errors of the same, over blocks of held-out rows
+LEAST_SHARE = 0.25  # of its variance that a difference has, where the estimates nearly have the same
+BLOCKS = 20  # of a record, in which errors are added up: each longer than errors are correlated
+FEWEST_ROWS = 20  # of a piece, as of any fold
+STEP = 1e-5  # of a scaled parameter, for derivatives of the errors
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """The kinds by their output error.
+
+    Attributes
+    ----------
+    fits : dict of Fitted
+        Of each kind, "none" among them, with the dispersion of its coloured residuals.
+    kinds : KindChoice
+        By held-out rows, each simulated from OP alone.
+    clear : bool
+        Whether the best kind simulates them clearly better than the fit by one-step predictions does.
+    """
+
+    fits: dict[str, Fitted]
+    kinds: KindChoice
+    clear: bool
+
+
+def simulated(
+    data: ScaledData,
+    asked: Asked,
+    linear: Fitted,
+    chosen: Fitted,
+    found: dict[str, Fitted],
+    doubted: bool,
+) -> Simulated | None:
+    """The kinds by free simulation, where an output error may be clearly smaller than that of `chosen`.
+
+    Parameters
+    ----------
+    data : ScaledData
+        Of an open loop: in a closed one the output error is not consistent.
+    asked : Asked
+    linear, chosen : Fitted
+        By one-step predictions.
+    found : dict of Fitted
+        Fits of other kinds by one-step predictions: starts beside those of a search.
+    doubted : bool
+        Whether the residuals of `chosen` are known to hold more.
+    """
+    compared = {kind.name: kind for kind in faults() if not kind.family.needles}
+    near = [chosen, *(found[name] for name in compared if name in found)]
+    mine = without_noise(chosen)
+    if not doubted and min(_cost(output_error(one)) for one in near) > (1.0 - LEAST_GAIN) * _cost(mine):
+        return None
+    plain = min(output_error(without_loads(linear)), fit_linear(data, replace(asked, noise=0)), key=_cost)
+    fits = {NO_FAULT: plain}
+    for name, kind in compared.items():
+        fits[name] = searched(plain, kind, data, [found[name].actuator] if name in found else [])
+    held_out = {name: _left_out(data, one, refit=True) for name, one in fits.items()}
+    best = min(held_out, key=lambda name: float(held_out[name].sum()))
+    healthy = plain if best == NO_FAULT else compared[best].healthy(fits[best], plain)
+    if not _clearly(_left_out(data, healthy, refit=True), held_out[best], 0.0):
+        best = NO_FAULT
+    clear = _clearly(_left_out(data, mine, refit=False), held_out[best], LEAST_GAIN)
+    fits = {name: dispersed(one) for name, one in fits.items()}
+    return Simulated(fits, _choice(fits, held_out, best), clear)
+
+
+def another_size(efficient: NamedEstimate, consistent: NamedEstimate, kind: Kind) -> bool:
+    """Whether a size by one-step predictions differs from that by free simulation by more than chance does.
+
+    Hausman's test: the variance of the difference is that of the consistent estimate less that of the efficient one.
+    """
+    if kind.size is None:
+        return False
+    (a, b), (s, t) = (
+        [one.parameters[kind.size] for one in (efficient, consistent)],
+        [one.standard_errors[kind.size] for one in (efficient, consistent)],
+    )
+    spread = np.sqrt(max(t**2 - s**2, LEAST_SHARE * t**2))
+    return bool(abs(b - a) > SURE * spread)
+
+
+def without_noise(fitted: Fitted) -> Fitted:
+    """The same parameters without a model of the noise, with the best initial states; not refined."""
+    problem = fitted.problem
+    s = problem.structure
+    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0, start=s.first), early=0.0)
+    states = plain.size - plain.initial_at
+    theta = with_states(plain, np.concatenate([fitted.fit.theta[: problem.noise_at], np.zeros(states)]))
+    basis = plain.basis
+    if fitted.basis is not None:
+        shared = fitted.basis[: problem.noise_at]
+        shared = shared[:, np.any(shared != 0.0, axis=0)]
+        basis = np.zeros((plain.size, shared.shape[1] + states))
+        basis[: problem.noise_at, : shared.shape[1]] = shared
+        basis[plain.initial_at :, shared.shape[1] :] = np.eye(states)
+    cost, _, hessian = plain.evaluate(theta)
+    return Fitted(plain, replace(fitted.fit, theta=theta, cost=cost, hessian=hessian), basis)
+
+
+def output_error(fitted: Fitted) -> Fitted:
+    """The same kind, refined by its output error."""
+    return _refined(without_noise(fitted))
+
+
+def searched(linear: Fitted, kind: Kind, data: ScaledData, also: Iterable[FloatArray]) -> Fitted:
+    """A kind by its output error, from places over its whole range, and others, beside a linear model."""
+    family = kind.forms(data)[0]
+    begun = [placed(linear, form, own) for form, own in kind.glance(data)]
+    begun += [placed(linear, family, own) for own in also]
+    begun = sorted((_refined(one, ROUGH_STEPS) for one in begun), key=_cost)
+    return min((_refined(one) for one in begun[:STARTS]), key=_cost)
+
+
+def _refined(fitted: Fitted, steps: int = MOST_STEPS) -> Fitted:
+    return replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis, steps))
+
+
+def _cost(fitted: Fitted) -> float:
+    return fitted.fit.cost
+
+
+def dispersed(fitted: Fitted) -> Fitted:
+    """With the variance that blocks of coloured residuals show beside that of single rows (sandwich estimate)."""
+    problem, theta = fitted.problem, fitted.fit.theta
+    errors = np.concatenate(problem.predict(theta)[1])
+    slopes = np.empty((theta.size, errors.size))
+    for index in range(theta.size):
+        step = np.zeros(theta.size)
+        step[index] = STEP
+        ahead, behind = (np.concatenate(problem.predict(theta + sign * step)[1]) for sign in (1.0, -1.0))
+        slopes[index] = (ahead - behind) / (2.0 * STEP)
+    scores = np.array([part.sum(axis=1) for part in np.array_split(slopes * errors, BLOCKS, axis=1)])
+    inverse, _ = information_inverse(fitted.fit.hessian, fitted.basis)
+    robust, plain = np.diag(inverse @ (scores.T @ scores) @ inverse), np.diag(inverse) * fitted.variance
+    own = [place for place in problem.own if plain[place] > 0.0] or range(problem.structure.na)
+    return replace(fitted, dispersion=max(1.0, *(float(robust[place] / plain[place]) for place in own)))
+
+
+def _left_out(data: ScaledData, fitted: Fitted, refit: bool) -> FloatArray:
+    """Sums of squared simulation errors in blocks of rows, each held out once."""
+    structure = fitted.problem.structure
+    pieces, shared = pieces_of(data.segments, structure.start + FEWEST_ROWS), fitted.fit.theta
+    found: list[FloatArray] = []
+    for fold in range(FOLDS):
+        mine = np.arange(len(pieces)) % FOLDS == fold
+        if not mine.any():
+            continue
+        theta = refitted(fitted, structure, pieces[~mine])[0] if refit and not mine.all() else shared
+        theta = theta[: fitted.problem.initial_at]
+        squares = predicted(fitted, structure, pieces[mine], theta) ** 2
+        found += [part.sum() for part in np.array_split(squares, BLOCKS // FOLDS)]
+    return np.array(found)
+
+
+def _clearly(worse: FloatArray, better: FloatArray, least: float) -> bool:
+    """Whether sums of squares in blocks are smaller by a share, and by what chance does not do."""
+    gain = worse - better
+    error = float(gain.std(ddof=1)) / np.sqrt(gain.size)
+    return bool(gain.sum() > least * worse.sum() and gain.mean() > SURE * error)
+
+
+def _choice(fits: dict[str, Fitted], held_out: dict[str, FloatArray], best: str) -> KindChoice:
+    """Gains in log-likelihood of as many rows as tell something that is their own."""
+    rows = {name: one.problem.errors / one.dispersion for name, one in fits.items()}
+    n = min(rows[best], rows[NO_FAULT])
+    ahead = {name: float(0.5 * n * np.log(held_out[NO_FAULT].sum() / held_out[name].sum())) for name in fits}
+    likelihoods = {name: gain for name, gain in ahead.items() if name == NO_FAULT or gain > 0.0}
+    scores = {**likelihoods, NO_FAULT: NEEDED}
+    others = sorted((name for name in scores if name != best), key=lambda name: scores[name], reverse=True)
+    runner_up = others[0] if others else best
+    return KindChoice(best, ahead, likelihoods, likelihoods, confidence_of(scores[best] - scores[runner_up]), runner_up)
