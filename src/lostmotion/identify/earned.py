@@ -21,6 +21,7 @@ FEWEST_MOVES, MOST_ROWS = 10, 5000  # of OP in either direction, and of the rows
 LEAST_MOVE = 1e-3  # of the range of OP: a loop that has settled hardly moves either
 LINE = 1e-18  # of the mean square of PV: what a straight line leaves over where only rounding is left
 ROUNDING = 1e-8  # of the mean square of PV: less is left over by nothing that was measured
+FEWEST_REVERSALS = 6  # of OP: with fewer, as in a test of a few steps, no lost motion is denied
 PIECES, SHORTEST = 10, 20  # of a record at least, in which drift is a straight line, and the rows of one
 
 
@@ -42,6 +43,23 @@ def same_signal(u: FloatArray, y: FloatArray) -> bool:
         return False
     off = np.abs(y[inside] - np.interp(u[inside], u[up], y[up]))
     return bool(np.median(off) <= SAME * float(np.ptp(y)))
+
+
+def reversals(u: FloatArray, segments: IntArray) -> int:
+    """How often OP turns round.
+
+    Parameters
+    ----------
+    u : ndarray, shape (n,)
+    segments : ndarray, shape (s, 2)
+
+    Examples
+    --------
+    >>> reversals(np.array([0.0, 1.0, 1.0, 2.0, 1.0, 1.0, 0.0, 3.0]), np.array([[0, 8]]))
+    2
+    """
+    moves = [np.sign(np.diff(u[start:stop])) for start, stop in segments.tolist()]
+    return sum(int(np.count_nonzero(np.diff(part[part != 0.0]))) for part in moves)
 
 
 def fit_without_drift(y: FloatArray, simulated: FloatArray, segments: IntArray) -> float:

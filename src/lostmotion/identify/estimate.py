@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from lostmotion.arguments import finite
 from lostmotion.errors import ParameterError, Status
-from lostmotion.identify.actuators.actuator_lag import NO_LAG
 from lostmotion.identify.actuators.asked_kind import AskedKind
 from lostmotion.identify.actuators.choice import choose_kind, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
@@ -21,25 +20,21 @@ from lostmotion.identify.actuators.free_simulation import another_size, simulate
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
 from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
-from lostmotion.identify.data import FEWEST_SAMPLES, IdentificationData, collect
-from lostmotion.identify.earned import CLAIMS, earned
+from lostmotion.identify.call import Call
+from lostmotion.identify.data import FEWEST_SAMPLES, collect
+from lostmotion.identify.earned import CLAIMS, FEWEST_REVERSALS, reversals
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.in_units import chosen_of, fit_percent_of, model_of, on_rows
 from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.feedback import feedback
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.likelihood.misfit import residual_tests
-from lostmotion.identify.likelihood.parameters import name_parameters, with_profiled
-from lostmotion.identify.likelihood.simulated import simulated_output
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.identify.recording import Recording
-from lostmotion.identify.scaled import ScaledData, Scaling
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
-from lostmotion.identify.status import decide, excluded_above, weigh
+from lostmotion.identify.status import VAGUE
 from lostmotion.kernels.threads import one_thread
-from lostmotion.models import NoiseModel
 from lostmotion.records import LoopRecord, Prepared, RecordLike
 from lostmotion.records.as_record import Column, as_records
 from lostmotion.records.loop_type import surely_integrates
@@ -222,24 +217,8 @@ def _known_to_integrate(u: object) -> bool | None:
     return surely_integrates(types.pop()) if len(types) == 1 else None
 
 
-@dataclass(frozen=True)
-class _Identification:
-    """One call of ``identify``: checked data, what is asked, settings as given, and whether kinds are compared.
-
-    `sound`: lost motion in units of OP that is no fault; None: nobody asks.
-    """
-
-    data: IdentificationData
-    asked: Asked
-    settings: dict[str, Any]
-    compared: bool = True
-    sound: float | None = None
-
-    @cached_property
-    def scaled(self) -> ScaledData:
-        """The data as the likelihood wants them."""
-        data = self.data
-        return ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
+class _Identification(Call):
+    """One call of ``identify``: the search over kinds, and what it says of them."""
 
     def run(self) -> HammersteinFit:
         """Fit what was asked for, beside the linear model."""
@@ -247,17 +226,17 @@ class _Identification:
         if name == "auto":
             return self._likeliest(linear)
         if name == NO_FAULT:
-            return self._packed(linear, linear)
+            return self.packed(linear, linear)
         kind = kind_of(name)
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
         found = self._beside_nested(kind, found, linear)
         linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
-        packed = self._packed(found, linear)
+        packed = self.packed(found, linear)
         by_simulation = self._by_simulation(packed, linear, {name: found}) if self.compared else None
         packed = by_simulation or self._compared(packed, found, linear)
         if packed.status not in HIDDEN:
             return packed
-        return replace(packed, linear_alternative=self._packed(linear, linear))
+        return replace(packed, linear_alternative=self.packed(linear, linear))
 
     def _compared(self, packed: HammersteinFit, found: Fitted, linear: Fitted) -> HammersteinFit:
         """The result of the kind asked for, with another status where another kind is likelier."""
@@ -297,18 +276,20 @@ class _Identification:
         kinds = choose_kind(self.scaled, {NO_FAULT: linear, **simplest})
         aside = set_aside(kinds, simplest, linear)
         if kinds.best != NO_FAULT:
-            chosen = self._packed(fits[kinds.best], linear)
+            chosen = self.packed(fits[kinds.best], linear)
             if chosen.status not in (Status.NOT_SEEN, Status.CANNOT_TELL):
                 if self.sound is not None and may_be_denied(chosen, kinds, self.sound):
-                    beside = self._packed(linear, linear)
+                    beside = self.packed(linear, linear)
                     sizes = left_open(linear, fits, beside, self.scaled.scaling, ahead=surely_ahead(kinds))
                     kinds = replace(kinds, excluded=with_found(sizes, chosen))
                 return replace(chosen, kinds=kinds)
             aside = [kinds.best]
-        sized = [self._packed(fits[kind], linear) for kind in aside if kind_of(kind).size]
+        sized = [self.packed(fits[kind], linear) for kind in aside if kind_of(kind).size]
         # beside their own other parameters, not beside the linear model
         bounds = {fit.kind.name: fit.widest for fit in sized if fit.widest is not None}
-        slow, linear_result = len(sized) < len(aside), self._packed(linear, linear)  # a slow valve is no linear one
+        slow, linear_result = len(sized) < len(aside), self.packed(linear, linear)  # a slow valve is no linear one
+        if linear_result.status in CLAIMS and reversals(self.data.u, self.data.segments) < FEWEST_REVERSALS:
+            linear_result = replace(linear_result, status=Status.CANNOT_TELL)
         sizes = left_open(linear, fits, linear_result, self.scaled.scaling, slow)
         return replace(linear_result, kinds=replace(kinds, excluded=sizes | bounds))
 
@@ -324,7 +305,7 @@ class _Identification:
         name = rival.kinds.best if rival.clear and not asked_for else found.kind.name
         if name not in rival.fits:
             return None
-        other = self._packed(rival.fits[name], rival.fits[NO_FAULT], linear)
+        other = self.packed(rival.fits[name], rival.fits[NO_FAULT], linear)
         size = None if found.kind.size is None else found.parameters[found.kind.size]
         other = replace(other, evidence=replace(other.evidence, by_prediction=(found.kind.name, size)))
         if other.status not in CLAIMS or not (rival.clear or another_size(found, other, found.kind)):
@@ -332,37 +313,7 @@ class _Identification:
         if asked_for and rival.clear and (ahead := rival.kinds.ahead_of(name)) is not None:
             evidence = replace(other.evidence, other_kind=ahead)
             return replace(other, status=Status.OTHER_KIND, evidence=evidence, widest=None)
-        return replace(other, status=Status.MISFIT, kinds=rival.kinds if rival.clear and not asked_for else found.kinds)
-
-    def _packed(self, fitted: Fitted, linear: Fitted, predicting: Fitted | None = None) -> HammersteinFit:
-        """Result in engineering units with status; `predicting`: the linear model with noise, where these have none."""
-        data, scaled, family = self.data, self.scaled, fitted.problem.family
-        scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
-        lag = kind.lag(fitted) if self.compared else NO_LAG  # who is not compared goes on without one
-        named = name_parameters(lag.shown(fitted), scaling, self.settings["gain"] if kind.has_slopes else None)
-        profiled = lag.joined(kind.intervals(fitted, scaling), scaling.u_scale)
-        covariance = with_profiled(named, profiled)
-        simulated, errors = simulated_output(fitted), fitted.problem.predict(fitted.fit.theta)[1]
-        evidence = weigh(scaled, fitted, linear, named.values, data, self.asked, predicting or linear)
-        evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
-        tests = residual_tests(fitted, errors)
-        rows, percent = on_rows(simulated, scaled, s.first), fit_percent_of(scaled, simulated, s.first)
-        status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
-        status = earned(status, fitted, evidence, data, named.values, rows, percent)
-        return HammersteinFit(
-            status=status,
-            model=model_of(named.values, fitted, data),
-            noise=NoiseModel(tuple(fitted.parts.d), fitted.variance * scaling.y_scale**2, s.zero),
-            parameters=named.values,
-            covariance=covariance,
-            residuals=np.concatenate(errors) * scaling.y_scale,
-            simulated=rows,
-            fit_percent=percent,
-            tests=tests,
-            evidence=evidence,
-            widest=None if status is not Status.NOT_SEEN else excluded_above(fitted, evidence, profiled, scaling),
-            profiled=profiled,
-            settings={**self.settings, "offset_fixed": fitted.basis is not None},
-            chosen=chosen_of(fitted),
-            data=data,
-        )
+        low, high = other.size_interval  # of a size that is known the place may be less so
+        vague = other.status is Status.WIDE and high - low > VAGUE * other.parameters.get("width", np.inf)
+        status = Status.WIDE if vague else Status.MISFIT
+        return replace(other, status=status, kinds=rival.kinds if rival.clear and not asked_for else found.kinds)

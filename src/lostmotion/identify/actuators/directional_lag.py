@@ -24,6 +24,7 @@ from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem
 from lostmotion.identify.likelihood.refinement import refine, settled
+from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
 
 PROMISING = 5.0  # of log-likelihood with all else held: then it is tried
@@ -43,9 +44,14 @@ def directional(fitted: Fitted, centre: float) -> Fitted:
         return _along(fitted)
     if fitted.problem.structure.integrating:
         return fitted
-    trials = [trial for one in (fitted, _of_first_order(fitted)) if one and (trial := _with_asymmetry(one, centre))]
+    trials = [trial for one in (fitted, of_first_order(fitted)) if one and (trial := _with_asymmetry(one, centre))]
     best = min(trials, key=criterion, default=fitted)
     return best if criterion(best) < criterion(fitted) - 2.0 * WORTH else fitted
+
+
+def centre_of(data: ScaledData, fitted: Fitted) -> float:
+    """Position in steady state where OP is 0, scaled."""
+    return 0.0 if fitted.problem.family.relative else -data.scaling.u_centre / data.scaling.u_scale
 
 
 def _with_asymmetry(fitted: Fitted, centre: float) -> Fitted | None:
@@ -61,7 +67,7 @@ def _with_asymmetry(fitted: Fitted, centre: float) -> Fitted | None:
     return _along(loaded(fitted, problem.y, added, sizes)) if gain > PROMISING else None
 
 
-def _of_first_order(fitted: Fitted) -> Fitted | None:
+def of_first_order(fitted: Fitted) -> Fitted | None:
     """With one pole, of the same rise: more poles may have been there to imitate the asymmetry."""
     problem, parts, s = fitted.problem, fitted.parts, fitted.problem.structure
     free = fitted.basis

@@ -9,7 +9,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.characteristic import bent
-from lostmotion.identify.actuators.directional_lag import directional
+from lostmotion.identify.actuators.directional_lag import centre_of, directional
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
@@ -122,13 +122,8 @@ class EveryKind:
         """
         fitted = bent(fitted)
         if not feedback(self.scaled).closed:
-            fitted = directional(fitted, self._centre(fitted))
+            fitted = directional(fitted, centre_of(self.scaled, fitted))
         return with_own_loads(fitted)
-
-    def _centre(self, fitted: Fitted) -> float:
-        """Position in steady state where OP is 0, scaled."""
-        scaling = self.scaled.scaling
-        return 0.0 if fitted.problem.family.relative else -scaling.u_centre / scaling.u_scale
 
 
 def _best_linear(linear: Fitted, found: Fits) -> Fitted:

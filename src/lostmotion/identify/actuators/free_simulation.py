@@ -15,7 +15,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.choice import FOLDS, KindChoice, confidence_of, pieces_of, predicted, refitted
+from lostmotion.identify.actuators.choice import (
+    FOLDS,
+    KindChoice,
+    confidence_of,
+    pieces_of,
+    predicted,
+    refitted,
+)
+from lostmotion.identify.actuators.directional_lag import of_first_order
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.in_place import placed
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, Kind, faults
@@ -28,8 +36,11 @@ from lostmotion.identify.named_estimate import NamedEstimate
 from lostmotion.identify.scaled import ScaledData
 
 STARTS, ROUGH_STEPS = 3, 8  # of each kind that are refined, the best of its whole range after a few steps
+NEARLY = 0.01  # variances: what ten steps must gain; coloured residuals leave long flat valleys
 LEAST_GAIN = 0.04  # of the sum of squared errors: less is not worth another model
-SURE = 2.0  # standard errors of the same, over blocks of held-out rows
+LIKELIER = 2.0  # of log-likelihood over a healthy valve: one standard error, beside the CLEAR gain over all predictions
+CLEAR = 8.0  # of log-likelihood over the fit by predictions: two standard errors over blocks of held-out rows
+SURE = 2.0  # standard errors of a difference of sizes
 LEAST_SHARE = 0.25  # of its variance that a difference has, where the estimates nearly have the same
 BLOCKS = 20  # of a record, in which errors are added up: each longer than errors are correlated
 FEWEST_ROWS = 20  # of a piece, as of any fold
@@ -82,18 +93,25 @@ def simulated(
     mine = without_noise(chosen)
     if not doubted and min(_cost(output_error(one)) for one in near) > (1.0 - LEAST_GAIN) * _cost(mine):
         return None
-    plain = min(output_error(without_loads(linear)), fit_linear(data, replace(asked, noise=0)), key=_cost)
-    fits = {NO_FAULT: plain}
+    white = replace(asked, noise=0, integrating=linear.problem.structure.integrating)
+    plain = min(output_error(without_loads(linear)), fit_linear(data, white), key=_cost)
+    first, fits = of_first_order(plain), {NO_FAULT: plain}
     for name, kind in compared.items():
-        fits[name] = searched(plain, kind, data, [found[name].actuator] if name in found else [])
+        starts = [found[name].actuator] if name in found else []
+        simple = [searched(first, kind, data, starts)] if first is not None else []
+        both = [searched(plain, kind, data, [*starts, *(one.actuator for one in simple)]), *simple]
+        fits[name] = dispersed(min(both, key=lambda one: (one.drifts(data.longest), one.fit.cost)))
     held_out = {name: _left_out(data, one, refit=True) for name, one in fits.items()}
     best = min(held_out, key=lambda name: float(held_out[name].sum()))
+    predicted_best = chosen.problem.family.kind
+    if predicted_best in fits and _gain(held_out[predicted_best], held_out[best]) < NEEDED:
+        best = predicted_best  # as good: what predicts best decides
     healthy = plain if best == NO_FAULT else compared[best].healthy(fits[best], plain)
-    if not _clearly(_left_out(data, healthy, refit=True), held_out[best], 0.0):
+    if _gain(_left_out(data, healthy, refit=True), held_out[best]) < LIKELIER:
         best = NO_FAULT
-    clear = _clearly(_left_out(data, mine, refit=False), held_out[best], LEAST_GAIN)
-    fits = {name: dispersed(one) for name, one in fits.items()}
-    return Simulated(fits, _choice(fits, held_out, best), clear)
+    before, after = _left_out(data, mine, refit=False), held_out[best]
+    clear = bool(before.sum() - after.sum() > LEAST_GAIN * before.sum() and _gain(before, after) > CLEAR)
+    return Simulated(fits, _choice(held_out, best), clear)
 
 
 def another_size(efficient: NamedEstimate, consistent: NamedEstimate, kind: Kind) -> bool:
@@ -144,7 +162,8 @@ def searched(linear: Fitted, kind: Kind, data: ScaledData, also: Iterable[FloatA
 
 
 def _refined(fitted: Fitted, steps: int = MOST_STEPS) -> Fitted:
-    return replace(fitted, fit=refine(fitted.problem, fitted.fit.theta, fitted.basis, steps))
+    fit = refine(fitted.problem, fitted.fit.theta, fitted.basis, steps, tolerance=NEARLY)
+    return replace(fitted, fit=fit)
 
 
 def _cost(fitted: Fitted) -> float:
@@ -184,18 +203,17 @@ def _left_out(data: ScaledData, fitted: Fitted, refit: bool) -> FloatArray:
     return np.array(found)
 
 
-def _clearly(worse: FloatArray, better: FloatArray, least: float) -> bool:
-    """Whether sums of squares in blocks are smaller by a share, and by what chance does not do."""
+def _gain(worse: FloatArray, better: FloatArray) -> float:
+    """Gain in log-likelihood that sums of squares in blocks show: a gain g of it has the deviation sqrt(2 g)."""
     gain = worse - better
     error = float(gain.std(ddof=1)) / np.sqrt(gain.size)
-    return bool(gain.sum() > least * worse.sum() and gain.mean() > SURE * error)
+    sure = float(gain.mean()) / max(error, 1e-300)
+    return float(2.0 * sure * abs(sure))
 
 
-def _choice(fits: dict[str, Fitted], held_out: dict[str, FloatArray], best: str) -> KindChoice:
-    """Gains in log-likelihood of as many rows as tell something that is their own."""
-    rows = {name: one.problem.errors / one.dispersion for name, one in fits.items()}
-    n = min(rows[best], rows[NO_FAULT])
-    ahead = {name: float(0.5 * n * np.log(held_out[NO_FAULT].sum() / held_out[name].sum())) for name in fits}
+def _choice(held_out: dict[str, FloatArray], best: str) -> KindChoice:
+    """By gains in log-likelihood."""
+    ahead = {name: _gain(held_out[NO_FAULT], squares) for name, squares in held_out.items()}
     likelihoods = {name: gain for name, gain in ahead.items() if name == NO_FAULT or gain > 0.0}
     scores = {**likelihoods, NO_FAULT: NEEDED}
     others = sorted((name for name in scores if name != best), key=lambda name: scores[name], reverse=True)
