@@ -67,7 +67,11 @@ class NamedEstimate(Brief):
         return self.parameters[name] - reach, self.parameters[name] + reach
 
     def simulate(
-        self, op: npt.ArrayLike | LoopRecord | str | os.PathLike[str] | Any, pv: float | None = None
+        self,
+        op: npt.ArrayLike | LoopRecord | str | os.PathLike[str] | Any,
+        pv: float | None = None,
+        *,
+        initial: npt.ArrayLike | None = None,
     ) -> FloatArray:
         """PV from OP alone, without noise, in the units of the record that was identified.
 
@@ -80,6 +84,9 @@ class NamedEstimate(Brief):
         pv : float, optional
             With an array: where PV rests before the first sample. None: where the first OP holds it; of an
             integrating process the mean PV of the fit.
+        initial : array_like, shape (m,), optional
+            With an array: PV measured on its first m samples, more than delay and order together. The simulation begins
+            at the state that they show best, as benchmarks of nonlinear identification have it.
 
         Returns
         -------
@@ -90,7 +97,8 @@ class NamedEstimate(Brief):
         Raises
         ------
         ParameterError
-            A record of another sampling time, or `pv` beside a record.
+            A record of another sampling time, `pv` or `initial` beside a record or each other, too few samples in
+            `initial`.
         DataError
             An array with missing values.
 
@@ -115,19 +123,31 @@ class NamedEstimate(Brief):
         [0.0, 0.043, 13.331]
         """
         source = as_scans(op)
+        if pv is not None and initial is not None:
+            raise ParameterError.expected("pv or initial", "both", "initial holds where PV begins")
         if not isinstance(source, LoopRecord):
-            return self._predictor.from_rest(source, pv)
-        if pv is not None:
-            raise ParameterError.expected("no pv beside a record", pv, "its own PV says where it begins")
+            given = initial is not None
+            return self._predictor.from_initial(source, initial) if given else self._predictor.from_rest(source, pv)
+        if pv is not None or initial is not None:
+            name = "pv" if initial is None else "initial"
+            raise ParameterError.expected(f"no {name} beside a record", name, "its own PV says where it begins")
         return self._predictor.on_record(source)
 
-    def predict(self, record: LoopRecord | str | os.PathLike[str] | Any, steps: int = 1) -> FloatArray:
-        """PV predicted from OP, and from PV up to `steps` samples before, with the noise model.
+    def predict(
+        self,
+        op: npt.ArrayLike | LoopRecord | str | os.PathLike[str] | Any,
+        pv: npt.ArrayLike | None = None,
+        horizon: int = 1,
+    ) -> FloatArray:
+        """PV predicted from OP, and from PV up to `horizon` samples before, with the noise model.
 
         Parameters
         ----------
-        record : LoopRecord, path or data frame
-        steps : int
+        op : LoopRecord, path, data frame or array_like, shape (n,)
+            A record, or with `pv` an array at the sampling time of the fit.
+        pv : array_like, shape (n,), optional
+            PV beside an array of OP; both are taken as they are.
+        horizon : int
             Samples from the last PV that is used to the predicted one, at least 1. OP is known up to the predicted one.
 
         Returns
@@ -139,22 +159,24 @@ class NamedEstimate(Brief):
         Raises
         ------
         ParameterError
-            A record of another sampling time, no whole number of steps, or an estimate without a noise model.
+            A record of another sampling time, no whole number of samples as horizon, arrays of different lengths, or an
+            estimate without a noise model.
 
         Notes
         -----
-        ``y(k) = z(k) + E[v(k) | v(k - steps), v(k - steps - 1) ..]`` with z of :meth:`simulate` and v = y - z. With
-        white noise that is z for any number of steps; with coloured noise it comes to z as the steps grow. The
+        ``y(k) = z(k) + E[v(k) | v(k - horizon), v(k - horizon - 1) ..]`` with z of :meth:`simulate` and v = y - z. With
+        white noise that is z for any horizon; with coloured noise it comes to z as the horizon grows. The
         initial state of z is estimated from all PV of the piece, later ones included.
         """
-        source = as_scans(record)
-        if not isinstance(source, LoopRecord):
-            raise ParameterError.expected(
-                "a record with OP and PV", type(source).__name__, "use simulate() for OP alone"
-            )
+        source = as_scans(op)
+        record = isinstance(source, LoopRecord)
+        if record == (pv is not None):
+            expected = "no pv beside a record" if record else "a record with OP and PV, or pv beside op"
+            remedy = "give the horizon by its name" if record else "use simulate() for OP alone"
+            raise ParameterError.expected(expected, "pv" if record else type(source).__name__, remedy)
         if self.noise is None:
             raise ParameterError.expected("an estimate with a noise model", "none", "use simulate(), or identify()")
-        return self._predictor.ahead(source, steps)
+        return self._predictor.ahead(source, horizon) if record else self._predictor.ahead_of(source, pv, horizon)
 
     def to_control(self) -> Any:
         """Whole model as a discrete ``NonlinearIOSystem`` of python-control, OP to PV in the units of the record.

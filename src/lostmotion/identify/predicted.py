@@ -65,15 +65,36 @@ class Predictor:
         before = x[0] if level is None else (level - offset) / linear.gain
         return linear.simulate(x - before) + linear.gain * before + offset
 
+    def from_initial(self, op: Any, initial: Any) -> FloatArray:
+        """PV for an array of OP (n,), begun at the state that the first PV (m,) shows; these up to the delay."""
+        u, y, delay = finite_signal("op", op), finite_signal("initial", initial), self.model.linear.delay
+        fewest = delay + self._states + 1
+        if not fewest <= y.size <= u.size:
+            expected = f"from {fewest} to {u.size} samples of PV as initial"
+            raise ParameterError.expected(expected, y.size, "give the measured PV of the first samples of op")
+        found, pv = np.concatenate([y[:delay], np.empty(u.size - delay)]), np.full(u.size - delay, np.nan)
+        pv[: y.size - delay] = y[delay:]
+        found[delay:] = self._best_begun(u, pv)
+        return found
+
     def on_record(self, record: LoopRecord) -> FloatArray:
         """Simulated PV on the rows of a record; NaN where OP of this row or of the delay before it is missing."""
         scans, rows = self._scans(record)
         return self._placed(self._simulated(scans), rows, len(record))
 
-    def ahead(self, record: LoopRecord, steps: int) -> FloatArray:
-        """PV predicted `steps` samples ahead on the rows of a record."""
-        steps = whole("steps", steps, 1)
+    def ahead(self, record: LoopRecord, horizon: int) -> FloatArray:
+        """PV predicted `horizon` samples ahead on the rows of a record."""
+        steps = whole("horizon", horizon, 1)
         scans, rows = self._scans(record)
+        return self._placed(self._ahead(scans, steps), rows, len(record))
+
+    def ahead_of(self, op: Any, pv: Any, horizon: int) -> FloatArray:
+        """The same of arrays as they are."""
+        steps = whole("horizon", horizon, 1)
+        signals = finite_signal("op", op), finite_signal("pv", pv)
+        return self._ahead(LoopRecord(*signals, dt=self.model.linear.dt), steps)
+
+    def _ahead(self, scans: LoopRecord, steps: int) -> FloatArray:
         predicted = self._simulated(scans)
         gains = self._foretold_by(steps)
         for start, stop in _pieces(scans) if gains.size else ():
@@ -82,7 +103,7 @@ class Predictor:
             if first < stop:
                 add_lagged(gains, left[:-steps], predicted[start + steps : stop])
             predicted[start : min(first, stop)] = np.nan
-        return self._placed(predicted, rows, len(record))
+        return predicted
 
     def _foretold_by(self, steps: int) -> FloatArray:
         """Weights (p,) of v(k), v(k-1) .. in the expectation of v(k + steps)."""
@@ -120,11 +141,15 @@ class Predictor:
             return self.from_rest(u, None)
         found = np.full(u.size, np.nan)
         first = delay + int(enough[0])  # a state before it would be told by what is left of it alone
-        best = min((self._begun(u, pv[first:], rest) for rest in self._rests), key=lambda one: one.squares)
-        for _ in range(TURNS if len(self._rests) > 1 else 0):
-            best = min(best, self._begun(u, pv[first:], best.nearer), key=lambda one: one.squares)
-        found[first:] = best.simulated
+        found[first:] = self._best_begun(u, pv[first:])
         return found
+
+    def _best_begun(self, u: FloatArray, pv: FloatArray) -> FloatArray:
+        """Simulated PV on the rows of `pv`, the last of `u`, from the state and the place of the valve that suit it."""
+        best = min((self._begun(u, pv, rest) for rest in self._rests), key=lambda one: one.squares)
+        for _ in range(TURNS if len(self._rests) > 1 else 0):
+            best = min(best, self._begun(u, pv, best.nearer), key=lambda one: one.squares)
+        return best.simulated
 
     def _begun(self, u: FloatArray, pv: FloatArray, rest: float) -> _Begun:
         """The rows of `pv`, the last of `u`, where the valve begins at a place and the process where PV shows."""

@@ -161,6 +161,6 @@ def test_fits_keep_the_zero(tmp_path):
     assert again.noise == fit.noise
     assert again.chosen == fit.chosen
     assert "ARMA" in fit.summary()
-    ahead = fit.predict(record, 1)
+    ahead = fit.predict(record, horizon=1)
     known = np.isfinite(ahead)
     assert np.std(ahead[known] - record.pv[known]) == pytest.approx(np.sqrt(fit.noise.variance), rel=0.1)

@@ -61,7 +61,7 @@ def test_a_record_without_noise_is_reproduced(kind):
     assert np.isnan(simulated[:DELAY]).all()
     np.testing.assert_allclose(simulated[DELAY:], y[start + DELAY :], rtol=0.0, atol=1e-9)
     for steps in (1, 7):
-        predicted = fit.predict(record, steps)
+        predicted = fit.predict(record, horizon=steps)
         assert np.isnan(predicted[: DELAY + steps]).all()
         np.testing.assert_allclose(predicted[DELAY + steps :], y[start + DELAY + steps :], rtol=0.0, atol=1e-9)
 
@@ -108,7 +108,7 @@ def test_prediction_of_white_noise_is_the_simulation():
     u = held()
     record = lm.LoopRecord(u, fit.model.simulate(u) + np.random.default_rng(1).normal(size=u.size), dt=DT)
     for steps in (1, 3, 1000):
-        np.testing.assert_array_equal(fit.predict(record, steps), fit.simulate(record))
+        np.testing.assert_array_equal(fit.predict(record, horizon=steps), fit.simulate(record))
 
 
 @pytest.mark.parametrize("d", [(-0.9,), (-1.2, 0.5), (-0.5, 0.2, -0.3)])
@@ -126,8 +126,8 @@ def test_prediction_of_coloured_noise(d):
             for _ in range(steps):
                 known.append(-sum(d[i] * known[-1 - i] for i in range(len(d))))
             expected[k] = z[k] + known[-1]
-        np.testing.assert_allclose(fit.predict(record, steps), expected, atol=1e-9)
-    far = fit.predict(record, 300)
+        np.testing.assert_allclose(fit.predict(record, horizon=steps), expected, atol=1e-9)
+    far = fit.predict(record, horizon=300)
     assert np.isfinite(far).sum() == 400 - 300 - DELAY - len(d) + 1
     np.testing.assert_allclose(far[-90:], z[-90:], atol=1e-9)
 
@@ -143,7 +143,7 @@ def test_errors_grow_as_theory_says():
     while len(impulse) < 10:
         impulse.append(1.2 * impulse[-1] - 0.5 * (impulse[-2] if len(impulse) > 1 else 0.0))
     for steps in (1, 2, 10):
-        errors = (record.pv - fit.predict(record, steps))[100:]
+        errors = (record.pv - fit.predict(record, horizon=steps))[100:]
         assert np.var(errors) == pytest.approx(0.01 * np.sum(np.square(impulse[:steps])), rel=0.05)
     assert (
         abs(np.corrcoef((record.pv - fit.predict(record))[100:-1], (record.pv - fit.predict(record))[101:])[0, 1])
@@ -181,7 +181,7 @@ def test_pieces_between_gaps_and_holes():
     holes[100:110] = True
     np.testing.assert_array_equal(np.isnan(simulated), holes)
     np.testing.assert_allclose(simulated[~holes], y[~holes], atol=1e-9)
-    predicted = fit.predict(record, 2)
+    predicted = fit.predict(record, horizon=2)
     assert np.isnan(predicted[302:342]).all()
     for start, stop in ((4, 100), (114, 302), (342, 450), (454, 600)):
         np.testing.assert_allclose(predicted[start:stop], y[start:stop], atol=1e-9)
@@ -276,12 +276,22 @@ def test_refusals():
     with pytest.raises(ParameterError, match="no pv beside a record"):
         fit.simulate(same, pv=1.0)
     for steps in (0, -1, 1.5, "two"):
-        with pytest.raises(ParameterError, match="steps as a whole number >= 1"):
-            fit.predict(same, steps)
+        with pytest.raises(ParameterError, match="horizon as a whole number >= 1"):
+            fit.predict(same, horizon=steps)
     with pytest.raises(ParameterError, match="a record with OP and PV"):
         fit.predict(held())
+    with pytest.raises(ParameterError, match="no pv beside a record"):
+        fit.predict(same, 5)
+    with pytest.raises(DataError, match="expected"):
+        fit.predict(held(), held()[:-1])
     with pytest.raises(DataError, match="finite op"):
         fit.simulate([1.0, np.nan])
+    with pytest.raises(ParameterError, match="no initial beside a record"):
+        fit.simulate(same, initial=[1.0])
+    with pytest.raises(ParameterError, match="pv or initial, got both"):
+        fit.simulate(held(), 1.0, initial=[1.0])
+    with pytest.raises(ParameterError, match="samples of PV as initial, got 1"):
+        fit.simulate(held(), initial=[1.0])
     with pytest.raises(ParameterError, match="finite pv"):
         fit.simulate([1.0, 2.0], pv=np.inf)
 
@@ -296,6 +306,26 @@ def test_any_record_gives_its_rows(seed, n, steps, kind):
     pv[random.random(n) < 0.2] = np.nan
     fit = made_fit(kind)
     record = lm.LoopRecord(op, pv, dt=DT, gaps=(1,) if random.random() < 0.5 else ())
-    assert fit.simulate(record).shape == fit.predict(record, steps).shape == (n,)
+    assert fit.simulate(record).shape == fit.predict(record, horizon=steps).shape == (n,)
     scans = Predictor(fit.model, fit.noise)
     assert scans.on_record(record).shape == (n,)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_simulation_begins_where_the_first_pv_are(kind):
+    """The protocol of benchmarks of nonlinear identification: a few PV, and OP from there on."""
+    fit, op = made_fit(kind), held()
+    whole = fit.simulate(op, pv=float(fit.simulate(op)[0]) + 3.0)
+    later = fit.simulate(op, initial=whole[:40])
+    assert later.shape == whole.shape
+    if kind in ("none", "dead zone", "saturation"):
+        np.testing.assert_allclose(later, whole, atol=1e-6)
+    assert abs(later[0] - whole[0]) < 0.5
+
+
+def test_arrays_are_predicted_as_a_record_is():
+    fit = made_fit("dead zone")
+    op = held()
+    pv = fit.simulate(op) + 0.1 * np.random.default_rng(4).normal(size=op.size)
+    record = lm.LoopRecord(op, pv, dt=DT)
+    np.testing.assert_allclose(fit.predict(op, pv, 3), fit.predict(record, horizon=3), atol=1e-9)
