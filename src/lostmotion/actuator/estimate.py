@@ -91,7 +91,7 @@ def actuator_response(
 
     Examples
     --------
-    >>> import numpy as np
+    >>> import numpy as np, lostmotion as lm
     >>> op = 50.0 + 10.0 * np.sin(np.arange(600) / 40.0)
     >>> valve = lm.Backlash(width=2.0)
     >>> response = lm.actuator_response(op=op, position=valve(op), dt=1.0)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lostmotion.arrays import FloatArray
+from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.actuators.choice import (
     FOLDS,
     KindChoice,
@@ -44,6 +44,8 @@ SURE = 2.0  # standard errors of a difference of sizes
 LEAST_SHARE = 0.25  # of its variance that a difference has, where the estimates nearly have the same
 BLOCKS = 20  # of a record, in which errors are added up: each longer than errors are correlated
 FEWEST_ROWS = 20  # of a piece, as of any fold
+SMALLEST = 1e-9  # of the variance by blocks, which that of single rows is not below but by rounding
+HUGE = 1e100  # errors beyond it are no worse
 STEP = 1e-5  # of a scaled parameter, for derivatives of the errors
 
 
@@ -101,15 +103,19 @@ def simulated(
         simple = [searched(first, kind, data, starts)] if first is not None else []
         both = [searched(plain, kind, data, [*starts, *(one.actuator for one in simple)]), *simple]
         fits[name] = dispersed(min(both, key=lambda one: (one.drifts(data.longest), one.fit.cost)))
-    held_out = {name: _left_out(data, one, refit=True) for name, one in fits.items()}
+    longest = max(one.problem.structure.start for one in [mine, *fits.values()])
+    pieces = pieces_of(data.segments, longest + FEWEST_ROWS)
+    if len(pieces) < FOLDS:
+        return None
+    held_out = {name: _held_out(pieces, one, refit=True) for name, one in fits.items()}
     best = min(held_out, key=lambda name: float(held_out[name].sum()))
     predicted_best = chosen.problem.family.kind
     if predicted_best in fits and _gain(held_out[predicted_best], held_out[best]) < NEEDED:
         best = predicted_best  # as good: what predicts best decides
     healthy = plain if best == NO_FAULT else compared[best].healthy(fits[best], plain)
-    if _gain(_left_out(data, healthy, refit=True), held_out[best]) < LIKELIER:
+    if _gain(_held_out(pieces, healthy, refit=True), held_out[best]) < LIKELIER:
         best = NO_FAULT
-    before, after = _left_out(data, mine, refit=False), held_out[best]
+    before, after = _held_out(pieces, mine, refit=False), held_out[best]
     clear = bool(before.sum() - after.sum() > LEAST_GAIN * before.sum() and _gain(before, after) > CLEAR)
     return Simulated(fits, _choice(held_out, best), clear)
 
@@ -183,22 +189,19 @@ def dispersed(fitted: Fitted) -> Fitted:
     scores = np.array([part.sum(axis=1) for part in np.array_split(slopes * errors, BLOCKS, axis=1)])
     inverse, _ = information_inverse(fitted.fit.hessian, fitted.basis)
     robust, plain = np.diag(inverse @ (scores.T @ scores) @ inverse), np.diag(inverse) * fitted.variance
-    own = [place for place in problem.own if plain[place] > 0.0] or range(problem.structure.na)
-    return replace(fitted, dispersion=max(1.0, *(float(robust[place] / plain[place]) for place in own)))
+    own = np.array([*problem.own] or [*range(problem.structure.na)], np.int64)
+    own = own[np.isfinite(robust[own]) & (plain[own] > SMALLEST * robust[own]) & (plain[own] > 0.0)]
+    return replace(fitted, dispersion=max([1.0, *(robust[own] / plain[own]).tolist()]))
 
 
-def _left_out(data: ScaledData, fitted: Fitted, refit: bool) -> FloatArray:
-    """Sums of squared simulation errors in blocks of rows, each held out once."""
-    structure = fitted.problem.structure
-    pieces, shared = pieces_of(data.segments, structure.start + FEWEST_ROWS), fitted.fit.theta
-    found: list[FloatArray] = []
+def _held_out(pieces: IntArray, fitted: Fitted, refit: bool) -> FloatArray:
+    """Sums of squared simulation errors in BLOCKS of rows, each held out once."""
+    structure, found = fitted.problem.structure, list[FloatArray]()
     for fold in range(FOLDS):
         mine = np.arange(len(pieces)) % FOLDS == fold
-        if not mine.any():
-            continue
-        theta = refitted(fitted, structure, pieces[~mine])[0] if refit and not mine.all() else shared
-        theta = theta[: fitted.problem.initial_at]
-        squares = predicted(fitted, structure, pieces[mine], theta) ** 2
+        theta = refitted(fitted, structure, pieces[~mine])[0] if refit else fitted.fit.theta
+        errors = predicted(fitted, structure, pieces[mine], theta[: fitted.problem.initial_at])
+        squares = np.clip(np.nan_to_num(errors, nan=HUGE), -HUGE, HUGE) ** 2  # what is unstable elsewhere
         found += [part.sum() for part in np.array_split(squares, BLOCKS // FOLDS)]
     return np.array(found)
 
