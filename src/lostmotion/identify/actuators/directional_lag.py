@@ -27,6 +27,7 @@ from lostmotion.identify.likelihood.refinement import refine, settled
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.kernels.linear import simulate
 
+WORTH_A_LOOK = 3.0  # of log-likelihood with all else held, of the best of all kinds: by chance one in twenty
 PROMISING = 5.0  # of log-likelihood with all else held: then it is tried
 WORTH = 20.0  # of it with everything refined
 LARGEST = 0.9  # of the sizes together: the slower direction still moves
@@ -37,14 +38,15 @@ ENOUGH = 1e-9  # of the sum of squares: less is rounding
 LONGEST_RISE, RISEN = 1000, 0.632  # rows in which a step response is seen to rise by a time constant
 
 
-def directional(fitted: Fitted, centre: float) -> Fitted:
-    """The same model with a lag that differs with direction, where that pays."""
+def directional(fitted: Fitted, centre: float, any_order: bool) -> Fitted:
+    """The same model with a lag that differs with direction, where that pays; also with one pole, if `any_order`."""
     loads = fitted.problem.family.loads
     if loads is not None and loads.place_of(Asymmetry) is not None:
         return _along(fitted)
     if fitted.problem.structure.integrating:
         return fitted
-    trials = [trial for one in (fitted, of_first_order(fitted)) if one and (trial := _with_asymmetry(one, centre))]
+    begun = (fitted, of_first_order(fitted) if any_order else None)
+    trials = [trial for one in begun if one and (trial := _with_asymmetry(one, centre))]
     best = min(trials, key=criterion, default=fitted)
     return best if criterion(best) < criterion(fitted) - 2.0 * WORTH else fitted
 
@@ -54,8 +56,20 @@ def centre_of(data: ScaledData, fitted: Fitted) -> float:
     return 0.0 if fitted.problem.family.relative else -data.scaling.u_centre / data.scaling.u_scale
 
 
+def promises(fitted: Fitted, centre: float) -> bool:
+    """Whether a first look at the errors finds that the lag may differ with direction."""
+    look = None if fitted.problem.structure.integrating else _first_look(fitted, centre)
+    return look is not None and look[2] > WORTH_A_LOOK
+
+
 def _with_asymmetry(fitted: Fitted, centre: float) -> Fitted | None:
     """Refined with it; None where a first look does not promise anything."""
+    look = _first_look(fitted, centre)
+    return _along(loaded(fitted, fitted.problem.y, *look[:2])) if look is not None and look[2] > PROMISING else None
+
+
+def _first_look(fitted: Fitted, centre: float) -> tuple[Loads, FloatArray, float] | None:
+    """The two inputs, their sizes with all else held, and what these gain in log-likelihood."""
     problem, pole = fitted.problem, _dominant(fitted.parts.a)
     if pole is None:
         return None
@@ -63,8 +77,7 @@ def _with_asymmetry(fitted: Fitted, centre: float) -> Fitted | None:
     around = float(position.min()) < centre < float(position.max())
     event = Asymmetry(position, problem.segments, pole, centre=centre if around else None)
     added = Loads((event,), problem.u.size)
-    sizes, gain = explained_by(fitted, added)
-    return _along(loaded(fitted, problem.y, added, sizes)) if gain > PROMISING else None
+    return added, *explained_by(fitted, added)
 
 
 def of_first_order(fitted: Fitted) -> Fitted | None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.characteristic import bent
-from lostmotion.identify.actuators.directional_lag import centre_of, directional
+from lostmotion.identify.actuators.directional_lag import centre_of, directional, promises
 from lostmotion.identify.actuators.fit_kind import fit_linear
 from lostmotion.identify.actuators.kind import Kind, faults, kind_of
 from lostmotion.identify.actuators.loads import (
@@ -51,14 +51,30 @@ class EveryKind:
     asked : Asked
     fit : callable
         Fit of one kind to data, from where it was sought, near another fit.
+    asymmetric : bool
+        Whether the lag of the process may differ with direction.
     """
 
     scaled: ScaledData
     asked: Asked
     fit: Callable[[ScaledData, Kind, Sought, Fitted | None], Fitted]
+    asymmetric: bool = False
 
     def fits(self, linear: Fitted) -> tuple[Fitted, Fits]:
         """Best linear fit, and fits of the likely kinds, each with the loads that pay beside it.
+
+        In open loop once more with a lag that differs with direction, where the errors of the best promise one.
+        """
+        plain, found = self._fits(linear)
+        if feedback(self.scaled).closed:
+            return plain, found
+        best = max([plain, *found.values()], key=lambda one: gain_over_linear(one, plain))
+        if not promises(best, centre_of(self.scaled, best)):
+            return plain, found
+        return replace(self, asymmetric=True)._fits(linear)
+
+    def _fits(self, linear: Fitted) -> tuple[Fitted, Fits]:
+        """The same with a lag as it is.
 
         Where the linear model finds loads, all are sought once more without their effect, which hides from the profile
         what the actuator does.
@@ -121,8 +137,8 @@ class EveryKind:
         A characteristic that bends, a lag that differs with direction, swings and steps of load.
         """
         fitted = bent(fitted)
-        if not feedback(self.scaled).closed:
-            fitted = directional(fitted, centre_of(self.scaled, fitted))
+        if self.asymmetric:
+            fitted = directional(fitted, centre_of(self.scaled, fitted), self.asked.orders is None)
         return with_own_loads(fitted)
 
 
