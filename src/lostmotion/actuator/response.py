@@ -64,8 +64,8 @@ class ActuatorResponse(Brief):
     interval : (float, float)
         95 % interval of it; of "none" (0, largest that is not excluded); (0, inf) where nothing is known.
     up, down : float
-        Dead band on reversal: median way of OP from its turn to the motion of the position upwards, and downwards.
-        Without reversals whose hold is seen: `dead_band`.
+        Dead band by direction: twice the median distance of OP from the position at which a hold ends upwards, and
+        downwards. Where no hold is seen: `dead_band`.
     resolution : float
         Smallest step of the motion in units of OP: a slip, or the resolution of the measurement where that is larger.
     rate_limit : float

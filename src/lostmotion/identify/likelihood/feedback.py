@@ -151,7 +151,7 @@ def _by_hand(signals: Signals) -> bool:
 def _answers(signals: Signals) -> bool:
     """Whether PV says how far OP moves where it moves: a controller with a dead band, or with an output in steps.
 
-    Before the move already: in the same row a fast process may have answered it (five of eight records of motors).
+    Before the move already: in the same row a fast process may have answered it (five of twelve records of motors).
     """
     u, y = signals.u, signals.y
     now = np.concatenate([np.arange(start + 2, stop) for start, stop in signals.segments.tolist()])
