@@ -134,7 +134,7 @@ def _response(record: LoopRecord) -> ActuatorResponse:
     return _Evidence.of(samples.most_informative(), rate).response(record, span)
 
 
-def _told_by_holds(samples: Samples) -> tuple[Holds, Threshold | None, int, float]:
+def _threshold_by_holds(samples: Samples) -> tuple[Holds, Threshold | None, int, float]:
     """Holds, their threshold, and how many slips of which travel: of the window that shows most of them."""
     found: list[tuple[Holds, Threshold | None, int, float]] = []
     for factor in hold_events.WINDOWS:
@@ -205,7 +205,7 @@ class _Evidence:
     def of(cls, samples: Samples, rate: float) -> _Evidence:
         """Fit all descriptions."""
         none, play = fit_play(samples, (math.inf,) if math.isinf(rate) else (math.inf, rate))
-        holds, threshold, slips, travel = _told_by_holds(samples)
+        holds, threshold, slips, travel = _threshold_by_holds(samples)
         slip = fit_slip(samples, play, threshold)
         gain = slip.log_likelihood - as_slip(samples, play).log_likelihood
         return cls(samples, rate, none, play, plays.colour(samples, play), holds, threshold, slips, travel, slip, gain)

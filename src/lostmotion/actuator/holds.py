@@ -151,9 +151,9 @@ def _bounds(samples: Samples, holds: Holds, lag: float, delay: float) -> _Bounds
     if float(np.mean(steps > 0.0)) > STEADY_SHARE:  # holds end at many distances of OP, which tell the threshold
         steps[:] = 0.0
     op_step = np.array([steps[max(b - reach, a + 1, 0) : b + 1].max() for a, b in zip(first, behind, strict=True)])
-    told = highest - lowest > INFORMATIVE * holds.window
+    informative = highest - lowest > INFORMATIVE * holds.window
     bounds = (highest, lowest, at_end - level, way, way * (at_end - v[first]), before, op_step)
-    return _Bounds(*(one[told] for one in bounds))
+    return _Bounds(*(one[informative] for one in bounds))
 
 
 def _log_likelihood(bounds: _Bounds, half: float, offset: float, scatter: float) -> float:

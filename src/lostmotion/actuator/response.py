@@ -42,7 +42,7 @@ class ActuatorStatus(Enum):
     WIDE = "A dead band is seen, but not how wide it is. Record slow moves of OP that reverse at least four times."
 
     @property
-    def told(self) -> bool:
+    def identified(self) -> bool:
         """Whether a kind is named."""
         return self in (ActuatorStatus.SEEN, ActuatorStatus.LOAD, ActuatorStatus.NONE)
 

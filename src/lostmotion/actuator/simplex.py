@@ -22,7 +22,7 @@ def minimised(cost: Cost, point: FloatArray, steps: FloatArray, evaluations: int
     Parameters
     ----------
     cost : callable
-        Minus a log-likelihood: it is told apart to some hundredths.
+        Minus a log-likelihood: differences of some hundredths count.
     point, steps : ndarray, shape (m,)
         Start, and the edges of the first simplex.
     evaluations, rounds : int

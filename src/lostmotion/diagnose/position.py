@@ -35,7 +35,7 @@ def judged_by_position(found: Found, record: LoopRecord) -> Found:
 
 def _matters(found: Diagnosis, response: ActuatorResponse) -> bool:
     """Whether the position shows a fault larger than the tolerance, and PV none."""
-    fault = response.status.told and response.kind != "none"
+    fault = response.status.identified and response.kind != "none"
     return fault and found.verdict in OUTVOTED and response.interval[0] > found.tolerance
 
 

@@ -73,7 +73,7 @@ def seen_in_position(diagnosis: Diagnosis) -> str:
     response = diagnosis.actuator
     if response is None:
         return ""
-    if not response.status.told:
+    if not response.status.identified:
         return f"The position does not tell the dead band: {response.message}"
     low, high = (response.percent_text(end) for end in response.interval)
     if response.kind == NO_FAULT:
