@@ -44,25 +44,43 @@ class Call:
         data = self.data
         return ScaledData.of(data, Scaling(data.u_centre, data.u_scale, data.y_centre, data.y_scale))
 
-    def packed(self, fitted: Fitted, linear: Fitted, predicting: Fitted | None = None) -> HammersteinFit:
-        """Result in engineering units with status; `predicting`: the linear model with noise, where these have none."""
+    def packed(
+        self,
+        fitted: Fitted,
+        linear: Fitted,
+        predicting: Fitted | None = None,
+        interval: tuple[float, float] | None = None,
+        answered: float | None = None,
+    ) -> HammersteinFit:
+        """Result in engineering units with status.
+
+        `predicting`: the linear model with noise, where these have none. `interval`: of the size, scaled, and
+        `answered`: gain of the linear model over none, where they are known.
+        """
         data, scaled, family = self.data, self.scaled, fitted.problem.family
         scaling, kind, s = scaled.scaling, kind_of(family.kind), fitted.problem.structure
-        lag = kind.lag(fitted) if self.compared else NO_LAG  # who is not compared goes on without one
+        lag = kind.lag(fitted) if self.compared and interval is None else NO_LAG  # who is not compared has none
         named = name_parameters(lag.shown(fitted), scaling, self.settings["gain"] if kind.has_slopes else None)
-        profiled = lag.joined(kind.intervals(fitted, scaling), scaling.u_scale)
+        if interval is None:
+            profiled = lag.joined(kind.intervals(fitted, scaling), scaling.u_scale)
+        else:
+            low, high = (scaling.u_scale * end for end in interval)
+            profiled = {} if kind.size is None else {kind.size: (low, high)}
         covariance = with_profiled(named, profiled)
         simulated, errors = simulated_output(fitted), fitted.problem.predict(fitted.fit.theta)[1]
         evidence = weigh(scaled, fitted, linear, named.values, data, self.asked, predicting or linear)
         evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
+        if answered is not None:
+            evidence = replace(evidence, gain_over_no_input=answered, load_drifts=True)
         tests = residual_tests(fitted, errors)
         rows, percent = on_rows(simulated, scaled, s.first), fit_percent_of(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)
         status = earned(status, fitted, evidence, data, named.values, rows, percent)
+        variance = fitted.variance / fitted.dispersion
         return HammersteinFit(
             status=status,
             model=model_of(named.values, fitted, data),
-            noise=NoiseModel(tuple(fitted.parts.d), fitted.variance / fitted.dispersion * scaling.y_scale**2, s.zero),
+            noise=NoiseModel(tuple(fitted.parts.d), variance * scaling.y_scale**2, s.zero, s.c),
             parameters=named.values,
             covariance=covariance,
             residuals=np.concatenate(errors) * scaling.y_scale,

@@ -97,7 +97,7 @@ def inverse_of_controller(fitted: Fitted, evidence: Evidence) -> bool:
     With noise in PV, or set-point moves, an exact controller does no harm.
     """
     left = fitted.fit.cost / max(float(fitted.problem.y @ fitted.problem.y), 1e-300)
-    return evidence.only_fed_back and left < ROUNDING
+    return evidence.exact_feedback and left < ROUNDING
 
 
 def earned(
@@ -129,12 +129,12 @@ def earned(
         return Status.NEAR_RANGE
     if fitted.drifts(int(np.diff(data.segments).max())):
         return Status.NO_PROCESS
-    if fit_percent <= 0.0 and fit_without_drift(data.y, simulated, data.segments) <= 0.0:
+    if not s.c and fit_percent <= 0.0 and fit_without_drift(data.y, simulated, data.segments) <= 0.0:
         return Status.NOT_REPRODUCED
     return Status.FEW_CROSSINGS if like_a_slip(evidence) else claimed
 
 
 def like_a_slip(evidence: Evidence) -> bool:
     """Whether nothing but the controller moves OP, and hardly through the dead zone: a valve that slips does so."""
-    alone = evidence.only_fed_back
+    alone = evidence.exact_feedback
     return alone and not evidence.crossed_enough

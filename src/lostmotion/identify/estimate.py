@@ -13,11 +13,12 @@ import numpy.typing as npt
 from lostmotion.arguments import finite
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
-from lostmotion.identify.actuators.choice import choose_kind, set_aside
+from lostmotion.identify.actuators.choice import choose_kind, likelihood_gain, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
 from lostmotion.identify.actuators.free_simulation import another_size, simulated
 from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_names, kind_of
+from lostmotion.identify.actuators.level import as_level
 from lostmotion.identify.actuators.loads import without_actuator
 from lostmotion.identify.actuators.sought import Sought
 from lostmotion.identify.call import Call
@@ -33,7 +34,7 @@ from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.identify.recording import Recording
 from lostmotion.identify.scaled import ScaledData
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
-from lostmotion.identify.status import VAGUE
+from lostmotion.identify.status import VAGUE, excluded_sizes
 from lostmotion.kernels.threads import one_thread
 from lostmotion.records import LoopRecord, Prepared, RecordLike
 from lostmotion.records.as_record import Column, as_records
@@ -41,6 +42,7 @@ from lostmotion.records.loop_type import surely_integrates
 
 ENDLESS = (Status.NO_PROCESS, Status.NOT_CONVERGED)
 AS_LIKELY = 5.0  # of log-likelihood by which an integrating process may be behind one that does not settle
+MOST_OPEN = 0.1  # of the range of OP: a level that leaves larger sizes open does not show that there is none
 FLOW = "The process was taken as self-regulating, as this loop is one of flow; say so where it integrates."
 
 
@@ -230,10 +232,12 @@ class _Identification(Call):
         kind = kind_of(name)
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
         found = self._beside_nested(kind, found, linear)
-        linear = max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
+        plain, linear = linear, max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
         packed = self.packed(found, linear)
-        by_simulation = self._by_simulation(packed, linear, {name: found}) if self.compared else None
-        packed = by_simulation or self._compared(packed, found, linear)
+        otherwise = None
+        if self.compared:
+            otherwise = self._as_level(plain, found, name) or self._by_simulation(packed, linear, {name: found})
+        packed = otherwise or self._compared(packed, found, linear)
         if packed.status not in HIDDEN:
             return packed
         return replace(packed, linear_alternative=self.packed(linear, linear))
@@ -267,9 +271,29 @@ class _Identification(Call):
 
     def _likeliest(self, linear: Fitted) -> HammersteinFit:
         """The kind that predicts best, or the linear model where none is seen; by simulation where that differs."""
+        plain = linear
         linear, fits = EveryKind(self.scaled, self.asked, partial(self._fitted, linear)).fits(linear)
         found = self._by_prediction(linear, fits)
-        return self._by_simulation(found, linear, fits) or found
+        level = self._as_level(plain, fits.get(found.kind.name, linear))
+        return level or self._by_simulation(found, linear, fits) or found
+
+    def _as_level(self, linear: Fitted, found: Fitted, name: str | None = None) -> HammersteinFit | None:
+        """A level under control whose load drifts, where that is likelier than what was found; `name` is asked for."""
+        other = as_level(self.scaled, self.asked, linear, name)
+        if other is None or likelihood_gain(other.chosen, found)[0] <= 0.0:
+            return None
+        packed = self.packed(other.chosen, other.none, interval=other.interval, answered=other.answered)
+        kinds = replace(other.kinds, excluded=excluded_sizes(other.kinds.excluded, self.data, self.scaled.scaling))
+        if name is not None:
+            ahead = kinds.ahead_of(name)
+            evidence = replace(packed.evidence, other_kind=ahead)
+            return (
+                packed if ahead is None else replace(packed, status=Status.OTHER_KIND, evidence=evidence, widest=None)
+            )
+        left_open = max(size for kind, size in kinds.excluded.items() if kind_of(kind).sticks)
+        if packed.preferred == NO_FAULT and left_open > MOST_OPEN * float(np.ptp(self.data.u)):
+            packed = replace(packed, status=Status.CANNOT_TELL, widest=None)
+        return replace(packed, kinds=kinds)
 
     def _by_prediction(self, linear: Fitted, fits: dict[str, Fitted]) -> HammersteinFit:
         simplest = {name: kind_of(name).simplest(found) for name, found in fits.items()}

@@ -55,6 +55,9 @@ class Evidence:
     foreknown : bool
         Whether the controller knows more than the rows, which answer moves of OP however small: OP foretells PV against
         the way in which the valve moves it, see ``foretold``, or moves mostly between the rows, see ``Unseen``.
+    load_drifts : bool
+        Whether the noise is a load that drifts, and white noise of measurement: by it a level is told from the inverse
+        of its controller.
     """
 
     gain_over_linear: float
@@ -72,6 +75,7 @@ class Evidence:
     gain_over_healthy: float | None = None
     foreknown: bool = False
     by_prediction: tuple[str, float | None] | None = None
+    load_drifts: bool = False
 
     @property
     def gain(self) -> float:
@@ -84,9 +88,14 @@ class Evidence:
         return self.answered and not self.foreknown
 
     @property
-    def only_fed_back(self) -> bool:
-        """Whether OP is a function of PV: the process cannot be told from others that foretell PV as well."""
+    def exact_feedback(self) -> bool:
+        """Whether OP is a function of PV."""
         return self.closed_loop and self.free_moves < NEARLY_EXACT
+
+    @property
+    def only_fed_back(self) -> bool:
+        """Whether OP is one, and the process cannot be told from others that foretell PV as well."""
+        return self.exact_feedback and not self.load_drifts
 
     @property
     def crossed_enough(self) -> bool:

@@ -128,7 +128,8 @@ def _load(row: object) -> Mapping[str, float]:
 def _noise(saved: Fields) -> NoiseModel:
     d = saved.numbers("d")
     zero = saved.number("zero") if "zero" in saved else 0.0
-    return saved.made("variance", "a variance", lambda value: NoiseModel(d, as_number(value), zero))
+    c = saved.numbers("c") if "c" in saved else ()
+    return saved.made("variance", "a variance", lambda value: NoiseModel(d, as_number(value), zero, c))
 
 
 def _parameters(saved: Fields) -> dict[str, float]:
@@ -156,7 +157,7 @@ def _evidence(saved: Fields) -> Evidence:
         saved.count("samples_left"),
         saved.count("samples_right"),
     )
-    flags = ("closed_loop", "answered", "foreknown")
+    flags = ("closed_loop", "answered", "foreknown", "load_drifts")
     given: dict[str, Any] = {name: saved.flag(name) for name in flags if name in saved}
     if "free_moves" in saved:
         given["free_moves"] = saved.number("free_moves")

@@ -14,7 +14,6 @@ from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT
-from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.report.digits import bracketed, digits, error_of, span
@@ -265,14 +264,18 @@ def dynamics(fit: HammersteinFit) -> str:
         f"Linear part{' (integrating)' if chosen.integrating else ''}: na = {chosen.na}, nb = {chosen.nb}, "
         f"delay {chosen.delay} samples "
         f"({chosen.delay * fit.data.dt:g} s), time constants {', '.join(constants) or 'none'}. "
-        f"Noise: {_noise_words(chosen)}, "
+        f"Noise: {_noise_words(fit)}, "
         f"deviation of the prediction errors {np.sqrt(fit.noise.variance):.3g}{bracketed(fit.data.pv_unit)}. "
         f"Simulated from OP alone the model fits {fit.fit_percent:.1f} % of PV{_below_zero(fit)}."
     )
 
 
-def _noise_words(chosen: Chosen) -> str:
+def _noise_words(fit: HammersteinFit) -> str:
     """Its model."""
+    chosen = fit.chosen
+    if fit.evidence.load_drifts:
+        memory = -fit.data.dt / np.log(min(abs(np.roots([1.0, *fit.noise.d]))))
+        return f"a load that drifts (it forgets in {memory:.3g} s) and white noise of measurement"
     if chosen.noise_zero:
         return f"ARMA of order ({chosen.noise_order}, 1), zero at {chosen.noise_zero:g}"
     return "white" if chosen.noise_order == 0 else f"AR of order {chosen.noise_order}"
@@ -299,7 +302,7 @@ def _checks(fit: HammersteinFit) -> str:
     )
     if fit.kind.dead_between:
         text += f"Samples beyond the break points: {evidence.samples_left} left, {evidence.samples_right} right. "
-    if evidence.closed_loop and evidence.free_moves < 1e-3:
+    if evidence.only_fed_back:
         text += (
             f"OP is an exact function of PV but for {100 * evidence.free_moves:.1g} % of its moves: a linear process "
             "cannot be told from the inverse of the controller here, so dynamics and gain rest on the nonlinearity "

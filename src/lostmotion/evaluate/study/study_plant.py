@@ -96,4 +96,4 @@ def noise_samples(noise: NoiseModel, n: int, seed: int) -> FloatArray:
         radius = MOST_ROOT
     before = 0 if radius == 0.0 else min(int(10.0 / -np.log(radius)) + 1, MOST_MEMORY)
     shocks = np.random.default_rng(seed).normal(scale=np.sqrt(noise.variance), size=n + before)
-    return np.asarray(lfilter([1.0, -noise.zero], d, shocks), dtype=np.float64)[before:]
+    return np.asarray(lfilter(noise.numerator, d, shocks), dtype=np.float64)[before:]

@@ -99,9 +99,7 @@ def choose_kind(data: ScaledData, candidates: dict[str, Fitted]) -> KindChoice:
     linear = candidates[NO_FAULT]
     compared = {kind: likelihood_gain(fitted, linear) for kind, fitted in candidates.items()}
     likelihoods = {kind: gain for kind, (gain, _) in compared.items() if kind == NO_FAULT or gain > 0.0}
-    start = max(candidates[kind].problem.structure.start for kind in likelihoods)
-    densities = {kind: _left_out(data, candidates[kind], start) for kind in likelihoods}
-    gains = {kind: float((values - densities[NO_FAULT]).sum()) for kind, values in densities.items()}
+    gains = gains_left_out(data, {kind: candidates[kind] for kind in likelihoods})
     firm = {kind: _firm(candidates[kind], linear, compared[kind][1]) for kind in likelihoods}
     scores = {
         kind: gain
@@ -139,12 +137,17 @@ def likelihood_gain(fitted: Fitted, linear: Fitted) -> tuple[float, float]:
     """
     gained = _log_densities(fitted) - _log_densities(linear)
     gained = gained[np.isfinite(gained)]
-    total = float(gained.sum())
     cost = 0.5 * (cost_of_parameters(fitted, gained.size) - cost_of_parameters(linear, gained.size))
-    share = 1.0
-    if total > 0.0:
-        share = min(1.0, float(np.sqrt(2.0 * total / max(gained.size * gained.var(), 1e-300))))
-    return total - cost, share * total - cost
+    total, firm = total_and_firm(gained)
+    return total - cost, firm - cost
+
+
+def total_and_firm(gained: FloatArray) -> tuple[float, float]:
+    """Sum of gains in log density (n,), and what of it does not rest on a few rows."""
+    total = float(gained.sum())
+    if total <= 0.0:
+        return total, total
+    return total, total * min(1.0, float(np.sqrt(2.0 * total / max(gained.size * gained.var(), 1e-300))))
 
 
 def _log_densities(fitted: Fitted) -> FloatArray:
@@ -164,6 +167,13 @@ def confidence_of(ahead: float) -> float:
     for each; on loops of known fault half of the difference is what it is worth.
     """
     return float(1.0 / (1.0 + np.exp(-0.5 * ahead)))
+
+
+def gains_left_out(data: ScaledData, candidates: dict[str, Fitted]) -> dict[str, float]:
+    """Log predictive density of what is left out, of each kind over the linear model."""
+    start = max(one.problem.structure.start for one in candidates.values())
+    densities = {kind: _left_out(data, one, start) for kind, one in candidates.items()}
+    return {kind: float((values - densities[NO_FAULT]).sum()) for kind, values in densities.items()}
 
 
 def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:

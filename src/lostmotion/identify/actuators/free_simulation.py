@@ -139,7 +139,7 @@ def without_noise(fitted: Fitted) -> Fitted:
     """The same parameters without a model of the noise, with the best initial states; not refined."""
     problem = fitted.problem
     s = problem.structure
-    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0, start=s.first), early=0.0)
+    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0, c=(), start=s.first), early=0.0)
     states = plain.size - plain.initial_at
     theta = with_states(plain, np.concatenate([fitted.fit.theta[: problem.noise_at], np.zeros(states)]))
     basis = plain.basis

@@ -16,7 +16,7 @@ def cost_of_parameters(fitted: Fitted, rows: int) -> float:
     """What the parameters cost: log n each (BIC); coefficients of D(q) as where their number is chosen (Akaike)."""
     s = fitted.problem.structure
     p = s.noise_order
-    return float((fitted.parameters - p + (s.zero != 0.0)) * math.log(rows) + PENALTY * p)
+    return float((fitted.parameters - p + s.zeros) * math.log(rows) + PENALTY * p)
 
 
 def criterion(fitted: Fitted, floor: float = SMALLEST) -> float:

@@ -47,8 +47,9 @@ class Fitted:
     @property
     def parameters(self) -> int:
         """Free parameters without initial conditions, and what was sought beside them."""
-        initial = self.problem.size - self.problem.initial_at
-        return self.free - initial + self.problem.family.sought
+        at, basis = self.problem.initial_at, self.basis
+        shared = at if basis is None else int(np.count_nonzero(basis[:at].any(axis=0)))
+        return shared + self.problem.family.sought
 
     @cached_property
     def possible(self) -> bool:

@@ -120,9 +120,9 @@ def shape(fitted: Fitted, knots: list[float], prewhitened: bool = True) -> tuple
 def _without_noise(problem: Problem, theta: FloatArray) -> FloatArray:
     """The parameters of Output Error; where the noise has a zero, with initial states of their own."""
     s = problem.structure
-    if s.zero == 0.0:
+    if not s.zeros:
         return np.concatenate([theta[: problem.noise_at], theta[problem.initial_at :]])
-    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0), early=0.0)
+    plain = replace(problem, structure=replace(s, noise_order=0, zero=0.0, c=()), early=0.0)
     theta = np.concatenate([theta[: problem.noise_at], np.zeros(plain.size - plain.initial_at)])
     return with_states(plain, theta)
 
@@ -142,5 +142,5 @@ def residual_tests(fitted: Fitted, errors: list[FloatArray]) -> ResidualTests:
     s = fitted.problem.structure
     knots = _knots(fitted.problem.u)
     p_shape, share = shape(fitted, knots)
-    white = whiteness(errors, s.noise_order + (s.zero != 0.0))
+    white = whiteness(errors, s.noise_order + s.zeros)
     return ResidualTests(white, p_shape, share, shape(fitted, knots, prewhitened=False)[1])

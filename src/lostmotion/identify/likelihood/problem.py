@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from scipy.signal import lfilter, lfilter_zi
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.family import Family
@@ -37,6 +38,12 @@ class Structure:
     start: int  # rows skipped at the head of each segment, >= delay + noise_order; equal where fits are compared
     integrating: bool = False  # A has a root at 1: A(1) = 0; the level is an initial state, no offset
     zero: float = 0.0  # c of the noise D(q) v = (1 - c q^-1) e; it is held
+    c: tuple[float, ...] = ()  # coefficients of C(q) in the place of 1 - c q^-1, where it is of a higher order; held
+
+    @property
+    def zeros(self) -> int:
+        """Number of zeros of the noise."""
+        return len(self.c) or int(self.zero != 0.0)
 
     @property
     def first(self) -> int:
@@ -233,11 +240,17 @@ class Problem:
         return self.sharpness**2
 
     def smoothed(self, signals: FloatArray) -> FloatArray:
-        """One signal (n,) or several (m, n) through the zero of the noise; themselves where it has none."""
-        zero = self.structure.zero
-        if zero == 0.0:
+        """One signal (n,) or several (m, n) through the zeros of the noise; themselves where it has none."""
+        zero, c = self.structure.zero, self.structure.c
+        if not self.structure.zeros:
             return signals
         found = np.zeros(signals.shape)
+        if c:
+            rest = lfilter_zi([1.0], [1.0, *c])
+            for start, stop in self.segments.tolist():
+                begun = signals[..., start, None] * rest
+                found[..., start:stop] = lfilter([1.0], [1.0, *c], signals[..., start:stop], zi=begun)[0]
+            return found
         if signals.ndim == 1:
             smooth(signals, zero, self.segments, found)
         else:
@@ -255,11 +268,21 @@ class Problem:
         """Simulated output (from row `first`) and prediction errors (from row `start`) of each segment."""
         s = self.structure
         simulated, errors = self._predicted(theta)
-        if s.zero == 0.0:
+        if not s.zeros:
             return simulated, errors
         rows = [slice(start + s.first, stop) for start, stop in self.segments.tolist()]
-        left = [roughen(self.target[at] - z, s.zero) for at, z in zip(rows, simulated, strict=True)]
+        smooth = [self.target[at] - z for at, z in zip(rows, simulated, strict=True)]
+        left = [self._roughened(v) for v in smooth]
         return [self.y[at] - v for at, v in zip(rows, left, strict=True)], [self.sharpness * e for e in errors]
+
+    def _roughened(self, smooth: FloatArray) -> FloatArray:
+        """One stretch before the zeros of the noise; the first rows, behind which lies what was before, repeat."""
+        c = self.structure.c
+        if not c:
+            return np.asarray(roughen(smooth, self.structure.zero))
+        found = lfilter([1.0, *c], [1.0], smooth)
+        found[: len(c)] = found[len(c) : len(c) + 1]
+        return np.asarray(found)
 
     def _predicted(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """The same of the smoothed signals."""
