@@ -42,7 +42,14 @@ def clipped(values: FloatArray, span: Span | None = None) -> Bools:
     for level, count, near in ((levels[0], counts[0], counts[1:4]), (levels[-1], counts[-1], counts[-4:-1])):
         if count >= limits.PILE_UP * near.sum():
             rows |= _in_runs(values == level)
-    return rows
+    return rows if rows.sum() > _rests(values, levels[0], levels[-1]) else np.zeros_like(rows)
+
+
+def _rests(values: FloatArray, low: float, high: float) -> int:
+    """Rows between these in which the signal rests: as long there as at an end, it is no limit at which it rests."""
+    starts, lengths = runs(np.diff(values) == 0.0)
+    inner = (values[starts] > low) & (values[starts] < high)
+    return int(lengths[inner & (lengths >= limits.SATURATED_RUN)].sum())
 
 
 def _in_runs(flags: Bools) -> Bools:

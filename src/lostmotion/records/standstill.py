@@ -17,8 +17,8 @@ from lostmotion.records.sampling import Bools, neighbours, runs
 def stopped(record: LoopRecord) -> Bools:
     """Rows in which neither OP nor PV moves because the recording stopped; shape (n,).
 
-    Runs that are hardly interrupted belong together. An OP that is moved in steps rests for long by nature, and
-    then nothing is said.
+    Runs that are hardly interrupted belong together. An OP that is moved in steps rests for long by nature, and so does
+    the PV of a servo in a test; then nothing is said.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def stopped(record: LoopRecord) -> Bools:
     op_still, pv_still = (np.diff(signal) == 0 for signal in (record.op, record.pv))
     still = op_still & pv_still & follows
     rows = np.zeros(len(record), dtype=np.bool_)
-    if not is_live(op_still & follows):
+    if not (is_live(op_still & follows) and is_live(pv_still & follows)):
         return rows
     starts, lengths = runs(_joined(still))
     least = max(limits.FROZEN_RUN - 1, improbable_run(still))

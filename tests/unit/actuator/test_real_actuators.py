@@ -34,6 +34,8 @@ def test_servo_under_reversed_load(name, number, ticks):
     found = lm.actuator_response(record)
     assert found.kind == "backlash"
     assert found.dead_band == pytest.approx(ticks, abs=2)
+    left_out = lm.records.prepare(record).left_out
+    assert not {"stopped", "clipped PV"} & {one.kind for one in left_out}  # it rests where it was sent
 
 
 def test_healthy_positioner_of_a_sugar_factory():

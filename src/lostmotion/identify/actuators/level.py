@@ -257,7 +257,7 @@ class _Profile:
 
     def _forms(self, size: float, nearest: float | None) -> Iterator[tuple[Family, FloatArray]]:
         yield from self.kind.of_size(self.problem, size)
-        if nearest is not None and self.kind.sticks:  # as that one, only larger or smaller
+        if nearest and self.kind.sticks:  # as that one, only larger or smaller
             place = self.known[nearest]
             yield place.family, place.own * (size / nearest)
 
