@@ -134,7 +134,9 @@ def identify(
     """
     if y is None or any(name is not None for name in (op, pv, sp, time)):
         u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
-    return _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
+    found = _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
+    untold = found.kinds is not None and found.status is Status.OK and found.preferred == "cannot tell"
+    return replace(found, status=Status.CANNOT_TELL) if untold else found
 
 
 @one_thread
