@@ -12,6 +12,7 @@ import pytest
 
 from lostmotion.files import folders, writer
 from lostmotion.kernels import numba_cache
+from lostmotion.workers import isolated, pool
 from tests.support.places import ROOT
 from tests.support.watched import CHANGES, REACHES, RUNS
 
@@ -32,7 +33,8 @@ def calls(path):
                 yield function.id, node, ""
 
 
-BY = {writer.__name__, folders.__name__, numba_cache.__name__}  # who writes: results, their folders, what is compiled
+# who writes: results, their folders, what is compiled, the empty folder of workers
+BY = {writer.__name__, folders.__name__, numba_cache.__name__, isolated.__name__}
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,9 @@ def test_commands_reach_nobody_and_start_nothing_but_this_python(done):
 
 PROCESSES = {  # this Python and a script or module of ours: no word of it is from outside
     "files/reader_process.py": {"subprocess", "Popen"}, "web/worker/handle.py": {"subprocess", "Popen"},
-    "audit/runner/limit.py": {"ctypes"},  # Python's own function that interrupts a thread of this process
+    "workers/isolated.py": {"subprocess", "Popen"}, "workers/process.py": {"subprocess"},
+    "workers/child.py": {"pickle"}, "workers/pool.py": {"pickle"},  # between two processes of this program
+    "workers/interrupt.py": {"ctypes"},  # Python's own function that interrupts a thread of this process
     "web/server/serve.py": {"socket"},  # listens; the core reaches out to nobody
     "live/child_plc.py": {"subprocess", "Popen"},  # on the bench: the command that was typed behind demo-live --plc
 }  # fmt: skip
@@ -115,6 +119,14 @@ def test_the_one_process_is_this_python_and_a_script_of_ours():
         if called in ("leaves_apart", "_answer") and one.parent.name == "files"
     }
     assert kinds == {"SHEETS", "HDF5", "PIECES", "kind.lower()", "kind"}
+
+
+def test_workers_are_this_python_and_a_module_of_ours():
+    """A list without a shell, behind -P; what they are given is no word of it."""
+    (run,) = [node for called, node, _ in calls(CORE / "workers" / "isolated.py") if called == "Popen"]
+    assert "shell" not in {word.arg for word in run.keywords}
+    assert ast.unparse(run.args[0]) == "[sys.executable, '-P', *words]"
+    assert pool.WORKER == ("-m", "lostmotion.workers")
 
 
 def test_the_worker_of_the_page_is_this_python_and_a_module_of_ours():

@@ -61,7 +61,8 @@ class FilesSource:
         return self.sources[0] if len(self.sources) == 1 and self.sources[0].is_dir() else self.survey.root
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, (self.sources, self.reading, self.root)
+        sources = tuple(source.absolute() for source in self.sources)  # workers have another working folder
+        return _made, (sources, self.reading, self.root.absolute())
 
     @cached_property
     def _sizes(self) -> dict[str, int]:

@@ -8,9 +8,10 @@ import time
 import pytest
 
 from lostmotion.audit.runner.engine import Done, EngineError, Lost, Task, open_engine
-from lostmotion.audit.runner.engine import processes as of_processes
 from lostmotion.audit.runner.engine.protocol import DIED
 from lostmotion.errors import ParameterError
+from lostmotion.workers import pool
+from tests.support.patience import until
 
 DOUBLE = "benchmarks.audit.light:double"
 
@@ -74,9 +75,9 @@ def test_work_that_is_not_there_ends_the_run(engine):
 
 
 def test_workers_that_never_start_end_the_run(monkeypatch):
-    monkeypatch.setattr(of_processes, "_serve", os._exit)
+    monkeypatch.setattr(pool, "WORKER", ("-c", "raise SystemExit(3)"))
     engine = open_engine("processes", 1)
-    with pytest.raises(EngineError, match="expected worker processes that start, got 3 that ended with code"):
+    with pytest.raises(EngineError, match="expected worker processes that start, got 3 that ended with code 3"):
         outcome(engine, [(1,)])
     engine.close()
 
@@ -84,10 +85,9 @@ def test_workers_that_never_start_end_the_run(monkeypatch):
 def test_workers_end_with_their_coordinator():
     engine = open_engine("processes", 1)
     outcome(engine, [(1,)])
-    (worker,) = engine._workers
-    worker.pipe.close()  # as if it were killed
-    worker.process.join(10.0)
-    assert worker.process.exitcode == 0
+    (worker,) = engine._pool.workers
+    worker.process._to.close()  # as if it were killed
+    until(lambda: worker.process.exit_code == 0)
     engine.close()
 
 
@@ -165,7 +165,7 @@ def heard():
 def test_ctrl_c_ends_the_coordinator_and_not_a_batch(engine):
     """Workers do not hear it; the coordinator ends them."""
     found, _ = outcome(engine, [(1,)])
-    for worker in engine._workers:
+    for worker in engine._pool.workers:
         os.kill(worker.process.pid, signal.SIGINT)
     time.sleep(0.1)
     assert outcome(engine, [(1,)])[0] == found

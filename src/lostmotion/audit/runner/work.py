@@ -9,7 +9,6 @@ from typing import Any, cast
 
 from lostmotion.audit.runner.code import code_version
 from lostmotion.audit.runner.engine.protocol import one_line, resolved
-from lostmotion.audit.runner.limit import within
 from lostmotion.audit.runner.plan import definition
 from lostmotion.audit.settings import AuditSettings
 from lostmotion.errors import LostMotionError, SetupError, SlowError
@@ -18,6 +17,7 @@ from lostmotion.plant.loop_list import in_loop_list
 from lostmotion.records import LoopRecord
 from lostmotion.store.encoded import encoded
 from lostmotion.store.rows import UNDATED, AssessmentRow, SpectrumRow, Stage, TraceRow
+from lostmotion.workers.interrupt import within
 
 NOTHING = "the source gave nothing for it"
 NO_WINDOW = "no window holds two samples"

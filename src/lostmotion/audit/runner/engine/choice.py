@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ipaddress
-import os
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -11,6 +10,7 @@ from lostmotion.audit.runner.engine.inline import Inline
 from lostmotion.audit.runner.engine.protocol import Engine
 from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
+from lostmotion.workers import usable_processors
 
 NAMES = "processes, inline, dask, tcp://HOST:PORT or tls://HOST:PORT"
 
@@ -53,11 +53,6 @@ def open_engine(
     with extra("cluster"):
         from lostmotion.audit.runner.engine.dask_engine import cluster_at, local_cluster  # noqa: PLC0415
     return local_cluster(workers or usable_processors()) if name == "dask" else cluster_at(name, security)
-
-
-def usable_processors() -> int:
-    """Those that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _allowed(address: str, *, insecure: bool) -> None:

@@ -8,7 +8,7 @@ import queue
 import time
 import uuid
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -16,9 +16,9 @@ import dask
 from distributed import Client, KilledWorker, LocalCluster, WorkerPlugin
 
 from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
-from lostmotion.audit.runner.engine.threads import ONE_THREAD
-from lostmotion.audit.runner.limit import may_end
 from lostmotion.errors import EngineError, SetupError
+from lostmotion.workers import ONE_THREAD, SAFE_PATH
+from lostmotion.workers.interrupt import may_end
 
 AHEAD = 3  # batches of a worker in flight
 RETRIES = 1  # of a batch that raised: a file may have been busy
@@ -62,14 +62,16 @@ def batch_done(name: str, items: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def local_cluster(workers: int) -> DaskEngine:
-    """Processes of this machine under a scheduler in this one."""
+    """Processes of this machine under a scheduler in this one; nothing of the working folder runs in them."""
+    safe_before = {name: os.environ.get(name) for name in SAFE_PATH}
+    os.environ.update(SAFE_PATH)  # until the end of the cluster: Dask starts another worker in place of a dead one
     one_at_a_time = {"distributed.scheduler.allowed-failures": FAILURES, "distributed.scheduler.worker-saturation": 1.0}
     with dask.config.set(one_at_a_time):  # what waits at a worker would be blamed for its death, too
         cluster = LocalCluster(  # type: ignore[no-untyped-call]
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", host="127.0.0.1",
             env=ONE_THREAD, silence_logs=logging.CRITICAL,
         )  # fmt: skip
-    return DaskEngine(_client(cluster), "dask", cluster)
+    return DaskEngine(_client(cluster), "dask", cluster, safe_before)
 
 
 def _client(where: Any, **settings: Any) -> Any:
@@ -104,10 +106,15 @@ class DaskEngine:
     name : str
     cluster : LocalCluster, optional
         Closed with the engine.
+    environment : mapping, optional
+        Put back when it is closed; None: such a variable was not there.
     """
 
-    def __init__(self, client: Any, name: str, cluster: Any) -> None:
+    def __init__(
+        self, client: Any, name: str, cluster: Any, environment: Mapping[str, str | None] | None = None
+    ) -> None:
         self.client, self.name, self._cluster = client, name, cluster
+        self._environment = environment or {}
         self.workers = len(self._call(client.nthreads)) or 1
 
     def run(self, task: Task, batches: Iterable[tuple[Any, ...]]) -> Iterator[Done | Lost]:
@@ -142,6 +149,11 @@ class DaskEngine:
             if one is not None:
                 with suppress(Exception):
                     one.close(timeout=CONNECT)
+        for name, value in self._environment.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
     def _sent(self, name: str, block: list[Tried], came: queue.SimpleQueue[Any]) -> dict[Any, Tried]:
         """Batches in one message."""

@@ -8,6 +8,9 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from lostmotion.errors import SetupError
+from lostmotion.workers.child import one_line
+
+__all__ = ["ALONE", "DIED", "Done", "Engine", "Lost", "Task", "Tried", "done", "one_line", "resolved"]
 
 DIED = (
     "the worker process died on it, also when it was alone: out of memory, a crash in compiled code, or far over "
@@ -133,9 +136,3 @@ def resolved(path: str) -> Any:
 def done(task: Task, items: Sequence[Any]) -> tuple[Any, ...]:
     """Results of a batch, in a worker."""
     return tuple(resolved(task.work)(task.common, tuple(items)))
-
-
-def one_line(error: BaseException) -> str:
-    """Error in one line."""
-    said = " ".join(str(error).split())
-    return f"{type(error).__name__}: {said}"[:500] if said else type(error).__name__

@@ -8,9 +8,9 @@ import time
 import pytest
 
 import lostmotion as lm
-from lostmotion.audit.runner import limit
-from lostmotion.audit.runner.limit import AGAIN, within
 from lostmotion.errors import ParameterError, SlowError
+from lostmotion.workers import interrupt
+from lostmotion.workers.interrupt import AGAIN, within
 
 
 def endless():
@@ -41,7 +41,7 @@ def test_work_within_its_time_is_left_alone():
 
 @pytest.mark.parametrize("work", [endless, stubborn])
 def test_work_that_never_ends_is_interrupted(work, monkeypatch):
-    monkeypatch.setattr(limit, "_MAY_END", threading.Event())  # an engine in this process may have said so
+    monkeypatch.setattr(interrupt, "_MAY_END", threading.Event())  # an engine in this process may have said so
     with pytest.raises(SlowError, match=r"expected a result within 0.002 minutes, got none; give a loop more"):
         within(0.002, work)
     time.sleep(1.1 * AGAIN)

@@ -1,0 +1,62 @@
+"""Background: one call in a process of its own, looked at while others go on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from lostmotion.workers.pool import Died, Outcome, Pool
+
+Result = TypeVar("Result")
+
+
+class Background(Generic[Result]):
+    """A call under way.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module that a worker can import.
+    *given
+        Its arguments.
+    seconds : float, optional
+        After which it is stopped.
+    memory, nicer : int
+        As in :class:`Pool`.
+
+    Raises
+    ------
+    EngineError
+        No process can be started.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Result],
+        *given: object,
+        seconds: float | None = None,
+        memory: int = 0,
+        nicer: int = 0,
+    ) -> None:
+        self._pool = Pool(1, seconds=seconds, memory=memory, nicer=nicer)
+        self._outcome: Outcome | None = None
+        self._pool.give(None, function, *given)
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What came of it: Finished, Failed or Died; None: it is under way.
+
+        Raises
+        ------
+        EngineError
+            Its process does not start.
+        """
+        while self._outcome is None and (found := self._pool.poll()) is not None:
+            self._outcome = found
+            self._pool.close()
+        return self._outcome
+
+    def close(self) -> None:
+        """End it; harmless where that has been done."""
+        self._pool.close()
+        self._outcome = self._outcome or Died(None, "ended")
