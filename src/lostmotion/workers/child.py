@@ -18,8 +18,9 @@ from lostmotion.errors import SetupError
 from lostmotion.workers import interrupt, isolated
 from lostmotion.workers.limits import limit
 from lostmotion.workers.process import SIZE, exactly
+from lostmotion.workers.script import Script, import_script
 
-READY, COMMON, CALL = "ready", "common", "call"
+READY, SCRIPT, COMMON, CALL = "ready", "script", "common", "call"
 RESULT, ERROR, UNABLE = "result", "error", "unable"
 
 
@@ -70,18 +71,31 @@ def main() -> None:
     channel = Channel()
     channel.send(pickle.dumps((READY, None)))
     common: tuple[Any, ...] = ()
+    origin: Script | None = None
     while True:
         message = channel.receive()
         try:
-            kind, function, given = pickle.loads(message)  # noqa: S301  of the parent
+            kind, function, given = _loaded(message, origin)
         except BaseException as error:  # noqa: BLE001  what it sent is not on this machine
             said = f"expected work that can be sent to a worker, got {one_line(error)}; check the source"
             channel.send(_answer(UNABLE, SetupError(said)))
             continue
-        if kind == COMMON:
+        if kind == SCRIPT:
+            (origin,) = given
+        elif kind == COMMON:
             common = given
         else:
             channel.send(_done(function, (*common, *given)))
+
+
+def _loaded(message: bytes, origin: Script | None) -> Any:
+    try:
+        return pickle.loads(message)  # noqa: S301  of the parent
+    except (ImportError, AttributeError):
+        if origin is None:
+            raise
+        import_script(origin)
+        return pickle.loads(message)  # noqa: S301
 
 
 def _done(function: Any, given: tuple[Any, ...]) -> bytes:

@@ -103,7 +103,7 @@ def module_path() -> list[str]:
     That one is the folder of the script, or the working folder. What PYTHONPATH or a program has named stays.
     """
     folders = [folder for folder in sys.path if os.path.isabs(folder)]  # noqa: PTH117  text, as Python has it
-    if not sys.flags.safe_path and (first := _put_first()) in folders:
+    if (first := put_first()) in folders:
         folders.reverse()
         folders.remove(first)
         folders.reverse()
@@ -111,12 +111,15 @@ def module_path() -> list[str]:
     return folders if home in folders else [*folders, home]
 
 
-def _put_first() -> str:
+def put_first() -> str:
+    """Folder that Python has put before its own library; empty: none."""
     main = sys.modules.get("__main__")
     script: str | None = getattr(main, "__file__", None)
+    if sys.flags.safe_path or script is None:  # python -P; python -c, where it is the one without a name
+        return ""
     if getattr(main, "__spec__", None) is not None:  # python -m
         return _STARTED_IN
-    return "" if script is None else os.path.dirname(os.path.realpath(script))  # noqa: PTH120  "": python -c
+    return os.path.dirname(os.path.realpath(script))  # noqa: PTH120
 
 
 _STARTED_IN = ""  # as Python writes it into its module path for `python -m`

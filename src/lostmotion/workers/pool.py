@@ -21,6 +21,7 @@ from lostmotion.errors import EngineError
 from lostmotion.workers import child
 from lostmotion.workers.isolated import ONE_THREAD
 from lostmotion.workers.process import END, Process, death
+from lostmotion.workers.script import need_no_import, script
 
 AHEAD = 2  # calls of a worker: one at work and one waiting, so that it does not wait for who takes the results
 STARTS = 3  # workers in a row that end before they are ready: then none will
@@ -89,6 +90,8 @@ class Worker:
         self.calls: deque[tuple[Any, bytes]] = deque()
         self.since = 0.0
         self.late = False
+        with suppress(OSError):
+            self.process.send(pickle.dumps((child.SCRIPT, None, (script(),))))
         self._listens = threading.Thread(target=self._listen, args=(came,), daemon=True)
         self._listens.start()
 
@@ -261,6 +264,7 @@ class Pool:
             worker.end()
         idle = next((one for one in self.workers if not one.calls), None)
         if idle is None and len(self.workers) < self.size:
+            need_no_import()
             try:
                 self.workers.append(Worker(self._limits, self._environment, self._came))
             except OSError as error:

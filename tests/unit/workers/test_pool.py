@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -11,6 +12,7 @@ import pytest
 from lostmotion.errors import EngineError
 from lostmotion.workers import Background, Died, Failed, Finished, Pool, pool
 from tests.support.patience import until
+from tests.support.places import ROOT
 from tests.support.worker_calls import do, told, with_common
 
 
@@ -101,6 +103,41 @@ def _local():
     twice.__qualname__ = "none"
     sys.modules[__name__].none = twice
     return twice
+
+
+SCRIPT = """
+import beside
+from lostmotion.errors import EngineError
+from lostmotion.workers import Pool
+
+class Own:
+    def __init__(self, number):
+        self.number = number
+
+def twice(one):
+    return beside.TWO * one.number
+
+{guard}
+    with Pool(1) as pool:
+        print(list(pool.map(twice, [Own(1), Own(2)])))
+"""
+
+
+@pytest.mark.parametrize("words", [["script.py"], ["-m", "script"]])
+@pytest.mark.parametrize(
+    ("guard", "said"), [("if __name__ == '__main__':", "[2, 4]"), ("if True:", "do its work under if __name__")]
+)
+def test_what_the_script_of_the_user_defines(tmp_path, words, guard, said):
+    """Also what lies beside it; the folder is looked at last, and what is not needed does not run."""
+    (tmp_path / "script.py").write_text(SCRIPT.format(guard=guard))
+    (tmp_path / "beside.py").write_text("TWO = 2")
+    for name in ("sitecustomize", "usercustomize"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'a').write('x')\nimport sys\n")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    words = [sys.executable, *words]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert said in done.stdout + done.stderr
+    assert not (tmp_path / "ran").exists()
 
 
 def test_workers_that_do_not_start(monkeypatch, two):
