@@ -15,6 +15,7 @@ from typing import Any
 import lazy_loader
 
 from lostmotion.extras import extra as _extra
+from lostmotion.working_folder import ignore_numba_settings as _ignore_numba_settings
 
 __version__ = "0.1.0"
 
@@ -32,6 +33,7 @@ _ROOMS = (
     "simulate",
 )
 
+_ignore_numba_settings()
 _attribute, _, _names = lazy_loader.attach_stub(__name__, __file__)
 __all__ = [name for name in _names if name not in _ROOMS]
 

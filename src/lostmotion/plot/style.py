@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
+from lostmotion.working_folder import import_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +43,7 @@ def new_figure(width: float = 12.0, height: float = 8.0, figure: Figure | SubFig
         Taken instead of a new one; what it holds stays. A figure without a layout engine gets the constrained one.
     """
     with extra("plot"):
+        import_matplotlib()
         from matplotlib.figure import Figure  # noqa: PLC0415  optional extra
     if figure is None:
         return Figure(figsize=(width, height), layout="constrained")
