@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 _URL = re.compile(r"[A-Za-z][\w+.\-]*://")
+_FILE_URL = re.compile(r"(sqlite:///)([^?]+)(.*)", re.IGNORECASE | re.DOTALL)
 _PASSWORD = re.compile(r"(://[^:/@]*):(.*)@")
 _SECRET = re.compile(r"((?:password|passwd|pwd|token|secret|sslpassword)=)[^&\s]*", re.IGNORECASE)
 
@@ -13,6 +15,24 @@ _SECRET = re.compile(r"((?:password|passwd|pwd|token|secret|sslpassword)=)[^&\s]
 def is_url(source: Any) -> bool:
     """Whether a source is the address of a database, such as ``sqlite:///plant.db``."""
     return isinstance(source, str) and _URL.match(source) is not None
+
+
+def absolute(source: str) -> str:
+    """Address of a file, or of a database in one, for a process with another working folder; others as they are.
+
+    Examples
+    --------
+    >>> absolute("postgresql://host/plant"), absolute("sqlite:////data/plant.db?mode=ro")
+    ('postgresql://host/plant', 'sqlite:////data/plant.db?mode=ro')
+    >>> absolute("plant.db") == str(Path("plant.db").absolute())
+    True
+    """
+    if not is_url(source):
+        return str(Path(source).absolute())
+    found = _FILE_URL.fullmatch(source)
+    if found is None or found[2].startswith(":"):  # in memory
+        return source
+    return f"{found[1]}{Path(found[2]).absolute()}{found[3]}"
 
 
 def without_password(text: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
-from lostmotion.addresses import without_password
+from lostmotion.addresses import absolute, without_password
 from lostmotion.errors import LostMotionError
 from lostmotion.files.database import database_name, read_query
 from lostmotion.files.number_cells import text_cells
@@ -41,6 +41,9 @@ class DatabaseSource:
     url: str = field(repr=False)
     query: str | None
     reading: Reading = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return DatabaseSource, (absolute(self.url), self.query, self.reading)  # workers have another working folder
 
     def loops(self) -> tuple[PlantLoop, ...]:
         """All loops of the query.

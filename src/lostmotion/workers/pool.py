@@ -24,6 +24,7 @@ from lostmotion.workers.process import END, Process, death
 from lostmotion.workers.script import need_no_import, script
 
 AHEAD = 2  # calls of a worker: one at work and one waiting, so that it does not wait for who takes the results
+START = 120.0  # s in which a worker must be ready: on a busy machine it takes some seconds
 STARTS = 3  # workers in a row that end before they are ready: then none will
 WORKER = ("-m", "lostmotion.workers")
 LOOK = 1.0  # s between two looks at the clock; a wait without end cannot be interrupted on Windows
@@ -287,9 +288,10 @@ class Pool:
     def _end_late(self) -> float:
         """Kill the workers whose time is over; seconds until that of the next one is."""
         wait = LOOK
-        for worker in self.workers if self._seconds is not None else ():
-            if worker.ready and worker.calls and not worker.late:
-                left = worker.since + (self._seconds or 0.0) - time.monotonic()
+        for worker in self.workers:
+            allowed = self._seconds if worker.ready else START
+            if worker.calls and allowed is not None and not worker.late:
+                left = worker.since + allowed - time.monotonic()
                 worker.late = left <= 0.0
                 wait = min(wait, max(left, 0.01))
                 if worker.late:

@@ -24,6 +24,7 @@ from lostmotion.web.trend.loop_records import LoopRecords, Read, read_again
 from lostmotion.web.trend.pages import sources
 from lostmotion.web.trend.slot import LEAST, asked, slot, steps
 from lostmotion.web.trend.sources import Source
+from tests.support.patience import until
 from tests.support.plant_rows import HOSTILE, finding, trace
 from tests.support.plant_stores import plant_store
 from tests.support.served import put_on_desk
@@ -163,16 +164,29 @@ def test_whole_numbers_of_an_address() -> None:
         asked({"start": "1e3"}, "start", 0)
 
 
-def test_a_loop_is_read_again_from_where_the_audit_found_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop_records, "limit", lambda: None)
+def test_a_loop_is_read_again_from_where_the_audit_found_it(tmp_path: Path) -> None:
     read = Read(plant_store(tmp_path), 2, str(tmp_path / "plant"), "FIC-1")
-    read_again(read, str(tmp_path))
-    assert len(kept_columns(tmp_path / read.name)) == 4000
+    assert read_again(read, tmp_path / "one") == ""
+    assert len(kept_columns(tmp_path / "one")) == 4000
     (tmp_path / "plant" / "record.csv").write_text("nothing\n")
-    other = Read(read.store, 2, read.source, "FIC-2")
-    read_again(other, str(tmp_path))
-    assert not (tmp_path / other.name).exists()
-    assert (tmp_path / f"{other.name}.txt").read_text()
+    assert read_again(Read(read.store, 2, read.source, "FIC-2"), tmp_path / "two")
+    assert not (tmp_path / "two").exists()
+
+
+def test_loops_are_read_again_by_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Relative addresses, as the page was started with them; one that takes too long is stopped."""
+    plant_store(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    (store,) = tmp_path.glob("*.db")
+    loops = LoopRecords()
+    read = Read(store.name, 2, "plant", "FIC-1")
+    assert loops.ask(read) is None
+    folder = until(lambda: loops.ask(read))
+    assert isinstance(folder, Path), folder
+    assert len(kept_columns(folder)) == 4000
+    assert loops.ask(read) == folder
+    monkeypatch.setattr(loop_records, "SECONDS", 0.0)
+    assert until(lambda: loops.ask(Read(store.name, 2, "plant", "FIC-2"))).endswith("it takes too long.")
 
 
 def test_data_that_are_gone_are_said_to_be(tmp_path: Path) -> None:

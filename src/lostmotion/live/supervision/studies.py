@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
-import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
 from lostmotion.compensate import CompensatorBlock
 from lostmotion.compensate.derive import block_from_fit
-from lostmotion.errors import GateError, LostMotionError
+from lostmotion.errors import EngineError, GateError, LostMotionError
 from lostmotion.evaluate import CompensationStudy, compensation_study
 from lostmotion.identify import FitFacts, RecursiveEstimate
 from lostmotion.live.supervision.settings import BlockSettings
+from lostmotion.workers import Background, Failed, Finished
+from lostmotion.workers.child import one_line
 
 LONGEST = 300.0  # s for a study, which takes some seconds
-LEAVE = 2.0  # s for a process to end
 
 
 def study_of_estimate(
@@ -67,17 +64,15 @@ class Running:
     """
 
     def __init__(self, work: Callable[..., CompensationStudy], *given: Any) -> None:
-        context = multiprocessing.get_context("spawn")  # never fork: there are threads
-        self._answers, says = context.Pipe(duplex=False)
-        self._process = context.Process(target=_answer, args=(says, work, given), daemon=True)
-        self._process.start()
-        says.close()
-        self._begun = time.monotonic()
+        self._call = Background(work, *given, seconds=LONGEST)
 
     @property
     def done(self) -> bool:
         """Whether :meth:`result` gives an answer."""
-        return self._answers.poll() or time.monotonic() - self._begun > LONGEST
+        try:
+            return self._call.outcome is not None
+        except EngineError:
+            return True
 
     def result(self) -> CompensationStudy:
         """What came of it, once.
@@ -88,36 +83,22 @@ class Running:
             As the work itself; or it died, or took too long.
         """
         try:
-            if not self._answers.poll():
-                raise GateError.expected(f"a study within {LONGEST:g} s", "none", "nothing is asked")
-            answer = self._answers.recv()
-        except EOFError as error:
-            raise GateError.expected("a study", "a process that died", "nothing is asked") from error
+            outcome = self._call.outcome
+        except EngineError as error:
+            raise GateError.expected("a study", str(error), "nothing is asked") from error
         finally:
             self.close()
-        if isinstance(answer, Exception):
-            raise answer
-        study: CompensationStudy = answer
-        return study
+        if isinstance(outcome, Finished):
+            study: CompensationStudy = outcome.value
+            return study
+        if isinstance(outcome, Failed):
+            if isinstance(outcome.error, LostMotionError):
+                raise outcome.error
+            raise GateError.expected("a study", one_line(outcome.error), "tell us, with the fit")
+        if outcome is None or outcome.late:
+            raise GateError.expected(f"a study within {LONGEST:g} s", "none", "nothing is asked")
+        raise GateError.expected("a study", "a process that died", "nothing is asked")
 
     def close(self) -> None:
         """End it; harmless where that has been done."""
-        self._process.terminate()
-        self._process.join(LEAVE)
-        self._answers.close()
-
-
-def _answer(says: Any, work: Callable[..., CompensationStudy], given: tuple[Any, ...]) -> None:
-    """In the new process: Ctrl-C is for the one that asked."""
-    for name in ("SIGINT", "SIGHUP"):
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
-    answer: Any
-    try:
-        answer = work(*given)
-    except LostMotionError as error:
-        answer = type(error)(str(error))
-    except Exception as error:  # noqa: BLE001  said where it was asked for
-        answer = GateError.expected("a study", f"{type(error).__name__}: {error}", "tell us, with the fit")
-    with suppress(OSError):  # nobody waits for it any more
-        says.send(answer)
+        self._call.close()
