@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import track
+
+from lostmotion.workers import Pool, usable_processors
 
 Job = TypeVar("Job")
 Progress = Callable[[int, int], None]
@@ -27,11 +27,16 @@ def run_all(
     `progress` is called with the number done and the number of all; without it there is a bar on stderr where that
     is a terminal.
     """
-    processes = min(processes or os.cpu_count() or 1, len(jobs))
+    processes = min(processes or usable_processors(), len(jobs))
     if processes <= 1:
-        return list(_watched((work(job) for job in jobs), len(jobs), label, progress))
-    with ProcessPoolExecutor(processes) as pool:
-        return list(_watched(pool.map(work, jobs), len(jobs), label, progress))
+        return list(_watched(map(work, jobs), len(jobs), label, progress))
+    with Pool(processes) as pool:
+        pool.share(work)
+        return list(_watched(pool.map(_called, jobs), len(jobs), label, progress))
+
+
+def _called(work: Callable[[Job], Any], job: Job) -> Any:
+    return work(job)
 
 
 def _watched(results: Iterable[Any], total: int, label: str, progress: Progress | None) -> Iterator[Any]:

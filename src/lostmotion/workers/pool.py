@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from lostmotion.errors import EngineError
 from lostmotion.workers import child
@@ -28,7 +28,6 @@ START = 120.0  # s in which a worker must be ready: on a busy machine it takes s
 STARTS = 3  # workers in a row that end before they are ready: then none will
 WORKER = ("-m", "lostmotion.workers")
 LOOK = 1.0  # s between two looks at the clock; a wait without end cannot be interrupted on Windows
-Job = TypeVar("Job")
 
 
 @dataclass(frozen=True)
@@ -202,8 +201,8 @@ class Pool:
         """Outcome that is there already."""
         return self._next(0.0)
 
-    def map(self, function: Callable[[Job], Any], jobs: Sequence[Job]) -> Iterator[Any]:
-        """Results in the order of the jobs.
+    def map(self, function: Callable[..., Any], jobs: Sequence[Any]) -> Iterator[Any]:
+        """Results of a function of the common arguments and a job, in the order of the jobs.
 
         Raises
         ------

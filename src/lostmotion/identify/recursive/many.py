@@ -5,11 +5,9 @@ A first window is fitted by Python, which two threads cannot do at the same time
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import current_process
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,10 +17,10 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.identify.recursive.estimator import RecursiveEstimator
 from lostmotion.identify.recursive.recursive_estimate import Trajectory
+from lostmotion.workers import Pool, usable_processors
 
 Job: TypeAlias = tuple[RecursiveEstimator, FloatArray, FloatArray, int]
-Result = TypeVar("Result")
-CHUNKS = 4  # tasks of each worker: they end together although loops differ
+CHUNKS = 4  # tasks of each thread: they end together although loops differ
 
 
 def run_many(
@@ -67,7 +65,7 @@ def run_many(
     [500, 500, 500]
     """
     every = whole("every", every, 1)
-    workers = len(os.sched_getaffinity(0)) if workers is None else whole("workers", workers, 1)
+    workers = usable_processors() if workers is None else whole("workers", workers, 1)
     estimators = list(estimators)
     if not all(callable(getattr(one, "run", None)) for one in estimators):
         raise ParameterError.expected("estimators with run(u, y, every)", repr(estimators)[:60], "see lm.RecursiveIV")
@@ -83,40 +81,35 @@ def run_many(
     beside = sorted(set(range(len(jobs))) - set(apart))
     found: dict[int, Trajectory] = {}
     if apart:
-        with ProcessPoolExecutor(min(workers, len(apart))) as processes:
-            for number, (changed, trajectory) in _parts(processes, _elsewhere, jobs, apart, workers):
+        with Pool(min(workers, len(apart))) as processes:
+            done = processes.map(_elsewhere, [jobs[number] for number in apart])
+            for number, (changed, trajectory) in zip(apart, done, strict=True):
                 vars(estimators[number]).update(changed)
                 found[number] = trajectory
+    parts = [list(part) for part in np.array_split(beside, max(1, min(len(beside), CHUNKS * workers)))]
     with ThreadPoolExecutor(workers) as threads:
-        found |= dict(_parts(threads, _run, jobs, beside, workers))
+        together = threads.map(_run, [[jobs[number] for number in part] for part in parts])
+        for part, trajectories in zip(parts, together, strict=True):
+            found |= zip(part, trajectories, strict=True)
     return [found[number] for number in range(len(jobs))]
 
 
 def _fits_first(job: Job) -> bool:
-    """Whether most of the work is Python: a first window is fitted in these samples. A daemon may have no children."""
+    """Whether most of the work is Python: a first window is fitted in these samples."""
     estimator, u = job[:2]
     window = getattr(estimator, "start_samples", None)
     waits = window is not None and estimator.samples < window <= estimator.samples + u.size
-    return waits and not estimator.started and not current_process().daemon
-
-
-def _parts(
-    pool: Executor, work: Callable[[list[Job]], list[Result]], jobs: list[Job], numbers: list[int], workers: int
-) -> Iterator[tuple[int, Result]]:
-    """Numbers of jobs and what `work` makes of them, some a task."""
-    parts = [list(part) for part in np.array_split(numbers, max(1, min(len(numbers), CHUNKS * workers)))]
-    done = pool.map(work, [[jobs[number] for number in part] for part in parts])
-    for part, results in zip(parts, done, strict=True):
-        yield from zip(part, results, strict=True)
+    return waits and not estimator.started
 
 
 def _run(jobs: list[Job]) -> list[Trajectory]:
     return [estimator.run(u, y, every) for estimator, u, y, every in jobs]
 
 
-def _elsewhere(jobs: list[Job]) -> list[tuple[dict[str, Any], Trajectory]]:
-    """In another process: what has become of each estimator goes back, too."""
-    return [(vars(job[0]), trajectory) for job, trajectory in zip(jobs, _run(jobs), strict=True)]
+def _elsewhere(job: Job) -> tuple[dict[str, Any], Trajectory]:
+    """In another process: what has become of the estimator goes back, too."""
+    (trajectory,) = _run([job])
+    return vars(job[0]), trajectory
 
 
 def _rows(name: str, signals: npt.ArrayLike | Sequence[npt.ArrayLike], loops: int) -> list[FloatArray]:
