@@ -33,7 +33,7 @@ PARQUET, FEATHER, PIECES = "parquet", "feather", "pieces"  # on trial: read here
 PACKAGES = {SHEETS: ("fastexcel", "polars"), HDF5: ("h5py",)} | dict.fromkeys((PARQUET, FEATHER, PIECES), ("polars",))
 MANY, ONE = "many", "one"  # files of this process
 REQUEST = struct.Struct("<16sQQQ")  # kind, bytes of memory, seconds of work, bytes of the file
-SIZE, CODE = struct.Struct("<Q"), struct.Struct("<i")  # before each piece of an answer; behind the last, of size 0
+SIZE, CODE = struct.Struct("<Q"), struct.Struct("<i")  # before each message: pieces of an answer, none, exit code
 PIECE = 1 << 20
 
 
@@ -303,8 +303,10 @@ def serve(how: str, requests: IO[bytes], out: IO[bytes]) -> None:
         else:
             limit(memory, seconds)
             found, code = answer(kind, raw), 0
-            out.write(SIZE.pack(len(found)) + found)
-        out.write(SIZE.pack(0) + CODE.pack(code))
+            for first in range(0, len(found), PIECE):
+                piece = found[first : first + PIECE]
+                out.write(SIZE.pack(len(piece)) + piece)
+        out.write(SIZE.pack(0) + SIZE.pack(CODE.size) + CODE.pack(code))
         out.flush()
         if how == ONE:
             return

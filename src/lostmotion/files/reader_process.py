@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import atexit
 import os
-import signal
-import subprocess
 import sys
-from contextlib import suppress
 from pathlib import Path
-from threading import Lock, Timer
-from typing import IO, cast
+from threading import Lock
 
-from lostmotion.files.child import CODE, MANY, ONE, REQUEST, SIZE, exactly
+from lostmotion.files.child import CODE, MANY, ONE, PIECE, REQUEST
 from lostmotion.files.limits import MOST_GIB, MOST_SECONDS
+from lostmotion.workers.process import Process, signal_name
 
 _CHILD = str(Path(__file__).with_name("child.py"))
 _HOW = MANY if sys.platform == "linux" else ONE  # elsewhere what packages have loaded may not bear a fork
@@ -41,7 +38,7 @@ class ReaderProcess:
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: Process | None = None
         self._files = 0
 
     def answer(self, kind: str, raw: bytes, memory: int, seconds: float) -> bytes:
@@ -73,30 +70,27 @@ class ReaderProcess:
                 return self._asked(kind, raw, memory, seconds)  # perhaps it had ended before it was asked
 
     def _asked(self, kind: str, raw: bytes, memory: int, seconds: float) -> bytes:
-        process = self._ready()
-        patience = _Patience(process, seconds)
-        ended = False
-        try:
-            code, found = _exchanged(process, REQUEST.pack(kind.encode(), memory, int(seconds) + 1, len(raw)), raw)
-        except (OSError, EOFError):
-            code, found, ended = _code_of(process), b"", True
+        process, ended = self._ready(), False
+        with process.within(seconds) as late:
+            try:
+                code, found = _exchanged(process, REQUEST.pack(kind.encode(), memory, int(seconds) + 1, len(raw)), raw)
+            except (OSError, EOFError):
+                code, found, ended = process.ended(), b"", True
+                self.end()
+            except BaseException:
+                self.end()  # half an answer is still to come
+                raise
+        if late.is_set() or self._files >= _MOST_FILES or _HOW == ONE:
             self.end()
-        except BaseException:
-            self.end()  # half an answer is still to come
-            raise
-        finally:
-            patience.stop()
-        if patience.over or self._files >= _MOST_FILES or _HOW == ONE:
-            self.end()
-        if patience.over and not found:
+        if late.is_set() and not found:
             raise ReaderDiedError(f"not read within {seconds:g} s; {MOST_SECONDS} allows more")
         if ended or code:
             raise (_EndedError if ended else ReaderDiedError)(_reason(code))
         return found
 
-    def _ready(self) -> subprocess.Popen[bytes]:
+    def _ready(self) -> Process:
         """A process that waits for a request: the one that is there, or another where it has ended."""
-        if self._process is not None and self._process.poll() is not None:
+        if self._process is not None and self._process.exit_code is not None:
             self.end()
         if self._process is None:
             self._process, self._files = _started(), 0
@@ -107,109 +101,44 @@ class ReaderProcess:
         """End the process and what it has begun; nothing is lost with it."""
         process, self._process = self._process, None
         if process is not None:
-            _kill(process)
-            process.wait()
-            _close(process)
+            process.end()
+            process.forget()
 
     def forget(self) -> None:
         """In a process that was forked from this one: the readers are not its own."""
         process, self._process, self._lock = self._process, None, Lock()
         if process is not None:
-            process.returncode = 0  # it cannot be waited for here
-            _close(process)
+            process.forget()
 
 
-class _Patience:
-    """Ends a process that is not done in time."""
-
-    def __init__(self, process: subprocess.Popen[bytes], seconds: float) -> None:
-        self.over = False
-        self._process = process
-        self._timer = Timer(seconds, self._end)
-        self._timer.daemon = True
-        self._timer.start()
-
-    def stop(self) -> None:
-        self._timer.cancel()
-        self._timer.join()
-
-    def _end(self) -> None:
-        self.over = True
-        _kill(self._process)
-
-
-def _started() -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-s", "-P", "-B", _CHILD, _HOW]
+def _started() -> Process:
+    python = {name: "" for name in os.environ if name.startswith("PYTHON")}  # no other setting of Python
     try:
-        return subprocess.Popen(  # noqa: S603  this Python and a script of ours
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            bufsize=0,
-            env=_environment(),
-            process_group=0 if _HOW == MANY else None,
-        )
+        return Process(["-s", "-B", _CHILD, _HOW], {**python, **_ONE_THREAD, **_NO_PLUGINS}, quiet=True, longest=PIECE)
     except (OSError, ValueError) as error:
         raise ReaderDiedError(f"no process for its reader: {error}") from error
 
 
-def _environment() -> dict[str, str]:
-    """Packages from where this process has them, but not from the working folder; no other setting of Python."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    paths = os.pathsep.join(path for path in sys.path if path and Path(path).is_absolute())
-    return {**kept, **_ONE_THREAD, **_NO_PLUGINS, "PYTHONPATH": paths}
-
-
-def _exchanged(process: subprocess.Popen[bytes], head: bytes, raw: bytes) -> tuple[int, bytes]:
+def _exchanged(process: Process, head: bytes, raw: bytes) -> tuple[int, bytes]:
     """Exit code of the reader, and its answer."""
-    asking, answering = _pipes(process)
-    for data in (head, raw):
-        rest = memoryview(data)
-        while rest:
-            rest = rest[asking.write(rest) :]
+    process.write(head, raw)
     (_, most, _, _) = REQUEST.unpack(head)
     pieces, taken = [], 0
-    while size := SIZE.unpack(exactly(answering, SIZE.size))[0]:
-        taken += size
+    while piece := process.receive():
+        taken += len(piece)
         if taken > most:
             raise ReaderDiedError(TOO_MUCH)
-        pieces.append(exactly(answering, size))
-    return CODE.unpack(exactly(answering, CODE.size))[0], b"".join(pieces)
-
-
-def _pipes(process: subprocess.Popen[bytes]) -> tuple[IO[bytes], IO[bytes]]:
-    return cast("IO[bytes]", process.stdin), cast("IO[bytes]", process.stdout)
-
-
-def _code_of(process: subprocess.Popen[bytes]) -> int:
-    """Of a process that ends by itself, or has closed its pipes."""
-    with suppress(subprocess.TimeoutExpired):
-        return process.wait(1.0)
-    return -signal.SIGKILL
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """With the reader that it has forked."""
-    if _HOW != MANY:
-        process.kill()
-        return
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(process.pid, signal.SIGKILL)
-
-
-def _close(process: subprocess.Popen[bytes]) -> None:
-    for pipe in _pipes(process):
-        pipe.close()
+        pieces.append(piece)
+    code = process.receive()
+    if len(code) != CODE.size:
+        raise EOFError
+    return CODE.unpack(code)[0], b"".join(pieces)
 
 
 def _reason(code: int) -> str:
     if code >= 0:
         return f"its reader ended with {code}" if code else "no answer of its reader"
-    try:
-        return f"it stops its reader by {signal.Signals(-code).name}"
-    except ValueError:
-        return f"it stops its reader by signal {-code}"
+    return f"it stops its reader by {signal_name(code)}"
 
 
 KEPT = ReaderProcess()

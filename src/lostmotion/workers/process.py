@@ -70,18 +70,25 @@ class Process:
         """None: it runs; negative: the signal that has ended it."""
         return self._process.poll()
 
-    def send(self, *parts: bytes) -> None:
-        """Send a message, in parts that need not be copied together.
+    def send(self, message: bytes) -> None:
+        """Send a message.
 
         Raises
         ------
         OSError
             Nobody reads it any more.
         """
-        for part in (SIZE.pack(sum(map(len, parts))), *parts):
-            rest = memoryview(part)
-            while rest:
-                rest = rest[self._to.write(rest) :]
+        self.write(SIZE.pack(len(message)), message)
+
+    def write(self, *parts: bytes) -> None:
+        """Write bytes as they are, for a child that takes something else than messages."""
+        try:
+            for part in parts:
+                rest = memoryview(part)
+                while rest:
+                    rest = rest[self._to.write(rest) :]
+        except ValueError as error:  # the pipe was closed
+            raise BrokenPipeError from error
 
     def receive(self) -> bytes:
         """Wait for a message.
@@ -140,6 +147,8 @@ class Process:
 
     def forget(self) -> None:
         """Close its pipes, which ends it; all that a fork of this process may do."""
+        if self._process.returncode is None:
+            self._process.returncode = 0  # only its parent can wait for it
         for pipe in (self._to, self._from):
             with suppress(OSError):
                 pipe.close()
@@ -171,9 +180,12 @@ def death(code: int) -> str:
     >>> death(-9), death(3)
     ('was killed by SIGKILL', 'ended with code 3')
     """
-    if code >= 0:
-        return f"ended with code {code}"
+    return f"was killed by {signal_name(code)}" if code < 0 else f"ended with code {code}"
+
+
+def signal_name(code: int) -> str:
+    """Name of the signal of a negative exit code."""
     try:
-        return f"was killed by {signal.Signals(-code).name}"
+        return signal.Signals(-code).name
     except ValueError:
-        return f"was killed by signal {-code}"
+        return f"signal {-code}"
