@@ -12,6 +12,7 @@ import pytest
 
 from lostmotion.files import folders, writer
 from lostmotion.kernels import numba_cache
+from lostmotion.web.worker import handle
 from lostmotion.workers import isolated, pool
 from tests.support.places import ROOT
 from tests.support.watched import CHANGES, REACHES, RUNS
@@ -69,7 +70,6 @@ def test_commands_reach_nobody_and_start_nothing_but_this_python(done):
 
 
 PROCESSES = {  # this Python and a script or module of ours: no word of it is from outside
-    "web/worker/handle.py": {"subprocess", "Popen"},
     "workers/isolated.py": {"subprocess", "Popen"}, "workers/process.py": {"subprocess"},
     "workers/child.py": {"pickle"}, "workers/pool.py": {"pickle"},  # between two processes of this program
     "workers/interrupt.py": {"ctypes"},  # Python's own function that interrupts a thread of this process
@@ -121,18 +121,11 @@ def test_workers_are_this_python_and_a_module_of_ours():
     assert pool.WORKER == ("-m", "lostmotion.workers")
 
 
-def test_the_worker_of_the_page_is_this_python_and_a_module_of_ours():
-    """Its command is a list without a shell; tasks are lines of its standard input."""
-    path = CORE / "web" / "worker" / "handle.py"
-    (run,) = [node for called, node, on in calls(path) if called == "Popen"]
-    assert "shell" not in {word.arg for word in run.keywords}
-    assert ast.unparse(run.args[0]) == "command()"
-    (made,) = [
-        node
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef) and node.name == "command"
-    ]
-    assert ast.unparse(made.body[-1]) == "return [sys.executable, '-P', '-m', 'lostmotion.web.worker.work']"
+def test_the_worker_of_the_page_is_a_module_of_ours():
+    """Tasks are messages on its standard input."""
+    (run,) = [node for called, node, _ in calls(CORE / "web" / "worker" / "handle.py") if called == "Process"]
+    assert ast.unparse(run.args[0]) == "WORKER"
+    assert handle.WORKER == ("-m", "lostmotion.web.worker.work")
 
 
 def test_the_plc_of_the_bench_is_started_without_a_shell_and_by_demo_live_alone():

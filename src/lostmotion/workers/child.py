@@ -28,6 +28,8 @@ class Channel:
     """Messages from and to the process that has started this one; what is printed goes to standard error."""
 
     def __init__(self) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then ends this process
+        isolated.in_empty_folder()
         self._out = os.fdopen(os.dup(1), "wb")
         self._in = os.fdopen(os.dup(0), "rb")
         nowhere = os.open(os.devnull, os.O_RDWR)
@@ -64,10 +66,8 @@ class Channel:
 def main() -> None:
     """Do one call after another."""
     memory, nicer = map(int, sys.argv[1:])
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then ends this process
     limit(memory, nicer)
     interrupt.may_end()
-    isolated.in_empty_folder()
     channel = Channel()
     channel.send(pickle.dumps((READY, None)))
     common: tuple[Any, ...] = ()

@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import stat
-import sys
 import time
 
 import pytest
@@ -18,12 +17,16 @@ from tests.support.patience import until
 
 SCRIPT = """
 import json, os, pathlib, sys, time
-for line in sys.stdin:
-    task = json.loads(line)
+from lostmotion.workers.child import Channel
+channel = Channel()
+def say(**news):
+    channel.send(json.dumps(news).encode())
+while True:
+    task = json.loads(channel.receive())
     asked, folder = task["asked"], pathlib.Path(task["folder"])
     data = pathlib.Path(task["sources"][0]).read_text()
     if data.startswith("slow"):
-        print(json.dumps({"phase": "reading", "share": 0.5, "said": ""}), flush=True)
+        say(phase="reading", share=0.5, said="")
         time.sleep(60)
     loops = data.split()[1:] if data.startswith("loops") and "loop" not in asked else []
     if loops:
@@ -31,13 +34,13 @@ for line in sys.stdin:
         (folder / "look.json").write_text(json.dumps(look))
     else:
         (folder / "result.json").write_text(json.dumps({"asked": asked, "tag": task["tag"], "label": task["label"]}))
-    print(json.dumps({"ended": True, "loops": loops} if loops else {"ended": True}), flush=True)
+    say(ended=True, **({"loops": loops} if loops else {}))
 """
 
 
 @pytest.fixture(autouse=True)
 def small_worker(monkeypatch):
-    monkeypatch.setattr(worker_module, "command", lambda: [sys.executable, "-c", SCRIPT])
+    monkeypatch.setattr(worker_module, "WORKER", ("-c", SCRIPT))
 
 
 @pytest.fixture

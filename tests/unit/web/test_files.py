@@ -3,7 +3,6 @@
 import asyncio
 import json
 import re
-import sys
 
 import httpx
 import numpy as np
@@ -24,18 +23,22 @@ from tests.support.patience import until
 
 SCRIPT = """
 import json, pathlib, sys, time
-for line in sys.stdin:
-    task = json.loads(line)
+from lostmotion.workers.child import Channel
+channel = Channel()
+def say(**news):
+    channel.send(json.dumps(news).encode())
+while True:
+    task = json.loads(channel.receive())
     folder = pathlib.Path(task["folder"])
     data = pathlib.Path(task["sources"][0]).read_bytes()
-    print(json.dumps({"phase": "diagnosing", "share": 0.5, "said": "window 1 of 2"}), flush=True)
+    say(phase="diagnosing", share=0.5, said="window 1 of 2")
     if data.startswith(b"slow"):
         time.sleep(60)
     (folder / (task["kind"] + ".task")).write_text(json.dumps(task))
     if data.startswith(b"{"):
         (folder / "look.json").write_text(json.dumps(json.loads(data)["look"]))
         (folder / "result.json").write_text(json.dumps(json.loads(data)["result"]))
-    print(json.dumps({"ended": True}), flush=True)
+    say(ended=True)
 """
 EVIL = "<script>alert(1)</script>"
 LOOK = {
@@ -69,7 +72,7 @@ STUDY = {
 
 @pytest.fixture(autouse=True)
 def small_worker(monkeypatch):
-    monkeypatch.setattr(worker_module, "command", lambda: [sys.executable, "-c", SCRIPT])
+    monkeypatch.setattr(worker_module, "WORKER", ("-c", SCRIPT))
 
 
 @pytest.fixture
