@@ -49,7 +49,7 @@ def test_the_same_bits_beside_and_after_a_kill(pieces, here):
         for rows in pieces:
             watched, found = fits.take(watched, rows)
             said += found
-            (worker,) = fits._engine._workers
+            (worker,) = fits._engine._pool.workers
             os.kill(worker.process.pid, signal.SIGKILL)
     assert (watched.to_bytes(), said) == here
 

@@ -2,19 +2,18 @@
 
 from lostmotion.workers.background import Background
 from lostmotion.workers.isolated import ONE_THREAD, SAFE_PATH, empty_folder
-from lostmotion.workers.pool import Died, Failed, Finished, Outcome, Pool, usable_processors
+from lostmotion.workers.pool import Outcome, Pool, WorkerDiedError, WorkerLateError, usable_processors
 from lostmotion.workers.process import Process
 
 __all__ = [
     "ONE_THREAD",
     "SAFE_PATH",
     "Background",
-    "Died",
-    "Failed",
-    "Finished",
     "Outcome",
     "Pool",
     "Process",
+    "WorkerDiedError",
+    "WorkerLateError",
     "empty_folder",
     "usable_processors",
 ]

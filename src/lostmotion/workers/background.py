@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from lostmotion.workers.pool import Died, Outcome, Pool
+from lostmotion.errors import EngineError
+from lostmotion.workers.pool import Outcome, Pool, WorkerDiedError
 
 Result = TypeVar("Result")
 
@@ -44,19 +45,18 @@ class Background(Generic[Result]):
 
     @property
     def outcome(self) -> Outcome | None:
-        """What came of it: Finished, Failed or Died; None: it is under way.
-
-        Raises
-        ------
-        EngineError
-            Its process does not start.
-        """
-        while self._outcome is None and (found := self._pool.poll()) is not None:
-            self._outcome = found
+        """What came of it; None: it is under way."""
+        try:
+            self._outcome = self._outcome or self._pool.poll()
+        except EngineError as error:  # its process does not start
+            self._outcome = Outcome(None, error=error)
+        if self._outcome is not None:
             self._pool.close()
         return self._outcome
 
     def close(self) -> None:
         """End it; harmless where that has been done."""
         self._pool.close()
-        self._outcome = self._outcome or Died(None, "ended")
+        self._outcome = self._outcome or Outcome(
+            None, error=WorkerDiedError("expected a result, got a call that was ended")
+        )

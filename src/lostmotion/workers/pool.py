@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 from lostmotion.errors import EngineError
 from lostmotion.workers import child
@@ -30,9 +30,17 @@ WORKER = ("-m", "lostmotion.workers")
 LOOK = 1.0  # s between two looks at the clock; a wait without end cannot be interrupted on Windows
 
 
+class WorkerDiedError(EngineError):
+    """A worker died on a call."""
+
+
+class WorkerLateError(WorkerDiedError):
+    """A call took longer than it may."""
+
+
 @dataclass(frozen=True)
-class Finished:
-    """A call that has come to an end.
+class Outcome:
+    """What came of a call.
 
     Attributes
     ----------
@@ -40,44 +48,13 @@ class Finished:
         As it was given.
     value : object
         What the function returned.
+    error : Exception, optional
+        What it raised, or how its worker died; one that cannot be sent is a RuntimeError with its words.
     """
 
     call: Any
-    value: Any
-
-
-@dataclass(frozen=True)
-class Failed:
-    """A call that raised.
-
-    Attributes
-    ----------
-    call : object
-    error : Exception
-        As it was raised there; one that cannot be sent is a RuntimeError with its words.
-    """
-
-    call: Any
-    error: Exception
-
-
-@dataclass(frozen=True)
-class Died:
-    """A call on which its worker died, or that took too long.
-
-    Attributes
-    ----------
-    call : object
-    why : str
-    late : bool
-    """
-
-    call: Any
-    why: str
-    late: bool = False
-
-
-Outcome: TypeAlias = Finished | Failed | Died
+    value: Any = None
+    error: Exception | None = None
 
 
 class Worker:
@@ -207,9 +184,7 @@ class Pool:
         Raises
         ------
         Exception
-            What a call raised.
-        EngineError
-            A worker died on one.
+            What a call raised; WorkerDiedError of one on which its worker died.
         """
         found: dict[int, Any] = {}
         left, number = deque(enumerate(jobs)), 0
@@ -218,13 +193,10 @@ class Pool:
                 while left and self.free:
                     place, job = left.popleft()
                     self.give(place, function, job)
-                if number not in found:
-                    outcome = self.take()
-                    if isinstance(outcome, Failed):
-                        raise outcome.error
-                    if isinstance(outcome, Died):
-                        raise EngineError(f"expected a result of each worker, got one that {outcome.why}")
-                    found[outcome.call] = outcome.value
+                outcome = self.take()
+                if outcome.error is not None:
+                    raise outcome.error
+                found[outcome.call] = outcome.value
                 while number in found:
                     yield found.pop(number)
                     number += 1
@@ -307,15 +279,17 @@ class Pool:
             worker.end()
             raise EngineError(str(value)) from value
         call = worker.pop()
-        return Finished(call, value) if kind == child.RESULT else Failed(call, value)
+        return Outcome(call, value) if kind == child.RESULT else Outcome(call, error=value)
 
-    def _dead(self, worker: Worker) -> Died | None:
+    def _dead(self, worker: Worker) -> Outcome | None:
         """A worker has died on the first of its calls, or before it was ready; the others wait for another one."""
         self.workers.remove(worker)
         code, first = worker.end(died=True), None
         if worker.ready and worker.calls:
-            why = f"was stopped after {self._seconds:g} s" if worker.late else death(code)
-            first = Died(worker.pop(), why, worker.late)
+            error = WorkerDiedError(f"expected a result, got a worker that {death(code)}")
+            if worker.late:
+                error = WorkerLateError(f"expected a result within {self._seconds:g} s, got none")
+            first = Outcome(worker.pop(), error=error)
         self._again.extend(worker.calls)
         if not worker.ready:
             self._failed_starts += 1

@@ -10,8 +10,9 @@ import time
 import pytest
 
 from lostmotion.web.worker import handle as worker_module
-from lostmotion.web.worker.handle import Worker, WorkerDiedError
+from lostmotion.web.worker.handle import Worker
 from lostmotion.web.worker.jobs import Jobs
+from lostmotion.workers import WorkerDiedError
 from tests.support.patience import until
 
 SCRIPT = """

@@ -11,7 +11,7 @@ from lostmotion.errors import EngineError, GateError, LostMotionError
 from lostmotion.evaluate import CompensationStudy, compensation_study
 from lostmotion.identify import FitFacts, RecursiveEstimate
 from lostmotion.live.supervision.settings import BlockSettings
-from lostmotion.workers import Background, Failed, Finished
+from lostmotion.workers import Background, WorkerLateError
 from lostmotion.workers.child import one_line
 
 LONGEST = 300.0  # s for a study, which takes some seconds
@@ -69,10 +69,7 @@ class Running:
     @property
     def done(self) -> bool:
         """Whether :meth:`result` gives an answer."""
-        try:
-            return self._call.outcome is not None
-        except EngineError:
-            return True
+        return self._call.outcome is not None
 
     def result(self) -> CompensationStudy:
         """What came of it, once.
@@ -82,22 +79,19 @@ class Running:
         LostMotionError
             As the work itself; or it died, or took too long.
         """
-        try:
-            outcome = self._call.outcome
-        except EngineError as error:
-            raise GateError.expected("a study", str(error), "nothing is asked") from error
-        finally:
-            self.close()
-        if isinstance(outcome, Finished):
-            study: CompensationStudy = outcome.value
-            return study
-        if isinstance(outcome, Failed):
-            if isinstance(outcome.error, LostMotionError):
-                raise outcome.error
-            raise GateError.expected("a study", one_line(outcome.error), "tell us, with the fit")
-        if outcome is None or outcome.late:
+        outcome = self._call.outcome
+        self.close()
+        error = None if outcome is None else outcome.error
+        if outcome is None or isinstance(error, WorkerLateError):
             raise GateError.expected(f"a study within {LONGEST:g} s", "none", "nothing is asked")
-        raise GateError.expected("a study", "a process that died", "nothing is asked")
+        if isinstance(error, EngineError):
+            raise GateError.expected("a study", "a process that died", "nothing is asked") from error
+        if isinstance(error, LostMotionError):
+            raise error
+        if error is not None:
+            raise GateError.expected("a study", one_line(error), "tell us, with the fit")
+        study: CompensationStudy = outcome.value
+        return study
 
     def close(self) -> None:
         """End it; harmless where that has been done."""

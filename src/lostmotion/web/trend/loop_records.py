@@ -13,14 +13,14 @@ from pathlib import Path
 
 from lostmotion.addresses import absolute, is_url
 from lostmotion.audit.audit_run import as_loop
-from lostmotion.errors import EngineError, LostMotionError, one_line
+from lostmotion.errors import LostMotionError, one_line
 from lostmotion.files.limits import most_bytes
 from lostmotion.plant import PlantLoop, PlantSource, open_plant
 from lostmotion.plant.files_source import FilesSource
 from lostmotion.store.store import Store
 from lostmotion.web.kept_record import keep_record
 from lostmotion.web.worker.work import NICER, ROOM
-from lostmotion.workers import Background, Died, Failed, Finished, Outcome
+from lostmotion.workers import Background, Outcome, WorkerDiedError, WorkerLateError
 
 AT_ONCE = 2  # readers
 SECONDS = 120.0  # of one
@@ -79,12 +79,9 @@ class LoopRecords:
             return None
 
     def _inspect(self, name: str) -> None:
-        try:
-            outcome = self._at_work[name].outcome
-        except EngineError as error:
-            outcome = Failed(None, error)
+        outcome = self._at_work[name].outcome
         if outcome is not None:
-            self._at_work.pop(name).close()
+            del self._at_work[name]
             if why := _why_none(outcome):
                 self._failed[name] = f"The data of the loop cannot be read: {why}.", time.monotonic()
 
@@ -107,11 +104,12 @@ class LoopRecords:
 
 def _why_none(outcome: Outcome) -> str:
     """Why there is no record; empty: there is one."""
-    if isinstance(outcome, Finished):
+    if outcome.error is None:
         return str(outcome.value)
-    if isinstance(outcome, Died) or isinstance(outcome.error, MemoryError):
-        late = isinstance(outcome, Died) and outcome.late
-        return "it takes too long" if late else "its reader died; most often memory ran out"
+    if isinstance(outcome.error, WorkerLateError):
+        return "it takes too long"
+    if isinstance(outcome.error, WorkerDiedError | MemoryError):
+        return "its reader died; most often memory ran out"
     return one_line(f"{outcome.error}")
 
 

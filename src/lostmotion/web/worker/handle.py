@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lostmotion.files.limits import MOST_GIB
-from lostmotion.workers import Process
+from lostmotion.workers import Process, WorkerDiedError
 from lostmotion.workers.process import signal_name
 
 GIB = "4"  # of memory and of what is unpacked, where the environment does not say: a dropped file has 0.5 GB at most
@@ -18,10 +18,6 @@ LONGEST = 1 << 20  # bytes of news
 USUAL = {MOST_GIB: GIB, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "POLARS_MAX_THREADS": "2"}
 # Threads reserve memory that the limit counts.
 WORKER = ("-m", "lostmotion.web.worker.work")
-
-
-class WorkerDiedError(Exception):
-    """The process ended before its task did; the text says why."""
 
 
 class Worker:

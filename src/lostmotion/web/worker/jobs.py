@@ -12,7 +12,8 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
-from lostmotion.web.worker.handle import Worker, WorkerDiedError
+from lostmotion.web.worker.handle import Worker
+from lostmotion.workers import WorkerDiedError
 
 SECONDS = 900.0  # of one job: a year of a loop at 1 s is read by its stretches in less
 REMEMBERED = 500  # jobs

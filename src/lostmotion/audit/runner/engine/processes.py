@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from lostmotion.audit.runner.engine.protocol import Done, Lost, Task, Tried, done, one_line
-from lostmotion.workers import Failed, Finished, Outcome, Pool
+from lostmotion.workers import Outcome, Pool, WorkerDiedError
 
 
 class Processes:
@@ -48,7 +48,8 @@ class Processes:
 def _outcome(one: Outcome) -> tuple[list[Tried], list[Done | Lost]]:
     """What becomes of a batch: what is tried again, and what is done."""
     batch: Tried = one.call
-    if isinstance(one, Finished):
+    if one.error is None:
         return [], [Done(batch.items, one.value)]
-    again, lost = batch.after_error(one_line(one.error)) if isinstance(one, Failed) else batch.after_death()
+    died = isinstance(one.error, WorkerDiedError)
+    again, lost = batch.after_death() if died else batch.after_error(one_line(one.error))
     return again, list(lost)
