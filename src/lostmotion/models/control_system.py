@@ -11,6 +11,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
 from lostmotion.kernels import actuator as kernel
 from lostmotion.models.kernel_view import KernelActuator
+from lostmotion.working_folder import MATPLOTLIB_FILE, without_settings
 
 if TYPE_CHECKING:
     from lostmotion.models.hammerstein import Hammerstein
@@ -29,7 +30,7 @@ def nonlinear_system(model: Hammerstein, load: float = 0.0) -> Any:
     ParameterError
         An actuator that no kernel simulates.
     """
-    with extra("control"):
+    with extra("control"), without_settings(MATPLOTLIB_FILE):
         import control  # noqa: PLC0415  optional extra
     valve = model.nonlinearity
     if not isinstance(valve, KernelActuator):

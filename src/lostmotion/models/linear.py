@@ -15,6 +15,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import InputError, ParameterError
 from lostmotion.extras import extra
 from lostmotion.kernels import linear as kernel
+from lostmotion.working_folder import MATPLOTLIB_FILE, without_settings
 
 AT_ONE = 1e-6  # distance of a pole from 1: roots of A are true to 1e-8 only where two of them meet
 SETTLING = 1.0 - 1e-9  # modulus: a slower pole needs 1e9 samples, longer than any record, and counts as an integrator
@@ -183,7 +184,7 @@ class LinearModel:
 
     def to_control(self) -> Any:
         """As a python-control ``TransferFunction`` (needs the extra ``lostmotion[control]``)."""
-        with extra("control"):
+        with extra("control"), without_settings(MATPLOTLIB_FILE):
             import control  # noqa: PLC0415  optional extra
         lag = self.delay + len(self.b) - 1
         order = max(lag, len(self.a))
