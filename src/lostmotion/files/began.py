@@ -114,5 +114,5 @@ def _zone(stamps: Stamps, series: nw.Series[Any]) -> tzinfo:
     name = getattr(series.dtype, "time_zone", None)
     try:
         return UTC if name in (None, "UTC") else ZoneInfo(str(name))
-    except (LookupError, ValueError):
+    except (LookupError, ValueError, OSError):  # a folder of zones is no zone
         return UTC

@@ -13,6 +13,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.files.fixed_cells import FixedCells, Ints, fixed_cells
 from lostmotion.records.sampling import Bools
 
+FARTHEST_ZONE = 15 * 3600.0  # s from UTC: the zones of today end at +14:00, those of the past before 16 h
 MANY = 200_000  # cells at a time: as text, their parts take much room
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 DATE = (
@@ -25,7 +26,10 @@ ORDERS = {"day first": "dmy", "month first": "mdy", "year first": "ymd"}
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What the cells hold: whether a date and a time of day, seconds of the latter, and the numbers of the former."""
+    """What the cells hold: whether a date and a time of day, seconds of the latter, and the numbers of the former.
+
+    A cell whose time zone is none, such as +24:00, is neither a date nor a time of day.
+    """
 
     dated: Bools
     timed: Bools
@@ -69,10 +73,13 @@ def _piece(cells: pl.Series) -> Parts:
 def _of_alike(cells: FixedCells) -> Parts:
     named = cells.text("b").isalpha()
     month = _month_numbers(pl.Series([cells.text("b")])) if named else cells.numbers("b")
+    sign = -1.0 if cells.text("zone").startswith("-") else 1.0
+    ahead = _ahead(sign, *(cells.numbers("zone", 0, first, first + 2) for first in (0, 2)))
+    real = ~np.isnan(ahead)
     return Parts(
-        np.full(len(cells), bool(cells.text("a"))),
-        np.full(len(cells), bool(cells.text("hour"))),
-        _time_of_alike(cells),
+        real & bool(cells.text("a")),
+        real & bool(cells.text("hour")),
+        _time_of_alike(cells) - ahead,
         (cells.numbers("a"), np.broadcast_to(month, len(cells)), cells.numbers("c")),
         tuple(np.full(len(cells), len(cells.text(side)), dtype=np.int8) for side in "ac"),  # type: ignore[arg-type]
         named,
@@ -81,20 +88,19 @@ def _of_alike(cells: FixedCells) -> Parts:
 
 def _time_of_alike(cells: FixedCells) -> FloatArray:
     hour, minute, second = (cells.numbers(group, default=0) for group in ("hour", "minute", "second"))
-    half, zone = cells.text("half").lower(), cells.text("zone")
+    half = cells.text("half").lower()
     hour = hour % 12 + (12 if half == "p" else 0) if half else hour
-    seconds = hour * 3600.0 + minute * 60.0 + second + cells.fraction("fraction")
-    hours, minutes = (cells.numbers("zone", 0, first, first + 2) for first in (0, 2))
-    ahead = (-1.0 if zone.startswith("-") else 1.0) * (hours * 3600.0 + minutes * 60.0)
-    return np.asarray(seconds - ahead)
+    return np.asarray(hour * 3600.0 + minute * 60.0 + second + cells.fraction("fraction"))
 
 
 def _of_any(cells: pl.Series) -> Parts:
     parts = cells.str.extract_groups(DATE).struct.unnest()
+    ahead = zone_seconds(parts["zone"])
+    real = ~np.isnan(ahead)
     return Parts(
-        parts["a"].is_not_null().to_numpy(),
-        parts["hour"].is_not_null().to_numpy(),
-        _time_of_day(parts),
+        real & parts["a"].is_not_null().to_numpy(),
+        real & parts["hour"].is_not_null().to_numpy(),
+        _time_of_day(parts) - ahead,
         (_ints(parts["a"]), _month_numbers(parts["b"]), _ints(parts["c"])),
         tuple(parts[side].str.len_chars().fill_null(0).to_numpy().astype(np.int8) for side in "ac"),  # type: ignore[arg-type]
         bool(parts["b"].str.contains("[A-Za-z]").fill_null(value=False).any()),
@@ -123,15 +129,19 @@ def _time_of_day(parts: pl.DataFrame) -> FloatArray:
     after, before = ((half == letter).fill_null(value=False).to_numpy() for letter in "pa")
     hour = np.where(after, hour % 12 + 12, np.where(before, hour % 12, hour))
     fraction = ("0." + parts["fraction"].fill_null("0")).cast(pl.Float64).to_numpy()
-    seconds = hour * 3600.0 + _ints(parts["minute"], 0) * 60.0 + _ints(parts["second"], 0) + fraction
-    return np.asarray(seconds - zone_seconds(parts["zone"]), dtype=np.float64)
+    return np.asarray(hour * 3600.0 + _ints(parts["minute"], 0) * 60.0 + _ints(parts["second"], 0) + fraction)
 
 
 def zone_seconds(zone: pl.Series) -> FloatArray:
-    """Seconds ahead of UTC; 0 for Z and where none is stated."""
+    """Seconds ahead of UTC; 0 for Z and where none is stated, NaN for what is no zone, such as +24:00."""
     digits = zone.str.replace(":", "", literal=True)
     sign = np.where(digits.str.starts_with("-").fill_null(value=False).to_numpy(), -1.0, 1.0)
-    return sign * (_ints(digits.str.slice(1, 2), 0) * 3600.0 + _ints(digits.str.slice(3, 2), 0) * 60.0)
+    return _ahead(sign, _ints(digits.str.slice(1, 2), 0), _ints(digits.str.slice(3, 2), 0))
+
+
+def _ahead(sign: FloatArray | float, hours: Ints, minutes: Ints) -> FloatArray:
+    seconds = hours * 3600.0 + minutes * 60.0
+    return np.asarray(np.where((seconds <= FARTHEST_ZONE) & (minutes < 60), sign * seconds, np.nan))
 
 
 def _ints(column: pl.Series, default: int = -1) -> Ints:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 import re
+import sys
 from datetime import UTC, date, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,7 @@ def as_moment(value: Any) -> datetime:
     >>> as_moment("2026-03-01 06:00"), as_moment(np.datetime64("2026-03-01"))
     (datetime.datetime(2026, 3, 1, 6, 0), datetime.datetime(2026, 3, 1, 0, 0))
     """
+    given = value
     if isinstance(value, np.datetime64):
         value = value.astype("datetime64[us]").item()
     elif isinstance(value, str):
@@ -63,9 +65,17 @@ def as_moment(value: Any) -> datetime:
         value = value.to_pydatetime()
     if isinstance(value, date) and not isinstance(value, datetime):
         value = datetime(value.year, value.month, value.day)
-    if not isinstance(value, datetime):
-        raise ParameterError.expected("a date such as '2026-03-01 06:00'", repr(value), WAYS)
+    if not isinstance(value, datetime) or not _has_utc(value):
+        raise ParameterError.expected("a date such as '2026-03-01 06:00'", repr(given), WAYS)
     return value
+
+
+def _has_utc(moment: datetime) -> bool:
+    """Whether a moment lies in the years 1 to 9999 of UTC too."""
+    try:
+        return moment.tzinfo is None or moment.astimezone(UTC) is not None
+    except OverflowError:
+        return False
 
 
 def bound(record: LoopRecord, value: Any) -> int | None:
@@ -100,7 +110,7 @@ def _seconds(value: Any) -> float | None:
 
 def _first_from(steps: float) -> int:
     """First row that is not before so many sampling times."""
-    return max(math.ceil(steps - _SAME), 0)
+    return max(math.ceil(min(steps - _SAME, sys.maxsize)), 0)
 
 
 def _row_of(record: LoopRecord, moment: datetime) -> int:

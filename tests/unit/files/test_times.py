@@ -58,6 +58,20 @@ def test_month_of_daylight_saving_by_offset():
     assert read(["2017-10-29T02:59:59+02:00", "2017-10-29T02:00:00+01:00"]).dt == 1.0
 
 
+@pytest.mark.parametrize("zone", ["+24:00", "+99:99", "-99:00", "+2400", "+23:60", "+15:01", "-0160", "+01:75"])
+@pytest.mark.parametrize("form", ["2026-01-0{}T00:00:00{}", "0{}/01/2026 10:00 {}", "10:00:0{}{}"])
+@pytest.mark.parametrize("row", [0, 1])
+def test_impossible_zones_are_refused(form, zone, row):
+    cells = [form.format(day, zone if day == 1 + row else zone[0] + "02:00") for day in (1, 2, 3)]
+    with pytest.raises(TimeError, match="expected times in column 'time' "):
+        read(cells)
+
+
+@pytest.mark.parametrize("zone", ["+14:00", "-12:00", "+05:45", "-0930", "+00:00", "-00:00", "+15:00", "Z"])
+def test_every_zone_on_earth_is_read(zone):
+    assert read([f"2026-01-01T00:00:{second:02d}{zone}" for second in (1, 3, 5)]).dt == 2.0
+
+
 def test_date_columns_of_frames():
     stamps = pl.datetime_range(pl.datetime(2024, 1, 1), pl.datetime(2024, 1, 1, 0, 1), "5s", eager=True)
     assert read(stamps).dt == 5.0

@@ -170,3 +170,15 @@ def test_what_the_page_on_reading_shows(tmp_path, monkeypatch):
 
 
 lm_identify = lm.identify
+
+
+@pytest.mark.parametrize("moment", ["0001-01-01T00:00+14:00", "9999-12-31T23:59-14:00", "2026-01-01T00:00+24:00"])
+def test_moments_outside_the_years_of_utc_are_refused(moment):
+    with pytest.raises(ParameterError, match=r"^expected a date such as .*, got '"):
+        replace(RECORD, start="2026-03-01 06:00+01:00")[moment:]
+
+
+def test_a_time_beyond_all_numbers_is_behind_the_last_row():
+    with pytest.raises(DataError, match="at least 2 samples"):
+        RECORD["9" * 400 + "s" :]
+    assert len(RECORD[: "9" * 400 + "s"]) == len(RECORD)
