@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from glob import glob
 from pathlib import Path
 
 import narwhals.stable.v2 as nw
@@ -15,7 +14,7 @@ from lostmotion.files.apart import leaves_apart
 from lostmotion.files.child import PIECES
 from lostmotion.files.columns import usual
 from lostmotion.files.long import called
-from lostmotion.files.paths import is_folder, is_pattern
+from lostmotion.files.paths import fitting, is_folder, is_pattern
 from lostmotion.files.table import Table
 from lostmotion.files.undamaged import undamaged
 
@@ -42,7 +41,7 @@ def pieces_of(path: Path) -> tuple[Path, ...]:
         others = any(one.is_file() and one.suffix.lower() not in ENDINGS for one in path.iterdir())
         inside = [] if others else [one for one in inside if one.parent == path]
     elif is_pattern(path):
-        inside = sorted(Path(one) for one in glob(str(path), recursive=True))  # noqa: PTH207
+        inside = fitting(path)
         if any(one.suffix.lower() not in ENDINGS for one in inside):
             return ()
         if any("=" in part for one in inside for part in one.parts[:-1]):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from lostmotion.errors import FileAccessError, LostMotionError
 from lostmotion.files.dataset import pieces_of
 from lostmotion.files.frames import peeked
 from lostmotion.files.one_tag import one_tag
-from lostmotion.files.paths import is_file, is_folder, is_path, is_pattern
+from lostmotion.files.paths import fitting, is_file, is_folder, is_path, is_pattern
 
 ENDINGS = (
     ".csv", ".txt", ".tsv", ".dat", ".asc", ".parquet", ".pq", ".feather", ".arrow", ".mat", ".xlsx", ".xls", ".xlsm",
@@ -50,8 +49,7 @@ def gathered(source: Any) -> tuple[Path, ...] | None:
         inside = [one for one in path.iterdir() if one.is_file() and not one.name.startswith(".")]
         return _found([one for one in inside if one.suffix.lower() in ENDINGS], f"none in the folder {str(path)!r}")
     if is_pattern(path):
-        fitting = [Path(one) for one in glob(str(path))]  # noqa: PTH207  a path with a pattern in its folders too
-        return _found([one for one in fitting if one.is_file()], f"none like {str(path)!r}")
+        return _found([one for one in fitting(path) if one.is_file()], f"none like {str(path)!r}")
     return None
 
 

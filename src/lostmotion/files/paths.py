@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable
+from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,23 @@ def is_pattern(path: Path) -> bool:
     return bool(re.search(r"[*?\[]", str(path))) and not _is(path.exists)
 
 
+def fitting(pattern: Path) -> list[Path]:
+    """Paths that fit a pattern, sorted; ``**`` stands for folders of any depth, and follows no links to them.
+
+    Two links that lead in a circle would double the paths with each of forty levels.
+    """
+    parts = [part if part == "**" else re.sub(r"\*+", "*", part) for part in pattern.parts]
+    try:
+        if "**" not in parts:
+            return sorted(Path(one) for one in glob(str(Path(*parts))))  # noqa: PTH207  a pattern in the folders too
+        place = parts.index("**")
+        tops = [(top, top.glob(str(Path(*parts[place:])))) for top in fitting(Path(*parts[:place]))]
+        found = [(one, one.relative_to(top).parts) for top, inside in tops for one in inside]
+    except ValueError:  # a zero in it
+        return []
+    return sorted(one for one, below in found if not any(part.startswith(".") for part in below))
+
+
 def is_folder(path: Path) -> bool:
     """Whether a path is a folder; one that no system can have is none."""
     return _is(path.is_dir)
@@ -27,6 +45,11 @@ def is_folder(path: Path) -> bool:
 def is_file(path: Path) -> bool:
     """Whether a path is a regular file: what is a pipe or a device is none, and would be waited for."""
     return _is(path.is_file)
+
+
+def is_link(path: Path) -> bool:
+    """Whether a path is a symbolic link, to whatever."""
+    return _is(path.is_symlink)
 
 
 def is_other(path: Path) -> bool:

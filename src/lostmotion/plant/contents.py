@@ -50,7 +50,7 @@ def contents_of(path: Path, reading: Mapping[str, Any]) -> Unit:
         return parquet_unit((path,), reading) if is_parquet(path) else _unit(path, reading)
     except SeveralLoopsError as error:
         return Unit((path,), tuple(Found(name, name) for name in error.loops))
-    except LostMotionError as error:
+    except (LostMotionError, OSError) as error:  # it may be gone again
         return Unit((path,), why=one_line(error), failed=True)
 
 

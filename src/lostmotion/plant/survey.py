@@ -22,7 +22,7 @@ from lostmotion.plant.naming import Named, Part, area_of, named, parts_of
 from lostmotion.plant.parquet import LOOP_KEYS, Kind, names_in, schema_at, schema_of
 from lostmotion.plant.source import Unread
 from lostmotion.plant.unit import Found, Unit
-from lostmotion.plant.walk import files_below, in_pieces, partition_of
+from lostmotion.plant.walk import files_below, in_pieces, no_file, partition_of
 
 AREAS = ("area", "unit", "plant", "section", "site", "anlage", "bereich", "zone")
 ALONE = "the values of one tag only, without OP and PV of one loop"
@@ -57,7 +57,10 @@ def surveyed(sources: Sequence[Path], reading: Mapping[str, Any]) -> Survey:
     """
     paths = files_below(sources)
     root = root_of(sources, paths)
-    units = _together([one for path_units in _units(paths, reading) for one in path_units])
+    odd = {path: why for path in paths if (why := no_file(path))}
+    files = [path for path in paths if path not in odd]
+    units = _together([one for path_units in _units(files, reading) for one in path_units])
+    units += [Unit((path,), why=why, failed=True) for path, why in odd.items()]
     found, twice = named(parts_of(units), root, cache(extent_of))
     loops = tuple(_plant_loop(one, root) for one in found)
     out = [Unread(_where(unit, root), unit.why, unit.failed) for unit in units if not unit.loops]

@@ -5,18 +5,19 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Sequence
-from glob import glob
 from pathlib import Path
 
 from lostmotion.errors import FileAccessError
 from lostmotion.files.dataset import ENDINGS as PARQUET
-from lostmotion.files.paths import is_file, is_folder, is_other, is_pattern
+from lostmotion.files.paths import fitting, is_file, is_folder, is_link, is_other, is_pattern
 
 _NUMBERED = re.compile(r"(part|chunk|piece|batch)[-_. ]?\d+([-_.].*)?", re.IGNORECASE)
 
 
 def files_below(sources: Sequence[Path]) -> tuple[Path, ...]:
     """Files of paths, in the order of their names; of a folder all below it, hidden ones and hidden folders left out.
+
+    What stands among them and can be no file has a reason in :func:`no_file`.
 
     Raises
     ------
@@ -31,8 +32,11 @@ def _files_of(source: Path) -> list[Path]:
     if is_folder(source):
         return _some(sorted(_walked(source), key=_by_folders), f"none in the folder {str(source)!r}")
     if is_pattern(source):
-        fits = [Path(one) for one in sorted(glob(str(source), recursive=True))]  # noqa: PTH207  patterns in folders too
-        inside = [file for one in fits for file in (_walked(one) if one.is_dir() else (one,))]
+        inside = [
+            file
+            for one in fitting(source)
+            for file in (_walked(one) if is_folder(one) and not is_link(one) else (one,))
+        ]
         return _some(inside, f"none like {str(source)!r}")
     if not is_file(source) and not is_other(source):
         error = f"expected files with tables, got no such file {str(source)!r}; check the path"
@@ -40,10 +44,34 @@ def _files_of(source: Path) -> list[Path]:
     return [source]
 
 
+def no_file(path: Path) -> str:
+    """Return why a path is no file that can be read; empty where it is one.
+
+    Links to folders are not followed: two that lead in a circle would have no end.
+    """
+    if is_file(path):
+        return ""
+    if is_link(path):
+        return "a link to a folder, which is not followed" if is_folder(path) else "a link that leads to no file"
+    if is_folder(path):
+        return "a folder that cannot be listed"
+    return "no file: a pipe, a socket or a device" if is_other(path) else "it is gone, or its path is too long"
+
+
 def _walked(folder: Path) -> Iterator[Path]:
-    for inside, folders, names in os.walk(folder):
-        folders[:] = [name for name in folders if not name.startswith(".")]
-        yield from (Path(inside, name) for name in names if not name.startswith("."))
+    """Yield all below a folder that is no folder itself, and folders that cannot be listed; of any depth."""
+    waiting = [folder]
+    while waiting:
+        inside = waiting.pop()
+        try:
+            with os.scandir(inside) as entries:
+                seen = [entry for entry in entries if not entry.name.startswith(".")]
+        except OSError:
+            yield inside
+            continue
+        folders = {entry.name for entry in seen if entry.is_dir(follow_symlinks=False)}
+        waiting += [inside / name for name in folders]
+        yield from (inside / entry.name for entry in seen if entry.name not in folders)
 
 
 def _by_folders(path: Path) -> tuple[str, ...]:

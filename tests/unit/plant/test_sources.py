@@ -1,6 +1,9 @@
 """Sources of a plant: every shape gives the same records as read_loop; what gives none is said."""
 
+import os
 import pickle
+import socket
+import subprocess
 import tracemalloc
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -11,7 +14,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, FileAccessError, InputError, LostMotionError, ParameterError
-from lostmotion.plant import PlantLoop, files_source, open_plant
+from lostmotion.plant import PlantLoop, files_source, open_plant, propose
 from lostmotion.plant.address import Place, parsed, written
 from lostmotion.plant.period import Period
 from lostmotion.plant.pooled import pooled
@@ -195,6 +198,67 @@ def test_what_holds_no_loop_is_said(tmp_path):
     }  # fmt: skip
     assert "op=volt, pv=rpm" in told["rig.csv"].why
     assert all("\n" not in one.why for one in plant.unread())
+
+
+def socket_at(path):
+    with socket.socket(socket.AF_UNIX) as made:
+        made.bind(str(path))
+
+
+ODD = {
+    "pipe.csv": (os.mkfifo, "no file"),
+    "pipe.parquet": (os.mkfifo, "no file"),
+    "part-0.parquet": (os.mkfifo, "no file"),
+    "FIC9_OP.csv": (os.mkfifo, "no file"),
+    "readme.txt": (os.mkfifo, "no file"),
+    "socket.csv": (socket_at, "no file"),
+    "device.csv": (lambda path: path.symlink_to("/dev/zero"), "a link that leads to no file"),
+    "absent.csv": (lambda path: path.symlink_to("nowhere"), "a link that leads to no file"),
+    "circle.csv": (lambda path: path.symlink_to("circle.csv"), "a link that leads to no file"),
+    "above.csv": (lambda path: path.symlink_to("."), "a link to a folder"),
+    "link": (lambda path: path.symlink_to(".."), "a link to a folder"),
+}
+
+
+@pytest.mark.parametrize("form", ["{}", "{}/*", "{}/**", "{}/**/*"])
+def test_what_is_no_file_is_listed_as_unread(tmp_path, form):
+    put(tmp_path / "here" / "FIC101.csv", frame(0))
+    for name, (make_odd, _) in ODD.items():
+        make_odd(tmp_path / "here" / name)
+    plant = open_plant(form.format(tmp_path))
+    loops = plant.loops()
+    assert [loop.tag for loop in loops] == ["FIC101"]
+    assert isinstance(records(plant)["FIC101"], LoopRecord)
+    assert [loop.tag for loop in propose(plant)] == ["FIC101"]
+    told = {one.where.removeprefix("here/"): one.why for one in plant.unread()}
+    for name, (_, why) in ODD.items():
+        assert why in told[name], name
+    assert all(one.failed for one in plant.unread())
+
+
+def test_links_that_lead_in_circles_have_an_end(tmp_path):
+    put(tmp_path / "FIC101.csv", frame(0))
+    for name in "abc":
+        (tmp_path / name).symlink_to(".")
+    for pattern in ("**/*.csv", "**/**/*.csv", "**"):
+        assert [loop.tag for loop in open_plant(tmp_path / pattern).loops()] == ["FIC101"]
+
+
+def test_folders_of_any_depth(tmp_path):
+    put(tmp_path / "FIC101.csv", frame(0))
+    here = os.open(tmp_path, os.O_RDONLY)
+    try:
+        for _ in range(3000):  # deeper than a path can be written
+            os.mkdir("d", dir_fd=here)
+            below = os.open("d", os.O_RDONLY, dir_fd=here)
+            os.close(here)
+            here = below
+    finally:
+        os.close(here)
+    plant = open_plant(tmp_path)
+    assert [loop.tag for loop in plant.loops()] == ["FIC101"]
+    assert [one.why for one in plant.unread()] == ["it is gone, or its path is too long"]
+    subprocess.run(["rm", "-rf", str(tmp_path / "d")], check=True)  # noqa: S607  what Python removes it recurses over
 
 
 def test_errors_are_values_of_one_loop(tmp_path):
