@@ -14,7 +14,7 @@ from lostmotion.cli.exit_codes import ATTENTION, exit_code
 from lostmotion.cli.failure import say_error
 from lostmotion.cli.pairs import apart
 from lostmotion.cli.progress import compiling
-from lostmotion.errors import LostMotionError
+from lostmotion.errors import DataError, LostMotionError
 from lostmotion.extras import extra
 from lostmotion.kernels.compile_progress import compile_reports
 
@@ -33,6 +33,7 @@ def _say_version(asked: bool) -> None:
         raise typer.Exit
 
 
+NO_MEMORY = DataError.expected("room in memory", "no more of it", "cut the record, or work on a larger computer")
 Version = Annotated[bool, typer.Option("--version", help="Say the version.", callback=_say_version, is_eager=True)]
 
 
@@ -56,6 +57,7 @@ def _told(words: list[str]) -> Any:
     try:
         with extra(), compile_reports(compiling):
             return app(words, prog_name="lostmotion")
-    except (LostMotionError, ImportError) as error:
-        say_error(error, "--json" in words, words)
-        sys.exit(exit_code(error))
+    except (LostMotionError, ImportError, MemoryError) as error:
+        known = NO_MEMORY if isinstance(error, MemoryError) else error
+        say_error(known, "--json" in words, words)
+        sys.exit(exit_code(known))

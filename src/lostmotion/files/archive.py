@@ -6,27 +6,24 @@ import gzip
 import io
 import tarfile
 import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import IO
 
-from lostmotion.errors import DataError
+from lostmotion.errors import DataError, LostMotionError
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.gathered import ENDINGS
-from lostmotion.files.limits import most_bytes, too_large
-from lostmotion.files.packed import GZIP, WORKBOOK, ZIP, unpacked
+from lostmotion.files.limits import most_bytes
+from lostmotion.files.packed import GZIP, WORKBOOK, ZIP, content_of, unpacked
 from lostmotion.files.paths import is_file
+from lostmotion.files.undamaged import undamaged
 
 TAR = b"ustar"
 AT = 257  # bytes before it
 HEAD = 512
 BESIDE = ("readme", "license", "licence")  # files that are no data
 Files = list[tuple[Path, bytes]]
-_DAMAGED = (  # an IndexError: a member without a name
-    OSError, EOFError, zlib.error, zipfile.BadZipFile, tarfile.TarError, RuntimeError, IndexError,
-)  # fmt: skip
 
 
 def archived(path: Path) -> Files:
@@ -43,12 +40,8 @@ def archived(path: Path) -> Files:
     if not kind:
         return []
     raw = read_bytes(path)
-    try:
+    with undamaged("a whole archive", path.name, "pack it again", quiet=False):
         return sorted(_zipped(raw, path.name) if kind == "zip" else _tarred(raw, path.name))
-    except _DAMAGED as error:
-        raise DataError.expected(
-            "a whole archive", f"a damaged one, {path.name!r} ({error})", "pack it again"
-        ) from error
 
 
 def _kind(path: Path) -> str:
@@ -56,7 +49,7 @@ def _kind(path: Path) -> str:
     start, inside = b"", b""
     if not is_file(path):  # a pipe would wait for whoever writes into it
         return ""
-    with suppress(ValueError, *_DAMAGED):
+    with suppress(LostMotionError), undamaged("an archive", path.name, "pack it again", quiet=False):
         with path.open("rb") as stream:
             start = inside = stream.read(HEAD)
         if start.startswith(ZIP):
@@ -86,13 +79,11 @@ def _tarred(raw: bytes, name: str) -> Files:
 
 def _read(streams: Iterator[tuple[str, IO[bytes]]], name: str) -> Iterator[tuple[Path, bytes]]:
     """Content of each; one that says it is small may be large. All together have the room of one file."""
-    most = most_bytes()
+    room = most_bytes()
     for place, stream in streams:
         with stream:
-            content = stream.read(most + 1)
-        most -= len(content)
-        if most < 0:
-            raise too_large(repr(name))
+            content = content_of(stream, name, most=room)
+        room -= len(content)
         yield Path(*PurePosixPath(place).parts), content
 
 

@@ -19,7 +19,7 @@ from lostmotion.files.columns import several_loops
 from lostmotion.files.database import SQLITE, read_query
 from lostmotion.files.dataset import pieces_of, read_dataset
 from lostmotion.files.from_mapping import frame_of
-from lostmotion.files.limits import most_bytes, need_few_columns, too_large
+from lostmotion.files.limits import most_bytes, need_few_columns, need_memory, too_large
 from lostmotion.files.matlab import MAT, MAT_HDF5, load_mat
 from lostmotion.files.packed import GZIP, ZIP, is_workbook, unpacked
 from lostmotion.files.paths import is_file, is_other, is_path
@@ -167,6 +167,7 @@ def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFr
     with undamaged(f"a whole {kind} file", name, "export it again"):
         leaves_apart(kind.lower(), raw)  # some damaged ones end the process
         frame = read(raw)
+    need_memory(len(frame), name)
     return _checked(nw.from_native(frame, eager_only=True), name)
 
 

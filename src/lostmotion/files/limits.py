@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from pathlib import Path
 
 from lostmotion.errors import DataError, ParameterError
 
@@ -11,6 +13,7 @@ MOST_SECONDS = "LOSTMOTION_MOST_SECONDS"
 MOST_COLUMNS = "LOSTMOTION_MOST_COLUMNS"
 _GIB, _SECONDS = 8.0, 60.0  # more is no record of a loop: 2.6 million rows of 20 columns are 0.4 GiB, read in 15 s
 _COLUMNS = 20_000.0  # a plant has some thousand tags
+ROW_BYTES = 250  # memory for a row of text with two columns until it is checked: 200 measured, of 4 million
 MOST_CELL = 10_000_000  # characters of a cell, or of a header: 20,000 names of 500
 
 
@@ -41,6 +44,30 @@ def need_few_columns(count: int) -> None:
     most = int(_number(MOST_COLUMNS, _COLUMNS))
     if count > most:
         raise DataError.expected(f"at most {most} columns", count, f"export those of one loop, or set {MOST_COLUMNS}")
+
+
+def need_memory(rows: int, source: str) -> None:
+    """Raise the DataError of a table whose rows take more memory than one file may, or than there is."""
+    size, free = rows * ROW_BYTES, _free_bytes()
+    if size > min(most_bytes(), free):
+        told = f"{rows:,} rows in {source!r}, which take {size / 2**30:.2g} GiB of memory; {free / 2**30:.2g} are free"
+        remedy = "read it on a larger computer" if size > free else f"set {MOST_GIB}"
+        raise DataError.expected("a record of a loop", told, f"cut the export, or {remedy}")
+
+
+def _free_bytes() -> float:
+    """Memory that this process may still take, where the system tells: of the computer, and of its own limit."""
+    try:
+        fields = dict(line.split(":", 1) for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
+        free = float(fields["MemAvailable"].split()[0]) * 1024
+        used = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        import resource  # noqa: PLC0415  not on Windows
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        own = math.inf if limit == resource.RLIM_INFINITY else limit - used * resource.getpagesize()
+    except (OSError, ImportError, LookupError, ValueError):
+        return math.inf
+    return max(min(free, own), 0.0)
 
 
 def too_large(what: str) -> DataError:

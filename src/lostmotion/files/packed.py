@@ -35,7 +35,7 @@ def unpacked(raw: bytes, name: str) -> tuple[bytes, str]:
         if raw.startswith(GZIP):
             packed = io.BytesIO(raw)
             with gzip.GzipFile(fileobj=packed) as stream:
-                return _content(stream, name, packed), name.removesuffix(".gz")
+                return content_of(stream, name, packed), name.removesuffix(".gz")
         if raw.startswith(ZIP):
             return _from_zip(raw, name)
     return raw, name
@@ -62,16 +62,26 @@ def _from_zip(raw: bytes, name: str) -> tuple[bytes, str]:
                 f"one file in {name!r}", f"{len(members)}: {listed}", "unpack it and give one file"
             )
         with archive.open(members[0]) as stream:
-            return _content(stream, name, io.BytesIO()), members[0].filename
+            return content_of(stream, name), members[0].filename
 
 
-def _content(stream: IO[bytes] | gzip.GzipFile, name: str, packed: io.BytesIO) -> bytes:
-    """All of it: piece by piece, since one read of an unknown size takes twice the room."""
-    whole, size, most = io.BytesIO(), packed.getbuffer().nbytes, most_bytes()
+def content_of(
+    stream: IO[bytes] | gzip.GzipFile, name: str, packed: io.BytesIO | None = None, most: int | None = None
+) -> bytes:
+    """All of a stream: piece by piece, since one read of an unknown size takes the room that it might need at once.
+
+    `packed`, where it is known, tells how far it is; `most` bytes are taken, None: those of a file.
+
+    Raises
+    ------
+    DataError
+        It is larger than a file may be.
+    """
+    whole, most = io.BytesIO(), most_bytes() if most is None else most
     while piece := stream.read(PIECE):
         whole.write(piece)
-        if whole.tell() > LONG:
-            tell(f"unpacking {name}", packed.tell(), size)
+        if packed is not None and whole.tell() > LONG:
+            tell(f"unpacking {name}", packed.tell(), packed.getbuffer().nbytes)
         if whole.tell() > most:
             raise too_large(repr(name))
     return whole.getvalue()

@@ -15,7 +15,7 @@ import polars as pl
 
 from lostmotion.errors import DataError
 from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head, no_table
-from lostmotion.files.limits import need_few_columns
+from lostmotion.files.limits import need_few_columns, need_memory
 from lostmotion.files.number_cells import BAD_WORDS
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
@@ -53,6 +53,7 @@ def parse_text(raw: bytes, source: str) -> Table:
     (';', ['1,5'])
     """
     content = known_text(raw, source)
+    need_memory(max(content.raw.count(b"\n"), content.raw.count(b"\r")), source)
     spans = list(cuts(content.raw)) or [(0, 0)]
     top = _lines(content, spans[0])
     if len(spans) > 1 and sum(map(has_cells, top)) <= TOP:  # the header is not in the first block: look at all

@@ -2,13 +2,14 @@
 
 import gzip
 import io
+import tracemalloc
 
 import numpy as np
 import polars as pl
 import pytest
 
 from lostmotion.errors import DataError
-from lostmotion.files import read_loop, read_loops
+from lostmotion.files import limits, read_loop, read_loops
 from tests.support.packed_files import tarred, workbook, zipped
 
 TIMES = [f"2024-03-01 10:{k // 60:02d}:{k % 60:02d}" for k in range(200)]
@@ -111,3 +112,56 @@ def test_records_of_an_archive_are_loops(tmp_path, pack):
     record = read_loop(path, loop="LIC-2")
     np.testing.assert_array_equal(record.pv, FRAME["PV"].to_numpy())
     assert (record.tag, record.loop_type) == ("LIC-2", "level")
+
+
+def with_size(raw, size):
+    """The same archive, whose first member has another size in its head."""
+    raw = bytearray(raw)
+    raw[124:136] = size
+    raw[148:156] = b" " * 8
+    raw[148:156] = b"%06o\0 " % sum(raw[:512])
+    return bytes(raw)
+
+
+@pytest.mark.parametrize(
+    "size", [b"\x80" + b"\xff" * 11, b"\xff" * 12, b"\x80\0\0\0\0" + b"\x7f" + b"\xff" * 6, b"7" * 12, b"x" * 12]
+)
+@pytest.mark.parametrize("packed", [bytes, gzip.compress])
+def test_impossible_sizes_in_an_archive_are_damage(tmp_path, size, packed):
+    path = tmp_path / "a.tar"
+    path.write_bytes(packed(with_size(tarred({"a.csv": TEXT, "b.csv": TEXT}), size)))
+    with pytest.raises(DataError, match=r"^expected "):
+        read_loops(path)
+
+
+@pytest.mark.parametrize("pack", [tarred, zipped])
+def test_an_archive_takes_memory_as_it_needs_it(tmp_path, pack):
+    path = tmp_path / "a.packed"
+    path.write_bytes(pack({"a.csv": TEXT, "b.csv": TEXT}))
+    read_loops(path)
+    tracemalloc.start()
+    read_loops(path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 50e6  # and not the 8 GiB that a file may have
+
+
+@pytest.mark.parametrize("packed", [bytes, gzip.compress])
+def test_rows_that_take_more_memory_than_there_is_are_refused_before_they_are_parsed(tmp_path, monkeypatch, packed):
+    path = tmp_path / "a.csv"
+    path.write_bytes(packed(b"OP,PV\n" + b"1,1\n" * 100_000))
+    assert len(read_loop(path, dt=1.0)) == 100_000
+    monkeypatch.setenv("LOSTMOTION_MOST_GIB", "0.02")
+    with pytest.raises(DataError, match=r"100,001 rows in 'a.csv', .*LOSTMOTION_MOST_GIB"):
+        read_loop(path, dt=1.0)
+    monkeypatch.delenv("LOSTMOTION_MOST_GIB")
+    monkeypatch.setattr(limits, "_free_bytes", lambda: 1e7)
+    with pytest.raises(DataError, match=r"0.0093 are free; .*larger computer"):
+        read_loop(path, dt=1.0)
+
+
+def test_columns_of_few_bytes_count_as_many_rows(tmp_path, monkeypatch):
+    pl.DataFrame({"OP": [1.0] * 100_000, "PV": [1.0] * 100_000}).write_parquet(tmp_path / "a.parquet")
+    monkeypatch.setenv("LOSTMOTION_MOST_GIB", "0.02")
+    with pytest.raises(DataError):
+        read_loop(tmp_path / "a.parquet", dt=1.0)
