@@ -99,11 +99,53 @@ def test_what_is_none_of_a_monitor_is_counted_and_nothing_grows_for_ever(path: P
     write(path, "no json\n", "[" * 100_000 + "\n", *hostile, *(event(number) for number in range(2 * EVENTS)))
     write(path, *(report(number) for number in range(3 * POINTS)))
     said = One(str(path)).see()
-    assert said.bad == 5
+    assert said.bad == 6
     assert len(said.events) == EVENTS
     assert len(said.points) <= POINTS
     write(path, "x" * 3_000_000)
-    assert One(str(path)).see().bad == 6
+    assert One(str(path)).see().bad == 7
+
+
+ODD_NUMBERS = [-5.0, -5e-324, 5e-324, 1.7e308, -1.7e308, 1e12, 1e-13, 10**19]
+ODD_TIMES = [-1.0, 1.7e308, -1.7e308, 1e15, 10**19]
+
+
+@pytest.mark.anyio
+async def test_reports_that_no_valve_can_give_are_counted_as_bad(path: Path) -> None:
+    odd = [report(1, width) for width in ODD_NUMBERS]
+    odd += [report(2) | {"width": {"value": 1.0, "low": 0.5, "high": high}} for high in (1e300, 5e-324)]
+    odd += [report(3) | {name: {"value": value}} for name, value in (("left", 1e13), ("slope_ratio", -1.0))]
+    odd += [report(4) | {"time": time} for time in ODD_TIMES]
+    write(path, START, *(one for one in odd for _ in range(2)), report(5), report(6))
+    said = One(str(path)).see()
+    assert (said.bad, len(said.points)) == (2 * len(odd), 2)
+    async with client(path) as asked:
+        assert (await asked.get("/monitors")).status_code == 200
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("times", [(0, 5e-324), (0.0, 0.0), (5, 1), (1e10, 1e10 + 1e-6), (None, 3), ("9999-12-31", 1)])
+@pytest.mark.parametrize("widths", [(0.0, 0.0), (1e-12, 1e11), (3.0, 1e-12)])
+async def test_what_is_plausible_can_be_drawn(path: Path, times: Any, widths: Any) -> None:
+    write(path, *(report(9, width) | {"time": time} for time, width in zip(times, widths, strict=True)))
+    assert One(str(path)).see().bad == 0
+    async with client(path) as asked:
+        assert (await asked.get("/monitors")).status_code == 200
+        assert (await asked.get("/api/v1/monitors")).status_code == 200
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("filling", ["[" * 30 + "]" * 30, '"' + "x" * 30 + '"', "{}", "1", "null"])
+async def test_answers_stay_small_however_large_the_lines_are(path: Path, filling: str) -> None:
+    many = ",".join([filling] * (900_000 // len(filling)))
+    few = ",".join([filling] * 10)
+    write(path, START, *(f'{{"kind": "{kind}", "x": [{many}]}}\n' for kind in ("report", "event", "note", "start")))
+    write(path, *(f'{{"kind": "{kind}", "message": "{"x" * 20_000}", "x": [{few}]}}\n' for kind in ("event", "note")))
+    said = One(str(path)).see()
+    assert said.bad == 4
+    assert len(json.dumps(said.to_dict())) < 10_000
+    async with client(path) as asked:
+        assert len((await asked.get("/api/v1/monitors")).content) < 20_000
 
 
 @pytest.fixture(scope="module")

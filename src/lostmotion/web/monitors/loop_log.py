@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from lostmotion.web.monitors.said import Point, Said, Silence, moment_of, number, words_of
+from lostmotion.web.monitors.said import Point, Said, Silence, is_plausible, moment_of, number, remembered, words_of
 
 POINTS = 1000  # of the history; every other one goes where there are more
 EVENTS, NOTES = 50, 20  # that are remembered
@@ -38,13 +38,15 @@ class LoopLog:
         if kind == "start":
             self._start, self._failure = message, ""
         elif kind == "report":
+            if not is_plausible(message):
+                return False
             self._report = message
             self.silence.take(message, number({"start": self._start}, "start", "dt"))
             self.add(message.get("time"), *(number(message, "width", key) for key in ("value", "low", "high")))
         elif kind == "event":
-            self._events.append(message)
+            self._events.append(remembered(message))
         elif kind == "note":
-            self.notes.append(message)
+            self.notes.append(remembered(message))
         elif kind == "failed":
             self._failure = words_of(message, "message") or "it does not say why"
         else:

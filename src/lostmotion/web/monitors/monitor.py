@@ -16,10 +16,10 @@ from urllib.parse import unquote
 from lostmotion.errors import LostMotionError, one_line
 from lostmotion.files.schema import parsed
 from lostmotion.web.monitors.loop_log import NOTES, LoopLog
-from lostmotion.web.monitors.said import Said, words_of
+from lostmotion.web.monitors.said import Said, is_small, remembered, words_of
 from lostmotion.web.monitors.state_file import is_state, state_log
 
-LONGEST = 1 << 20  # bytes of a line
+LONGEST = 1 << 16  # bytes of a line: a report has 3,000
 LONGEST_TAG = 200  # characters
 PIECE = 1 << 22  # bytes that are read at once
 MOST_LOOPS = 2000  # of one file or folder
@@ -99,7 +99,7 @@ class Lines:
         if seen != self._seen:
             self._follow(facts)
             self._seen = seen
-        own: dict[str, Any] = {"lines": self._lines, "bad": self._bad}
+        own: dict[str, Any] = {"lines": self._lines, "bad": self._bad + (len(self._rest) > LONGEST)}
         notes = tuple(reversed(self._notes))
         if self._logs:
             return tuple(log.said(now, self._link, notes, **own) for log in self._logs.values())
@@ -122,8 +122,7 @@ class Lines:
 
     def _take(self, piece: bytes, by: float) -> None:
         *whole, self._rest = (self._rest + piece).split(b"\n")
-        if len(self._rest) > LONGEST:
-            self._rest, self._bad = b"", self._bad + 1
+        self._rest = self._rest[: LONGEST + 1]  # of a longer line, which is bad already, the end is only waited for
         for line in whole:
             if line.strip():
                 self._lines += 1
@@ -135,17 +134,17 @@ class Lines:
             json.dumps(message, ensure_ascii=False).encode()  # halves of characters can be shown nowhere
         except ValueError:
             return False
-        if not isinstance(message, dict):
+        if not isinstance(message, dict) or not is_small(message):
             return False
         tag, kind = message.get("tag", ""), message.get("kind")
         if not isinstance(tag, str) or len(tag) > LONGEST_TAG:
             return False
         if not tag and kind in LINK:
             self._link = words_of(message, "message") or "lost" if kind == "lost" else ""
-            self._notes.append(message)
+            self._notes.append(remembered(message))
             return True
         if not tag and kind == "note" and "tag" in message:
-            self._notes.append(message)
+            self._notes.append(remembered(message))
             return True
         if tag not in self._logs and len(self._logs) >= MOST_LOOPS:
             return False

@@ -16,6 +16,10 @@ SHOWN = ("width", "left", "right", "slope_ratio")
 LATE = 3.0  # times as long as from report to report: then something has ended
 LEAST = 30.0  # s of silence that mean nothing
 LEFT_OUT = ("missing", "manual", "saturated", "frozen")  # of the counts of a report: samples that taught nothing
+SIGNED = ("left", "right")  # of them those that may be negative
+LEAST_SIZE, LARGEST_SIZE = 1e-12, 1e12  # of a size that is none of 0: beyond, no valve and no chart has any
+LONGEST = 1000  # characters of a text that is remembered
+MOST_VALUES = 500  # of a report: it has some 100
 LATEST = datetime(9000, 1, 1, tzinfo=UTC).timestamp()
 Point = tuple[Any, float, float | None, float | None]
 
@@ -203,16 +207,51 @@ def words_of(message: Mapping[str, Any], *path: str) -> str:
     for name in path:
         found = found.get(name) if isinstance(found, dict) else None
     if isinstance(found, str):
-        return one_line(found)[:1000]
+        return one_line(found)[:LONGEST]
     return f"{found:.10g}" if isinstance(found, int | float) and not isinstance(found, bool) else ""
+
+
+def is_plausible(report: Mapping[str, Any]) -> bool:
+    """Whether the time and the sizes of a report can be those of a monitor: only such can be drawn."""
+    time = report.get("time")
+    if isinstance(time, int | float) and not 0.0 <= time < LATEST:
+        return False
+    return all(_is_size(report.get(name), name in SIGNED) for name in SHOWN)
+
+
+def _is_size(group: Any, signed: bool) -> bool:
+    given = group if isinstance(group, dict) else {}
+    found = [given[key] for key in ("value", "standard_error", "low", "high") if _is_number(given.get(key))]
+    sizes = all(value == 0 or LEAST_SIZE <= abs(value) < LARGEST_SIZE for value in found)
+    return sizes and (signed or not _is_number(given.get("value")) or given["value"] >= 0)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def is_small(message: Any) -> bool:
+    """Whether a message has no more values, however deep, than one of a monitor."""
+    inside, count = [message], 0
+    while inside and count <= MOST_VALUES:
+        one = inside.pop()
+        count += 1
+        inside += one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
+    return count <= MOST_VALUES
+
+
+def remembered(message: Mapping[str, Any]) -> dict[str, Any]:
+    """Single values of a message, its texts cut: what of the many that are remembered can be shown."""
+    single = {name: value for name, value in message.items() if not isinstance(value, dict | list)}
+    return {name: value[:LONGEST] if isinstance(value, str) else value for name, value in single.items()}
 
 
 def number(message: Mapping[str, Any] | None, name: str, key: str) -> float | None:
     """Finite number of a message; None where there is none."""
     group = (message or {}).get(name)
     value = group.get(key) if isinstance(group, dict) else None
-    good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return float(value) if good and value is not None and abs(value) < 1e12 else None
+    good = _is_number(value) and math.isfinite(value) and abs(value) < LARGEST_SIZE
+    return float(value) if good else None
 
 
 def count_of(message: Any, name: str) -> int:

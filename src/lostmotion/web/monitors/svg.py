@@ -17,6 +17,7 @@ from lostmotion.report.plant.words import UNITS, moment_words
 from lostmotion.web.monitors.said import Point
 
 GAP = 3.0  # usual times between two reports
+DIGITS = 6  # of seconds: closer reports are one
 LONE = 0.006  # of the axis: what is drawn of a report between two gaps
 
 
@@ -74,4 +75,4 @@ def _seconds(time: Any) -> float | None:
         except ValueError:
             return None
         return (moment.replace(tzinfo=None) - datetime(1970, 1, 1)).total_seconds()
-    return float(time) if isinstance(time, int | float) else None
+    return round(float(time), DIGITS) if isinstance(time, int | float) else None
