@@ -25,6 +25,8 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import Self
 
+from lostmotion.printable import printable
+
 LONGEST = 1000  # characters of one part of a message: a file may hold a cell of a gigabyte
 
 
@@ -37,7 +39,7 @@ def one_line(text: str) -> str:
     ('a\\nb', 1003)
     """
     cut = text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} .. {text[1 - LONGEST // 2 :]}"
-    return "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in cut)
+    return printable(cut).replace("\n", "\\n")
 
 
 class LostMotionError(Exception):

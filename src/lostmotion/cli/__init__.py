@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 import lostmotion
-from lostmotion.cli.closed_output import SHOWN, full_output
+from lostmotion.cli.closed_output import SHOWN, echo, full_output
 from lostmotion.cli.commands import PLAIN, Commands
 from lostmotion.cli.exit_codes import ATTENTION, exit_code
 from lostmotion.cli.failure import say_error
@@ -29,7 +29,7 @@ app = typer.Typer(
 
 def _say_version(asked: bool) -> None:
     if asked:
-        typer.echo(f"lostmotion {lostmotion.__version__}")
+        echo(f"lostmotion {lostmotion.__version__}")
         raise typer.Exit
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.closed_output import echo, echo_data
 from lostmotion.cli.options import number
 from lostmotion.cli.output import Figure, OutputOptions
 from lostmotion.cli.progress import progress
@@ -135,7 +136,7 @@ def _audited(
         return lm.audit(source, store, loops=loops, progress=_progress, **vars(how), **vars(what), **reading)
     except KeyboardInterrupt:
         progress("")
-        typer.echo(f"stopped; what is done is kept in {store}: the same command goes on from there", err=True)
+        echo(f"stopped; what is done is kept in {store}: the same command goes on from there", err=True)
         raise typer.Exit(1) from None
 
 
@@ -152,7 +153,7 @@ def _propose(given: list[str], loops: Path | None) -> None:
 
     if loops is not None:
         raise typer.BadParameter("a list is proposed; leave --loops out", param_hint="--loops")
-    typer.echo(propose(given if len(given) > 1 else given[0]), nl=False)
+    echo_data(propose(given if len(given) > 1 else given[0]))
 
 
 def _upgrade(given: list[str]) -> None:
@@ -160,7 +161,7 @@ def _upgrade(given: list[str]) -> None:
 
     for one in given:
         before, after = upgrade(one)
-        typer.echo(f"{one}: version {before}, as this package" if before == after else f"{one}: {before} -> {after}")
+        echo(f"{one}: version {before}, as this package" if before == after else f"{one}: {before} -> {after}")
 
 
 def _refuse(written: ReportOptions, output: OutputOptions) -> None:

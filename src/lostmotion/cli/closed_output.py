@@ -9,14 +9,25 @@ from contextvars import ContextVar
 import typer
 
 from lostmotion.errors import FileAccessError
+from lostmotion.printable import printable
 
 SHOWN: ContextVar[bool] = ContextVar("shown", default=False)  # JSON of a result is on standard output
+
+
+def echo(text: str, *, err: bool = False, end: bool = True) -> None:
+    """Print, on standard error or standard output, what a terminal can only show: the one place where commands do."""
+    typer.echo(printable(text), err=err, nl=end)
+
+
+def echo_data(text: str) -> None:
+    """Print what is read again as it stands; a terminal gets what it can only show."""
+    typer.echo(printable(text) if sys.stdout.isatty() else text, nl=False)
 
 
 def say(text: str, end: bool = True) -> None:
     """Print; where nobody reads on the work goes on, for its files and its exit code."""
     try:
-        typer.echo(text, nl=end)
+        echo(text, end=end)
     except BrokenPipeError:
         no_more_output()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -13,6 +14,7 @@ from lostmotion.cli.exit_codes import TABLE
 from lostmotion.cli.groups import spread
 from lostmotion.cli.pairs import named
 from lostmotion.cli.wording import OFFERED, RUNNING
+from lostmotion.errors import one_line
 
 COMMANDS = {  # the first line of each command's docstring; a test compares them
     "check": "Say what a record holds and what of it can be used: "
@@ -38,6 +40,7 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "warm-up": "Compile everything for this processor now, once, so that no later command waits for it.",
     "paper": "Make the tables and figures of the ICINCO 2010 paper again, beside the published values.",
 }
+USAGE_ERROR: Any = typer.BadParameter.__base__  # with its other kinds; Typer has no name for it
 PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}
 
 
@@ -79,12 +82,32 @@ class Loaded(Mapping[str, Any]):
         return len(COMMANDS)
 
 
+@contextmanager
+def _shown_errors() -> Iterator[None]:
+    """Errors of wrong usage name words as they were typed, or as a pattern of the shell has found them."""
+    try:
+        yield
+    except USAGE_ERROR as error:
+        error.message = one_line(error.message)
+        raise
+
+
 class Commands(TyperGroup):
-    """Group that shows its commands without loading them."""
+    """Group that shows its commands without loading them, and wrong usage so that a terminal only shows it."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.commands = Loaded()  # type: ignore[assignment]  # nobody adds to it
+
+    def make_context(self, *given: Any, **settings: Any) -> Any:
+        """As the parent does."""
+        with _shown_errors():
+            return super().make_context(*given, **settings)
+
+    def invoke(self, ctx: Any) -> Any:
+        """As the parent does."""
+        with _shown_errors():
+            return super().invoke(ctx)
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  the signature of the parent
         """Names in the order of work."""

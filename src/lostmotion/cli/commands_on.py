@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Collection, Mapping, Sequence
 
 from lostmotion.addresses import without_password
 from lostmotion.cli.wording import FLAGS, OFFERED, option_of
+from lostmotion.printable import shell_line
 
 MOST = 6  # commands under a message
 
@@ -37,7 +37,7 @@ def commands_on(error: Exception, words: Sequence[str], offered: Collection[str]
         options = [_option(name, value) for name, value in way.items()]
         if all(option[0] in known for option in options):
             values = {option[0]: len(option) - 1 for option in options}
-            lines.append(shlex.join([*_without(shown, values), *(word for option in options for word in option)]))
+            lines.append(shell_line([*_without(shown, values), *(word for option in options for word in option)]))
     return lines
 
 

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.online import stop_on_signals
 from lostmotion.cli.options import number
 from lostmotion.errors import ParameterError
+from lostmotion.printable import shell_word
 
 if TYPE_CHECKING:
     from threading import Event
@@ -64,20 +66,20 @@ def _plant(plc: str | None) -> VirtualPlant:
 
 
 async def _served(server: DemoServer, stop: Event, seconds: float | None, files: Path | None) -> None:
-    typer.echo("INSECURE: a bench on this machine, whose every user may write to it; no plant.", err=True)
+    echo("INSECURE: a bench on this machine, whose every user may write to it; no plant.", err=True)
     async with server:
         made = None
         if files is not None:
             from lostmotion.live.demo_files import demo_files
 
             made = demo_files(files, server.address, server.plant.loops["TIC-103"], server.period)
-        typer.echo(_introduction(server.address, server.period, made))
+        echo(_introduction(server.address, server.period, made))
         await server.run(stop, math.inf if seconds is None else seconds)
 
 
 def _introduction(address: str, dt: float, made: Path | None) -> str:
     heat = "--op 'ns=2;s=TY103.OP_OUT' --pv 'ns=2;s=TIC103.PV' --orders 1,0,1"
-    write = f"\n  lostmotion live {shlex.quote(str(made))} --write --insecure" if made is not None else ""
+    write = f"\n  lostmotion live {shell_word(str(made))} --write --insecure" if made is not None else ""
     return f"""Plant at {address}: level LIC101 and flow FIC102 with backlash, temperature TIC103 with a dead zone of 4,
 blocks LY101, FY102 and TY103.
 

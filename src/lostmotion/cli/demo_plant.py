@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from lostmotion.cli.output import Force, PrintOptions
 from lostmotion.cli.progress import progress
+from lostmotion.printable import shell_word
 
 if TYPE_CHECKING:
     from lostmotion.evaluate.plants import LoopTruth
@@ -105,7 +105,7 @@ def _summary(folder: Path, truth: tuple[LoopTruth, ...], plant: PlantOptions) ->
         f"oscillate. The list of the loops is {LIST}. The answer key is {TRUTH}.",
         SOME if plant.moves else NONE,
     )
-    place, list_ = shlex.quote(str(folder)), shlex.quote(str(folder / LIST))
+    place, list_ = shell_word(str(folder)), shell_word(str(folder / LIST))
     return "\n".join(
         [
             *(fill(one, WIDTH) for one in paragraphs),

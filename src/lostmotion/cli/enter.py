@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable
 
-import typer
+from lostmotion.cli.closed_output import echo
 
 HINT = "Press Enter for the address of another browser, or after the window was closed. Ctrl-C ends the page."
 
@@ -25,7 +25,7 @@ def print_on_enter(fresh: Callable[[], str]) -> None:
         return
     if hasattr(signal, "SIGTTIN"):  # a page that was put into the background goes on, without listening
         signal.signal(signal.SIGTTIN, signal.SIG_IGN)
-    typer.echo(HINT, err=True)
+    echo(HINT, err=True)
     threading.Thread(target=_listen, args=(sys.stdin.fileno(), fresh), daemon=True).start()
 
 
@@ -33,7 +33,7 @@ def _listen(terminal: int, fresh: Callable[[], str]) -> None:
     """Line by line from the descriptor itself: a thread inside `sys.stdin` would keep the program from ending."""
     try:
         while os.read(terminal, 1024):
-            typer.echo(fresh())
+            echo(fresh())
             sys.stdout.flush()
     except OSError:
         return

@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-import typer
-
-from lostmotion.cli.closed_output import SHOWN, say
+from lostmotion.cli.closed_output import SHOWN, echo, say
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import message
@@ -20,4 +18,4 @@ def say_error(error: LostMotionError | ImportError, as_json: bool, words: Sequen
     said, lines = one_line(message(error)), commands_on(error, words)
     if isinstance(error, LostMotionError) and as_json and not SHOWN.get():
         say(json.dumps({"error": type(error).__name__, "message": said} | ({"commands": lines} if lines else {})))
-    typer.echo("\n".join([f"error: {said}", *(f"    {line}" for line in lines)]), err=True)
+    echo("\n".join([f"error: {said}", *(f"    {line}" for line in lines)]), err=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from lostmotion.cli.next_steps import typed
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.sources import content_of, loops_in, words_of
+from lostmotion.printable import shell_line
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ def listed_loops(file: Path, columns: RecordOptions) -> ListedLoops | None:
     found = {name: content.columns(name) for name in loops}
     words = [*words_of(file), *typed(columns)]
     commands = (
-        f"lostmotion {shlex.join(['check', *words, '--loop', loops[0]])}",
-        f"lostmotion {shlex.join(['diagnose', *words])}",
+        f"lostmotion {shell_line(['check', *words, '--loop', loops[0]])}",
+        f"lostmotion {shell_line(['diagnose', *words])}",
     )
     return ListedLoops(file, found, {name: loop_type(name) for name in loops}, commands)
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.live_write import Write, one_at_a_time, supervised
 from lostmotion.cli.online import Auto, EstimatorOptions, WatchOptions, Width, stop_on_signals
@@ -106,7 +107,7 @@ class LinkOptions:
             raise ParameterError.expected("--insecure without a user file", user, "leave one of them out")
         identity = Identity(pki, None if self.insecure else user_from(user))
         if self.insecure:
-            typer.echo(INSECURE, err=True)
+            echo(INSECURE, err=True)
         return lambda: connected(address, identity, TrustStore(pki), self.insecure)
 
 
@@ -154,7 +155,7 @@ def live(
         return
     connect = link.connect(address, said, folder)
     if link.discover:
-        typer.echo(asyncio.run(_discovered(connect)), nl=False)
+        echo(asyncio.run(_discovered(connect)), end=False)
         return
     from lostmotion.live.watch import Kinds
 
@@ -232,17 +233,17 @@ def _trust(address: str, link: LinkOptions) -> None:
     from lostmotion.live.opcua.trust import TrustStore
 
     shown = asyncio.run(introduced(address))
-    typer.echo(str(shown))
+    echo(str(shown))
     if link.fingerprint is not None:
         shown.refuse_other(link.fingerprint)
     elif not sys.stdin.isatty() or not typer.confirm("Is this the fingerprint that the server itself shows?"):
         raise ParameterError.expected("--fingerprint, or a yes", "neither", "compare it at the server first")
-    typer.echo(f"believed: {shown.believed(TrustStore(link.pki or default_pki()))}")
+    echo(f"believed: {shown.believed(TrustStore(link.pki or default_pki()))}")
 
 
 def _emit(message: dict[str, Any]) -> None:
-    typer.echo(json_module.dumps(message, allow_nan=False))
+    echo(json_module.dumps(message, allow_nan=False))
     if sys.stderr.isatty():
         from lostmotion.report.online_text import online_line
 
-        typer.echo(f"{message['tag']}  {online_line(message)}", err=True)
+        echo(f"{message['tag']}  {online_line(message)}", err=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.sources import Source, words_of
+from lostmotion.printable import shell_line
 
 if TYPE_CHECKING:
     from lostmotion.diagnose import Diagnosis
@@ -296,4 +296,4 @@ def flags(given: Mapping[str, Any]) -> list[str]:
 
 def line(*words: str) -> str:
     """A command to paste."""
-    return f"lostmotion {shlex.join(words)}"
+    return f"lostmotion {shell_line(words)}"

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.identify import Noise, read_noise, read_orders
 from lostmotion.cli.options import ColumnOptions, number
@@ -193,8 +194,8 @@ def stop_on_signals() -> Iterator[Event]:
 
 
 def _emit(message: dict[str, Any]) -> None:
-    typer.echo(json_module.dumps(message, allow_nan=False))
+    echo(json_module.dumps(message, allow_nan=False))
     if sys.stderr.isatty():
         from lostmotion.report.online_text import online_line
 
-        typer.echo(online_line(message), err=True)
+        echo(online_line(message), err=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.several import modes_as_options
 from lostmotion.cli.sources import words_of
 from lostmotion.cli.wording import as_options
+from lostmotion.printable import shell_line
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -47,7 +47,7 @@ def next_command(found: CheckedRecord, file: Path, columns: RecordOptions) -> st
         The record as it was read.
     """
     if found.usable:
-        return f"lostmotion {shlex.join(['diagnose', *words_of(file), *typed(columns)])}"
+        return f"lostmotion {shell_line(['diagnose', *words_of(file), *typed(columns)])}"
     return "export the record again, longer or without compression, and check that file"
 
 

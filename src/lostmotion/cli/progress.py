@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.cli.closed_output import echo
+from lostmotion.errors import one_line
 
 if TYPE_CHECKING:
     from lostmotion.records import LoopRecord
@@ -28,7 +30,8 @@ def compiling(done: int) -> None:
 def progress(text: str) -> None:
     """Replace the last line of a terminal by `text`; an empty text takes it away."""
     if sys.stderr.isatty():
-        typer.echo(f"\r\x1b[K{WHERE.get() if text else ''}{text}", err=True, nl=False)
+        typer.echo("\r\x1b[K", err=True, nl=False)
+        echo(one_line(f"{WHERE.get()}{text}") if text else "", err=True, end=False)
 
 
 def read_with_progress(path: Path, **settings: Any) -> LoopRecord:

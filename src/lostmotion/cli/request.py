@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.online import stop_on_signals
 from lostmotion.cli.options import number
 from lostmotion.cli.output import Json, OutputOptions
@@ -116,9 +117,9 @@ def _asked(plant: PlantFile, block: BlockSettings, fit: Path, who: str, json: bo
             stop.wait(LOOK)
     finally:
         if not taken and out.withdraw():
-            typer.echo("Nobody took the request; it is withdrawn, and nothing was asked.", err=True)
+            echo("Nobody took the request; it is withdrawn, and nothing was asked.", err=True)
     if taken:
-        typer.echo(f"No answer yet; see {supervision.log}.", err=True)
+        echo(f"No answer yet; see {supervision.log}.", err=True)
     return False
 
 
@@ -142,4 +143,4 @@ def _lines(log: Path, name: str) -> Iterator[list[dict[str, Any]]]:
 def _show(line: dict[str, Any], json: bool) -> None:
     import json as json_module
 
-    typer.echo(json_module.dumps(line) if json else f"{line['event']} by {line['who']}: {line['answer']}")
+    echo(json_module.dumps(line) if json else f"{line['event']} by {line['who']}: {line['answer']}")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lostmotion.addresses import is_url
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.options import number
 from lostmotion.errors import FileAccessError, ParameterError
 from lostmotion.extras import need_extra
@@ -83,7 +84,7 @@ def _serve(
     desk = None if read_only and not files else Desk(keep, files)
 
     def ready(address: str, fresh: Callable[[], str]) -> None:
-        typer.echo(address)
+        echo(address)
         sys.stdout.flush()
         if open_browser:
             open_in_browser(address)
@@ -140,7 +141,7 @@ def _door(bind: str, port: int, token_file: Path | None, public_url: str | None)
             f"--token-file for {bind}, which other machines reach", "none", "make one, or leave --bind out"
         )
     if not is_local(bind):
-        typer.echo(
+        echo(
             f"{bind} is open to other machines: whoever has the token sees all that is here, and reviews it. Nothing "
             "is encrypted: whoever reads the network reads the token too. Put it behind a tunnel (ssh -L) or a proxy "
             "with TLS.",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import re
-import shlex
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -14,14 +13,15 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import typer
 
-from lostmotion.cli.closed_output import SHOWN, say
+from lostmotion.cli.closed_output import SHOWN, echo, say
 from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.options import RecordOptions
 from lostmotion.cli.output import PrintOptions
 from lostmotion.cli.progress import WHERE, progress
 from lostmotion.cli.sources import TYPED, named_as, words_of
 from lostmotion.cli.wording import RUNNING, as_options, message
-from lostmotion.errors import FileAccessError, LostMotionError
+from lostmotion.errors import FileAccessError, LostMotionError, one_line
+from lostmotion.printable import label, shell_word
 
 
 class Reported(Protocol):
@@ -107,7 +107,7 @@ def each(
         if quiet:
             say(("," if number else "[") + indent(f"\n{json.dumps(kept[-1], indent=2, allow_nan=False)}"), end=False)
         elif not stopped:
-            say(line(file.stem, outcome.result, outcome.said))
+            say(line(label(file.stem), outcome.result, outcome.said))
         outcomes.append(_wrote(outcome, write))
         now = _kept(outcomes, kept, keep)
     return now
@@ -146,7 +146,7 @@ def _watched(file: Path, work: Callable[[Path], Result], number: int, total: int
         progress("..")
         return _tried(file, work)
     except KeyboardInterrupt:
-        typer.echo(f"stopped at {file}: {number} of {total} files are done", err=True)
+        echo(f"stopped at {one_line(str(file))}: {number} of {total} files are done", err=True)
         return Outcome(file, None, STOPPED, LEFT)
     finally:
         progress("")
@@ -177,7 +177,7 @@ def modes_as_options(text: str) -> str:
 
 def _auto_value(shown: str) -> str:
     try:
-        return f"--auto-value {shlex.quote(ast.literal_eval(shown))}"
+        return f"--auto-value {shell_word(ast.literal_eval(shown))}"
     except (SyntaxError, ValueError, TypeError):  # several words
         return as_options("automatic=(..)")
 
@@ -223,7 +223,7 @@ def tell(
         steps = None if next_steps is None else list(next_steps(found[0].file, found[0].result))
         text = f"{text}\n{_next(steps)}" if steps else text
     else:
-        text = "\n" + table([(one.file.stem, one.result) for one in found])
+        text = "\n" + table([(label(one.file.stem), one.result) for one in found])
     if len(found) > 1 and output.json:
         say("\n]")
         SHOWN.set(True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from functools import lru_cache
@@ -15,6 +14,7 @@ from lostmotion.cli.commands_on import commands_on
 from lostmotion.cli.progress import progress
 from lostmotion.cli.wording import RUNNING, message
 from lostmotion.errors import InputError
+from lostmotion.printable import shell_line
 
 if TYPE_CHECKING:
     from lostmotion.cli.options import RecordOptions
@@ -68,7 +68,7 @@ class Source(_Path):
         if not self.words:
             return super().__str__()
         typed = [*words_of(self), *named]
-        return shlex.join(typed) if len(typed) > 1 else typed[0]
+        return shell_line(typed) if len(typed) > 1 else typed[0]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Source) and (self.words, self.loop) == (other.words, other.loop)
@@ -79,14 +79,15 @@ class Source(_Path):
 
 def words_of(file: Path) -> list[str]:
     """What is typed for a file, without the options."""
-    return [without_password(word) for word in file.words] if isinstance(file, Source) else [str(file)]
+    words = [without_password(word) for word in file.words] if isinstance(file, Source) else [str(file)]
+    return [f"./{word}" if word.startswith("-") else word for word in words]  # a name, and no option
 
 
 def named_as(file: Path) -> dict[str, str]:
     """File, and the loop of it where one of several is meant, JSON-ready."""
     loop = file.loop if isinstance(file, Source) else None
     words = words_of(file)
-    named = {"file": shlex.join(words) if len(words) > 1 else words[0]}
+    named = {"file": shell_line(words) if len(words) > 1 else words[0]}
     return named if loop is None else {**named, "loop": loop}
 
 

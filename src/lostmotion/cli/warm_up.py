@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import typer
 
 import lostmotion as lm
+from lostmotion.cli.closed_output import echo
 from lostmotion.cli.progress import progress
 
 
@@ -21,7 +21,7 @@ def warm_up() -> None:
 
     _run_everything()
     progress("")
-    typer.echo(f"Compiled, in {FOLDER}")
+    echo(f"Compiled, in {FOLDER}")
 
 
 def _run_everything() -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
-import shlex
 from collections.abc import Collection
 from contextvars import ContextVar
+
+from lostmotion.printable import shell_word
 
 # Settings of the library that errors name -> options; a command that lacks the option cannot follow the advice.
 OPTIONS = {
@@ -156,4 +157,4 @@ def _words(name: str, value: str) -> str:
         parts = re.findall(r"\w+", value)
         return " ".join(part.upper() for part in parts) if parts else WORDS.get(name, "VALUE")
     listed = list(known.values()) if isinstance(known, dict) else known if isinstance(known, list | tuple) else [known]
-    return " ".join(shlex.quote(str(part)) for part in listed)
+    return " ".join(shell_word(str(part)) for part in listed)

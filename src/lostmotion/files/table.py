@@ -84,7 +84,7 @@ def unique_names(names: Sequence[str]) -> list[str]:
     >>> unique_names(["time", "PV", "PV ", ""])
     ['time', 'PV (1)', 'PV (2)', 'column 4']
     """
-    filled = [name.strip() or f"column {place + 1}" for place, name in enumerate(names)]
+    filled = [" ".join(name.split("\n")).strip() or f"column {place + 1}" for place, name in enumerate(names)]
     total = Counter(filled)
     seen: Counter[str] = Counter()
     unique = []

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 _MARKS = {"%": "%25", "|": "%7C", "&": "%26", "#": "%23", "\n": "%0A", "\r": "%0D"}  # % first
+_UNSHOWN = re.compile("%u([0-9a-f]{4})|%U([0-9a-f]{8})")  # a sign that no terminal and no list of loops should meet
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,19 @@ def _parsed(line: str) -> Place:
 def _marked(name: str) -> str:
     for sign, code in _MARKS.items():
         name = name.replace(sign, code)
-    return name
+    return "".join(sign if sign.isprintable() else _code(ord(sign)) for sign in name)
+
+
+def _code(number: int) -> str:
+    return f"%u{number:04x}" if number < 1 << 16 else f"%U{number:08x}"
 
 
 def _plain(name: str) -> str:
+    name = _UNSHOWN.sub(lambda found: _sign(int(found[1] or found[2], 16), found[0]), name)
     for sign, code in reversed(_MARKS.items()):
         name = name.replace(code, sign)
     return name
+
+
+def _sign(number: int, otherwise: str) -> str:
+    return chr(number) if number <= sys.maxunicode else otherwise

@@ -16,6 +16,7 @@ from lostmotion.files.tags import isa, loop_type, same_tag, without_run
 from lostmotion.plant.extent import Extent
 from lostmotion.plant.source import Unread
 from lostmotion.plant.unit import Found, Unit
+from lostmotion.printable import label
 
 # FIC101_2024-01-31, flows.20240131_0600
 _DATED = re.compile(r"[-_. ]+(19|20)\d\d([-_.]?)(0[1-9]|1[0-2])(\2[0-3]\d)?([-_.T ]?\d{2,6}Z?){0,2}$")
@@ -69,7 +70,7 @@ def named(
     digest = cache(_digest)  # a file with many loops is asked for each of them
     by_tag: dict[str, list[Part]] = {}
     for part in parts:
-        by_tag.setdefault(_tag(part), []).append(part)
+        by_tag.setdefault(label(_tag(part)), []).append(part)
     found: list[Named] = []
     out: list[Unread] = []
     for tag, same in by_tag.items():

@@ -18,6 +18,7 @@ from lostmotion import _verbs
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.html_table import html_table
+from lostmotion.printable import label
 from lostmotion.records.span import about_unit
 from lostmotion.records.when import as_moment, bound, later, nothing_there
 
@@ -115,8 +116,13 @@ class LoopRecord:
             span = getattr(self, name)
             if span is not None and not span[0] < span[1]:
                 raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+        self._set_labels()
         self._set_span()
         self._set_clock()
+
+    def _set_labels(self) -> None:
+        for name in ("tag", "source", "op_unit", "pv_unit"):
+            object.__setattr__(self, name, label(getattr(self, name)))
 
     def _set_span(self) -> None:
         """Span of OP by its unit, where none was given."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from collections import Counter
 
 from lostmotion.audit.health import Health, health_of
 from lostmotion.audit.plant_view import PlantView
 from lostmotion.audit.row_facts import in_span
 from lostmotion.audit.rules import FORCED
+from lostmotion.printable import printable, shell_word
 from lostmotion.report.fit_text import fill
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.words import (
@@ -42,7 +42,7 @@ def audit_summary(view: PlantView) -> str:
         _new(view),
         _next(view),
     ]
-    return _clean("\n".join(part for part in parts if part))
+    return printable("\n".join(part for part in parts if part))
 
 
 def _head(view: PlantView) -> str:
@@ -115,11 +115,6 @@ def _cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: width - 2]}.."
 
 
-def _clean(text: str) -> str:
-    """Without what would steer a terminal, whatever a plant's tags and files are called."""
-    return "".join(letter if letter.isprintable() or letter == "\n" else "?" for letter in text)
-
-
 def _groups(view: PlantView) -> str:
     if not view.groups:
         return ""
@@ -155,5 +150,5 @@ def _next(view: PlantView) -> str:
     if ranked:
         lines.append(f"  {next_command(view.by_tag[ranked[0].tag], ranked[0], view.run)}")
     if view.run.store:
-        lines.append(f"  lostmotion audit --show {shlex.quote(view.run.store)} --report plant.html")
+        lines.append(f"  lostmotion audit --show {shell_word(view.run.store)} --report plant.html")
     return "\n".join(["", "Next", *lines]) if lines else ""

@@ -340,7 +340,18 @@ def test_rows_of_many_loops_hold_the_order_of_their_own(tmp_path):
     np.testing.assert_array_equal(found["PIC103"].op, signals(2)["OP"])
 
 
+@pytest.mark.parametrize(
+    "sign", ["\x1b", "\n", "\r", "\t", "\x7f", "\x9b", "\u202e", "\udce9", "\U000e0041", "%", "%u001b"]
+)
+def test_addresses_of_any_name_can_be_shown(sign):
+    places = (Place((f"a{sign}.csv", "b.csv"), f"L{sign}"), Place((f"{sign}{sign}c",)))
+    line = written(places)
+    assert line.isprintable()
+    assert parsed(line) == places
+
+
 def test_addresses():
+    assert parsed("50%U00110000%u00.csv") == (Place(("50%U00110000%u00.csv",)),)
     places = (Place(("a|b&c#d%.csv", "e\nf.csv"), "x#y"), Place(("unit 1/g.csv",)))
     assert parsed(written(places)) == places
     assert "\n" not in written(places)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 from datetime import datetime
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from lostmotion.diagnose.evidence_words import KIND, probability
 from lostmotion.files.paths import is_pattern
 from lostmotion.plant import PlantLoop
 from lostmotion.plant.address import parsed
+from lostmotion.printable import shell_line, shell_word
 from lostmotion.report.digits import FINEST, digits, plain, span
 from lostmotion.store.rows import MEASUREMENT, UNDATED, AssessmentRow, Stage
 
@@ -249,7 +249,7 @@ def next_step(row: AssessmentRow) -> str:
 def typed_place(loop: PlantLoop, run: RunFacts) -> str:
     """Where the data of a loop lie, as a command takes it."""
     files, name = files_of(loop, run)
-    return shlex.join([*files, *(["--loop", name] if name else [])]) if files else shlex.quote(f"{loop.tag}.csv")
+    return shell_line([*files, *(["--loop", name] if name else [])]) if files else shell_word(f"{loop.tag}.csv")
 
 
 def files_of(loop: PlantLoop, run: RunFacts) -> tuple[list[str], str]:
@@ -270,7 +270,7 @@ def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
     if row.stage is Stage.FAILED and loop.where:
         return f"lostmotion check {file}"
     if row.stage is not Stage.ASSESSED and not row.rule and run.store:
-        return f"lostmotion audit {shlex.join(run.sources)} --store {shlex.quote(run.store)}"
+        return f"lostmotion audit {shell_line(run.sources)} --store {shell_word(run.store)}"
     untellable = row.stage is Stage.SCREENED and not row.value  # a diagnosis would tell nothing
     if row.rule in MEASUREMENT or not row.fit_for_use or untellable:
         return f"lostmotion check {file}"
@@ -280,7 +280,7 @@ def next_command(loop: PlantLoop, row: AssessmentRow, run: RunFacts) -> str:
         not run.number and row.verdict in FAULTS and row.size is not None
     ):  # it is diagnosed already: what closes the gate, and what opens it
         return f"lostmotion solve {file}"
-    return f"lostmotion diagnose {file} --figure {shlex.quote(loop.tag + '.png')}"
+    return f"lostmotion diagnose {file} --figure {shell_word(loop.tag + '.png')}"
 
 
 def may_be_studied(row: AssessmentRow) -> bool:

@@ -250,8 +250,8 @@ def number(message: Mapping[str, Any] | None, name: str, key: str) -> float | No
     """Finite number of a message; None where there is none."""
     group = (message or {}).get(name)
     value = group.get(key) if isinstance(group, dict) else None
-    good = _is_number(value) and math.isfinite(value) and abs(value) < LARGEST_SIZE
-    return float(value) if good else None
+    good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return float(value) if good and value is not None and abs(value) < LARGEST_SIZE else None
 
 
 def count_of(message: Any, name: str) -> int:
