@@ -11,6 +11,9 @@ import numpy.typing as npt
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
+LARGEST = 1e100  # of a number that is handed in: its square, and that of its reciprocal, are numbers
+SHORTEST, LONGEST = 1e-12, 1e12  # s, of a sampling time or a scan
+
 
 def finite(name: str, value: float) -> float:
     """`value` as a finite float, or a ParameterError that names it."""
@@ -20,6 +23,16 @@ def finite(name: str, value: float) -> float:
         number = math.nan
     if not math.isfinite(number):
         raise ParameterError.expected(f"finite {name}", value, "give a number")
+    if abs(number) > LARGEST:
+        raise ParameterError.expected(f"{name} within +-{LARGEST:g}", value, "give a number that a plant can have")
+    return number
+
+
+def seconds(name: str, value: float) -> float:
+    """`value` as a sampling time, or a ParameterError that names it."""
+    number = positive(name, value)
+    if not SHORTEST <= number <= LONGEST:
+        raise ParameterError.expected(f"{name} from {SHORTEST:g} to {LONGEST:g} s", value, "give it in seconds")
     return number
 
 
@@ -28,6 +41,8 @@ def positive(name: str, value: float) -> float:
     number = finite(name, value)
     if number <= 0:
         raise ParameterError.expected(f"{name} > 0", value, "slopes and times are positive by convention")
+    if number < 1.0 / LARGEST:
+        raise ParameterError.expected(f"{name} from {1.0 / LARGEST:g} on", value, "give a number that a plant can have")
     return number
 
 
@@ -55,7 +70,7 @@ def coefficients(name: str, values: npt.ArrayLike) -> tuple[float, ...]:
     """One-dimensional coefficients as a tuple of finite floats."""
     try:
         array = np.asarray(values, dtype=np.float64)
-        good = array.ndim == 1 and bool(np.isfinite(array).all())
+        good = array.ndim == 1 and bool((np.abs(array) <= LARGEST).all())
     except (TypeError, ValueError):
         good = False
     if not good:

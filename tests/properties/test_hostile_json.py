@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lostmotion as lm
-from lostmotion.errors import DataError, FileAccessError
+from lostmotion.errors import DataError, FileAccessError, InputError
 from lostmotion.files import read_json
 from tests.support.exports import block
 from tests.support.hostile_values import mutants
@@ -74,3 +74,19 @@ def test_what_is_no_file_is_not_read(tmp_path):
     for path in ("/dev/zero", tmp_path):
         with pytest.raises(FileAccessError):
             read_json(path, "a fit", "..")
+
+
+@pytest.mark.parametrize("process", [{"b": [0.0]}, {"b": [0.0, 0.0]}, {"a": [1e308]}, {"b": [-1e150]}, {"dt": 5e-324}])
+def test_a_process_that_cannot_be_is_refused(fit, process, tmp_path):
+    path = tmp_path / "a.json"
+    linear = fit["model"]["linear"] | process
+    path.write_text(json.dumps(fit | {"model": fit["model"] | {"linear": linear}}))
+    with pytest.raises(DataError):
+        use(path)
+
+
+def test_a_fit_without_a_width_is_refused(fit, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(fit | {"parameters": fit["parameters"] | {"width": 0.0}}))
+    with pytest.raises(InputError):
+        use(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
@@ -18,6 +19,10 @@ from lostmotion.compensate.specification import SPECIFICATIONS, Specification, p
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels.blocks import core as kernel
 
+MOST_FACTOR = 2.0  # twice the lost motion: more than studies of wrong estimates ask for
+LEAST_SETTING, MOST_SETTING = 1e-12, 1e9  # 32 bits have room for their products; counts of scans go to 3e8
+FACTOR_NOTE = re.compile(r"factor (\d+(?:\.\d+)?):")
+NOTED = 1e-3  # of the factor: notes have three digits
 REFUSED = {
     1.0: ("low <= high, ramp_step >= 0, all finite", "low, high, ramp_step, safe"),
     2.0: ("factor, band, quiet, rate, cap >= 0, count_limit >= 1, all finite", "factor, band, quiet, rate, cap"),
@@ -108,9 +113,9 @@ class CompensatorBlock(Brief):
         if len(self.values) != len(named):
             raise ParameterError.expected(f"{len(named)} values", len(self.values), "use CompensatorBlock.of()")
         for variable, value in zip(named, self.values, strict=True):
-            if not math.isfinite(value):
-                raise ParameterError.expected(f"finite {variable.name.lower()}", value, "give a number")
+            _refuse_setting(variable.name.lower(), value)
         object.__setattr__(self, "values", tuple(float(value) for value in self.values))
+        object.__setattr__(self, "notes", _true_notes(self.notes, self.settings["factor"]))
         self.reset()
         self._refuse_unusable()
 
@@ -274,6 +279,24 @@ class CompensatorBlock(Brief):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.kind, self.scan_time, self.values, self.notes, self.accepted)
+
+
+def _refuse_setting(name: str, value: float) -> None:
+    """Raise the ParameterError of a setting that no block has; what belongs together the kernel checks itself."""
+    most = MOST_FACTOR if name == "factor" else MOST_SETTING
+    if not math.isfinite(value):
+        raise ParameterError.expected(f"finite {name}", value, "give a number")
+    if abs(value) > most or 0.0 < abs(value) < LEAST_SETTING:
+        remedy = "give a share of the lost motion" if name == "factor" else "give it in units of OP, or in scans"
+        raise ParameterError.expected(f"{name} as 0, or from {LEAST_SETTING:g} to {most:g}", value, remedy)
+
+
+def _true_notes(notes: tuple[str, ...], factor: float) -> tuple[str, ...]:
+    """Notes in which the share is the one in force: it can be changed, in a file as well."""
+    stated = [FACTOR_NOTE.match(note) for note in notes]
+    if all(found is None or abs(float(found[1]) - factor) <= NOTED for found in stated):
+        return notes
+    return (*(note for note, found in zip(notes, stated, strict=True) if found is None), f"factor {factor:.3f}: given")
 
 
 def _response(specification: Specification, outputs: Reals) -> BlockResponse:

@@ -211,7 +211,7 @@ def _size_of(facts: FitFacts) -> str:
 def _safe_share(facts: FitFacts, name: str, level: float) -> float:
     """Lower end of the interval of the size over the size."""
     lowest, size = facts.interval(name, level)[0], facts.parameters[name]
-    if not lowest > 0.0:
+    if not (lowest > 0.0 and size > 0.0):
         remedy = "record more moves of OP, or give factor"
         raise ParameterError.expected(f"a {name} that is surely above 0", f"{size:.3g} from {lowest:.3g}", remedy)
     return min(lowest / size, 1.0)

@@ -233,6 +233,9 @@ def block_behind_gate(
             found = Closed(f"a fit that shows a {fault}", facts.kind.name, "make the block from this fit")
     elif diagnosis is not None:
         found = _contradicted(fault, verdict_of(diagnosis))
+    factor = block.settings["factor"]
+    if found is None and factor > 1.0:
+        found = Closed("a factor up to 1", f"{factor:g}", "more than the lost motion is a relay in the loop: give less")
     if found is None or (block.accepted and reason is None):
         return block
     if reason is None:

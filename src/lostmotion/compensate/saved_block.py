@@ -6,12 +6,12 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from lostmotion.arguments import LONGEST, SHORTEST
 from lostmotion.compensate.block import CompensatorBlock
 from lostmotion.errors import DataError, InputError
 from lostmotion.files.fields import Fields
 from lostmotion.files.results import read_json
 from lostmotion.identify import FitFacts
-from lostmotion.identify.saved_fit import LONGEST, SHORTEST
 
 KEYS = ("kind", "scan_time", "settings")
 OTHER_KEYS = ("notes", "accepted")

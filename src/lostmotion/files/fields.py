@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
+from lostmotion.arguments import LARGEST
 from lostmotion.errors import DataError, InputError
 
 T = TypeVar("T")
@@ -134,10 +135,10 @@ class Fields:
 
 
 def as_number(value: object) -> float:
-    """Finite number that is no flag; else TypeError or ValueError."""
+    """Number that is no flag, and can be multiplied with another; else TypeError or ValueError."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise TypeError
-    if not math.isfinite(value):
+    if not abs(value) <= LARGEST:
         raise ValueError
     return float(value)
 

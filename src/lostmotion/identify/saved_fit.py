@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lostmotion.arguments import LONGEST, SHORTEST
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, Status
 from lostmotion.files.fields import Fields, as_list, as_number
@@ -21,7 +22,6 @@ from lostmotion.models import Hammerstein, LinearModel, NoiseModel, Nonlinearity
 from lostmotion.records.compression import MadeUp
 
 REMEDY = "use the JSON that was saved of a fit"
-SHORTEST, LONGEST = 1e-12, 1e12  # s
 NEEDED = (
     "status", "preferred", "model", "noise", "parameters", "covariance", "intervals_95", "evidence", "settings", "data",
 )  # fmt: skip
@@ -78,8 +78,15 @@ def _status(saved: Fields) -> Status:
 
 def _model(saved: Fields) -> Hammerstein:
     actuator = saved.made("nonlinearity", "an actuator that is identified", _actuator)
-    linear = saved.made("linear", "a linear process", LinearModel.from_dict)
+    linear = saved.made("linear", "a linear process that PV answers", _process)
     return Hammerstein(actuator, linear, saved.number("offset"))
+
+
+def _process(data: Any) -> LinearModel:
+    linear = LinearModel.from_dict(data)
+    if not any(linear.b):
+        raise ValueError("b is 0")
+    return linear
 
 
 def _dt(about: Fields, linear: LinearModel) -> float:

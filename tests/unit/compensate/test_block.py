@@ -15,7 +15,7 @@ from lostmotion.compensate import (
     block_from_fit,
     block_from_model,
 )
-from lostmotion.errors import DataError, InputError, ParameterError, Status
+from lostmotion.errors import DataError, GateError, InputError, ParameterError, Status
 from lostmotion.kernels.blocks import core as safeguards
 from lostmotion.records.white_noise import noise_of
 from tests.support.refusals import refusal
@@ -248,3 +248,36 @@ def test_plain_backlash_compensator():
     assert comp.step(5.0) == 5.0
     assert comp.to_dict() == {"kind": "backlash", "width": 1.0}
     assert "Backlash" in refusal(ParameterError, BacklashCompensator, ZONE)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("value", [1e308, -1e308, 1e150, 1e10, 5e-324, -5e-324, 1e-13, NAN, float("inf")])
+def test_no_setting_is_beyond_what_a_block_can_have(kind, value):
+    for variable in SPECIFICATIONS[kind].section("parameter"):
+        with pytest.raises(ParameterError, match=variable.name.lower()):
+            CompensatorBlock.of(kind, 1.0, {variable.name.lower(): value})
+
+
+@pytest.mark.parametrize("factor", [2.1, 10.0, 1e300])
+def test_a_factor_of_more_than_twice_the_lost_motion_is_refused(factor):
+    with pytest.raises(ParameterError, match="factor"):
+        block_from_model(ZONE, 1.0, factor=factor)
+
+
+def test_a_factor_above_1_goes_out_with_a_reason_only():
+    block = block_from_model(lm.Backlash(2.0), 1.0, factor=1.2)
+    with pytest.raises(GateError, match=r"a factor up to 1, got 1.2"):
+        lm.export.export(block, "st", name="FY_1", date="2026-01-01")
+    done = lm.export.export(block, "st", name="FY_1", date="2026-01-01", accept="A bench")
+    assert "A bench" in done.files["FY_1.st"]
+    assert done.replay(200).agrees
+
+
+def test_notes_tell_the_factor_in_force(fit):
+    block = block_from_fit(fit, span=(-10.0, 10.0))
+    assert block.notes == CompensatorBlock.from_dict(block.to_dict()).notes
+    for changed in (
+        block.with_settings(factor=0.5),
+        CompensatorBlock.from_dict(block.to_dict() | {"settings": block.settings | {"factor": 0.5}}),
+    ):
+        assert [note for note in changed.notes if note.startswith("factor")] == ["factor 0.500: given"]
