@@ -1,6 +1,6 @@
 """Small faults put into the source, one at a time: does the short stage of the tests find them?
 
-Run: ``python benchmarks/mutants.py`` (--seed for another sample, --near for a quick count)
+Run: ``python benchmarks/mutants.py`` (--seed for another sample, --near for a quick count, --from to go on)
 
 Faults are drawn at random, so many of each package: a sign, a bound that is turned round, a unit, two arguments that
 are swapped, a check that is removed. For each the tests of the short stage that run the line are asked, those of its
@@ -122,7 +122,8 @@ def drawn(seed: int) -> list[Fault]:
         files = sorted((ROOT / SOURCE / package).rglob("*.py"))
         found = [fault for file in files for fault in faults_of(file.relative_to(ROOT))]
         draw.shuffle(found)
-        kinds = sorted({fault.kind for fault in found}, key=lambda _: draw.random())
+        kinds = sorted({fault.kind for fault in found})
+        draw.shuffle(kinds)
         mine: list[Fault] = []
         for kind in islice(cycle(kinds), 10 * count):
             taken = {one.file for one in mine}
@@ -225,33 +226,35 @@ def main() -> int:
     """Draw, run, print a table."""
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument("--seed", type=int, default=0)
+    asked.add_argument("--from", type=int, default=1, dest="first", help="number of the fault to begin with")
     asked.add_argument("--at-once", type=int, default=2)
     asked.add_argument("--coverage", type=Path, help="of the short stage with contexts; without it, it is taken")
     asked.add_argument("--near", action="store_true", help="ask tests that are near instead: minutes, and fewer found")
     asked.add_argument("--list", action="store_true", help="print the faults only")
     given = asked.parse_args()
-    faults = drawn(given.seed)
+    faults = dict(enumerate(drawn(given.seed), start=1))
+    faults = {number: fault for number, fault in faults.items() if number >= given.first}
     if given.list:
-        print(*faults, sep="\n")
+        print(*(f"{number}. {fault}" for number, fault in faults.items()), sep="\n")
         return 0
     with tempfile.TemporaryDirectory() as folder:
         there = present()
         covered = None if given.near else coverage_of(given.coverage, Path(folder))
         tests = [
             tests_near(fault, there) if covered is None else [one for one in tests_of(fault, covered) if one in there]
-            for fault in faults
+            for fault in faults.values()
         ]
         copies: Queue[Path] = Queue()
         for number in range(given.at_once):
             copies.put(copied(Path(folder) / f"copy{number}"))
 
-        def run(fault: Fault, asked: list[str]) -> bool:
+        def run(number: int, asked: list[str]) -> bool:
             copy = copies.get()
             try:
-                said = outcome(fault, asked, copy)
+                said = outcome(faults[number], asked, copy)
             finally:
                 copies.put(copy)
-            print(f"{fault}\n    {said}", flush=True)
+            print(f"{number}. {faults[number]}\n    {said}", flush=True)
             return said.startswith("found")
 
         with ThreadPoolExecutor(given.at_once) as pool:
