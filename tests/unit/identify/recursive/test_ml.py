@@ -243,6 +243,14 @@ def test_before_the_start():
     assert np.isnan(rml.run([1.0], [2.0])["right"]).all()
 
 
+@pytest.mark.parametrize("gain", [None, QUICK.linear.gain])
+def test_a_trajectory_ends_at_the_estimate(gain):
+    rml = quick(gain=gain)
+    way, names = rml.run(*experiment(1, 400, QUICK)), ("left", "right", "left_slope", "right_slope")
+    found = rml.estimate.parameters
+    assert [way[name][-1] for name in names] == pytest.approx([found[name] for name in names], rel=1e-12)
+
+
 @pytest.mark.statistics
 def test_noise_and_information_of_an_estimate():
     rml = started(dt=0.1, noise=2)
