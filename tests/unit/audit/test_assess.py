@@ -114,8 +114,9 @@ def test_a_failure_is_a_row(monkeypatch, error, said):
     def broken(*given, **_):
         raise error
 
+    record, before = sticking()[0], looked()[0]  # kept for other tests: made before anything is broken
     monkeypatch.setattr(import_module("lostmotion.audit.assess.assess"), "diagnose_valve", broken)
-    row, trace = assess(LOOP, sticking()[0], looked()[0], SETTINGS)
+    row, trace = assess(LOOP, record, before, SETTINGS)
     assert (row.stage, row.error, trace) == (Stage.FAILED, said, None)
 
 
