@@ -1,4 +1,4 @@
-"""The stages: `make test` runs what is not `long`, `make test-all` the rest, and what touches kernels without the JIT.
+"""The stages: `make test` runs what is not `long`, `make test-all` all, and what touches kernels without the JIT.
 
 Hypothesis has the same examples in every run, new ones at the desk.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -30,9 +30,9 @@ SLOW_DOCTESTS = {  # without the JIT
 COMPILED = ("lostmotion.kernels", "tests.naive")  # a file that names one of them tests kernels or their twins
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what a stage leaves out, before marked tests are deselected."""
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None]:
+    """Mark what a stage leaves out, before the order is made random and marked tests are deselected."""
     for item in left_of_samples(items):
         item.add_marker(pytest.mark.long)
     compiled = {path: tests_kernels(path) for path in {item.path for item in items}}
@@ -41,6 +41,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.statistics)
         if compiled[item.path]:
             item.add_marker(pytest.mark.kernels)
+    return (yield)
 
 
 def left_of_samples(items: list[pytest.Item]) -> Iterator[pytest.Item]:

@@ -1,6 +1,8 @@
 """The stages of the tests: what is in which, and that together they are all."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 from tests import conftest
@@ -11,10 +13,24 @@ MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 def test_the_short_stage_leaves_out_what_is_long_and_the_other_nothing():
     expressions = re.findall(r'pytest[^\n]*-m "([^"]+)"', MAKEFILE)
-    assert expressions == ["not long", "long", "kernels and not long and not statistics"]
+    assert expressions == ["not long", "kernels and not long and not statistics"]
     assert ".ci/run" not in MAKEFILE
     ran = re.findall(r"^make (.+)$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
     assert ran == ["test", "test-all"]
+
+
+def long_cases(*words):
+    """Of one file with samples, as they would be run."""
+    file = "tests/unit/models/test_backlash.py"
+    words = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-m", "long", *words, file]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    return [line for line in done.stdout.splitlines() if "::" in line]
+
+
+def test_samples_are_the_same_in_random_order():
+    in_order, at_random = long_cases(), long_cases("-p", "randomly", "--randomly-seed=1")
+    assert at_random != in_order
+    assert sorted(at_random) == sorted(in_order)
 
 
 def test_tests_of_kernels_and_twins_run_without_the_jit():
