@@ -71,7 +71,7 @@ class Call:
         evidence = weigh(scaled, fitted, linear, named.values, data, self.asked, predicting or linear)
         evidence = replace(evidence, actuator_lag=lag.rows * data.dt)
         if answered is not None:
-            evidence = replace(evidence, gain_over_no_input=answered, load_drifts=True)
+            evidence = replace(evidence, gain_over_no_input=answered, load_drifts=True, answered=True)
         tests = residual_tests(fitted, errors)
         rows, percent = on_rows(simulated, scaled, s.first), fit_percent_of(scaled, simulated, s.first)
         status = decide(fitted, evidence, tests.coloured, tests.misfit, named.values, covariance, profiled)

@@ -135,8 +135,15 @@ def identify(
     if y is None or any(name is not None for name in (op, pv, sp, time)):
         u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
     found = _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
-    untold = found.kinds is not None and found.status is Status.OK and found.preferred == "cannot tell"
-    return replace(found, status=Status.CANNOT_TELL) if untold else found
+    return replace(found, status=Status.CANNOT_TELL) if _untold(found) else found
+
+
+def _untold(found: HammersteinFit) -> bool:
+    """Whether a linear model claims what the record does not tell: that there is no fault, where it excludes none."""
+    if found.kind.name != NO_FAULT or found.kinds is None or found.status not in CLAIMS:
+        return False
+    excluded = np.isfinite([*found.kinds.excluded.values()]).any()
+    return not excluded or (found.status is Status.OK and found.preferred != NO_FAULT)
 
 
 @one_thread

@@ -35,9 +35,9 @@ def left_open(
     ahead : float
         Log-likelihood by which what was found is surely ahead of the linear model.
     """
-    # without moves of its own OP leaves an integrating process open beside a rich model of the noise
-    open_level = beside.chosen.integrating and beside.evidence.only_fed_back
-    seen = beside.status is not Status.CANNOT_TELL and beside.evidence.can_exclude and not slow and not open_level
+    # without moves of its own OP leaves the process open beside a rich model of the noise
+    told = beside.evidence.can_exclude and not beside.evidence.only_fed_back
+    seen = beside.status is not Status.CANNOT_TELL and told and not slow
     sizes = largest_sizes(linear, fits, ahead) if seen else nothing_excluded()  # a valve that stands still would do
     return excluded_sizes(sizes, beside.data, scaling)
 

@@ -43,6 +43,7 @@ IN_MEMORY = 5.0  # blocks in the time in which the noise forgets
 SIZES, LARGEST = 24, 0.95  # looked at, up to so much of the range of OP
 HOPELESS = 30.0  # of log-likelihood, that no fault makes up for
 LEVEL = 0.95  # of the intervals
+ANSWERED = 10.0  # of twice the log-likelihood over a valve that stands still; less excludes no lost motion
 CLOSE = 10.0  # of twice the log-likelihood: other forms of a size that are refined as well
 NEAR_STEPS = 4  # of noise, from that of a size nearby
 HALVINGS = 6  # of the steps of own parameters, and of an end between two sizes
@@ -133,8 +134,7 @@ class _Search:
         profiles = {kind.name: _Profile(self.data, self.problem, kind, likelihood, none.fit) for kind in sized}
         answered = likelihood.gain_of(none.fit, likelihood.still())
         sizes = {
-            name: found.largest(none.fit) if answered > 2.0 * FALL else float(np.inf)
-            for name, found in profiles.items()
+            name: found.largest(none.fit) if answered > ANSWERED else float(np.inf) for name, found in profiles.items()
         }
         intervals = {name: found.interval() for name, found in profiles.items()}
         places = {name: found.best for name, found in profiles.items()}
