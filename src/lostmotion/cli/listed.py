@@ -68,7 +68,8 @@ def listed_loops(file: Path, columns: RecordOptions) -> ListedLoops | None:
     if not loops:
         return None
     content = content_of(file, columns)
-    found = {name: content.columns(name) for name in loops}
+    columns_of = content.columns()
+    found = {name: columns_of.get(name, {}) for name in loops}
     words = [*words_of(file), *typed(columns)]
     commands = (
         f"lostmotion {shell_line(['check', *words, '--loop', loops[0]])}",

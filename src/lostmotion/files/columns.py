@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from lostmotion.errors import ColumnError
 from lostmotion.files.actuator_columns import actuator_pair, is_position
@@ -80,6 +80,9 @@ def resolve(
     >>> resolve(["Time", "FC1.PV", "FC1.OUT", "FC2.PV", "FC2.OUT"], loop="fc2").op
     'FC2.OUT'
     """
+    if op.strip().lower() == pv.strip().lower():
+        remedy = "name two columns: op='<column>' and pv='<column>'"
+        raise ColumnError.expected("different columns for OP and PV", f"{pv!r} for both", remedy)
     op, pv, sp, position, pair = _actuator_only(names, op, pv, sp, position)
     wanted: dict[str, Wanted] = {
         "op": op,
@@ -124,6 +127,31 @@ def resolve(
     )
 
 
+def columns_of_loops(names: Sequence[str], **asked: Any) -> dict[str, Columns]:
+    """Columns of each loop by its tag, as :func:`resolve` finds them one by one, in a time linear in their number.
+
+    Raises
+    ------
+    ColumnError
+        As in resolve, of any loop.
+
+    Examples
+    --------
+    >>> found = columns_of_loops(["Time", "FC1.PV", "FC1.OUT", "FC2.PV", "FC2.OUT"])
+    >>> found["FC2"].op, found["FC1"].time
+    ('FC2.OUT', 'Time')
+    """
+    loops = loops_of(names)
+    own = {column for roles in loops.values() for column in roles.values()}
+    place = {name: number for number, name in enumerate(names)}
+    shared = [name for name in names if name not in own and tag_and_role(name) is None]
+    shared += [name for name in asked.values() if name in place]
+    return {
+        tag: resolve(sorted({*roles.values(), *shared}, key=place.__getitem__), loop=tag, **asked)
+        for tag, roles in loops.items()
+    }
+
+
 def _actuator_only(
     names: Sequence[str], op: str, pv: str, sp: Wanted, position: Wanted
 ) -> tuple[str, str, Wanted, Wanted, list[str]]:
@@ -163,7 +191,7 @@ def _loop(names: Sequence[str], found: dict[str, str], loop: str | None) -> str:
     """Tag whose columns are to be read: the one that was asked for, or the only one; empty: not told by tags."""
     loops = loops_of(names)
     if loop is not None:
-        fits = [tag for tag in loops if same_tag(tag, loop)]
+        fits = [loop] if loop in loops else [tag for tag in loops if same_tag(tag, loop)]
         if len(fits) != 1:
             raise no_such_loop(loop, list(loops))
         return fits[0]

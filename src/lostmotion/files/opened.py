@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 from lostmotion.addresses import is_url
 from lostmotion.errors import ColumnError, DataError
 from lostmotion.files.archive import archived
-from lostmotion.files.columns import SeveralLoopsError, no_such_loop, resolve, several_loops
+from lostmotion.files.columns import Columns, SeveralLoopsError, columns_of_loops, no_such_loop, resolve, several_loops
 from lostmotion.files.database import database_name
 from lostmotion.files.frames import SEVERAL, peeked, tables, tables_of
 from lostmotion.files.gathered import gathered
@@ -82,15 +83,18 @@ class Opened:
             return ()
         return ()
 
-    def columns(self, loop: str) -> dict[str, str]:
-        """Column of each role of a loop; empty where they do not tell."""
-        table, tag, _ = self.table(loop)
-        try:
-            found = resolve(with_columns_of_tags(with_moments(table)).names, loop=tag)
-        except DataError:
-            return {}
-        roles = {role: getattr(found, role) for role in ("op", "pv", "sp", "position", "mode")}
-        return {role: name for role, name in roles.items() if name is not None}
+    def columns(self) -> dict[str, dict[str, str]]:
+        """Column of each role of each loop; none of a loop whose columns do not tell."""
+        found: dict[str, Columns] = {}
+        for name, table in self.tables.items():
+            with suppress(DataError):
+                names = with_columns_of_tags(with_moments(table)).names
+                found |= {name: resolve(names)} if name else columns_of_loops(names)
+        roles = ("op", "pv", "sp", "position", "mode")
+        return {
+            tag: {role: name for role in roles if (name := getattr(one, role)) is not None}
+            for tag, one in found.items()
+        }
 
 
 def opened(source: Any, asked: Collection[str] = (), query: str | None = None, trust: Trust = ALL) -> Opened:

@@ -113,6 +113,7 @@ def _isa_loops(names: Sequence[str]) -> Loops:
     }
 
 
+@lru_cache(maxsize=NAMES)
 def isa(name: str) -> tuple[str, str, str] | None:
     """Area, letters and number of an ISA-5.1 tag; None where it is none.
 
@@ -201,9 +202,10 @@ def one_loop(one: str, other: str) -> bool:
     return same_tag(first, second) or (None not in parsed and len(numbers) == 1)
 
 
-def _names_of(tag: str) -> set[str]:
+@lru_cache(maxsize=NAMES)
+def _names_of(tag: str) -> frozenset[str]:
     bare = re.sub(r"[\s_\-./:\\]+", "", tag).lower()
     parsed = isa(tag)
     if parsed is None or parsed[1][1:] not in CONTROLS:
-        return {bare}
-    return {bare, re.sub(r"[\s_\-./:\\]+", "", f"{parsed[0]}{parsed[1][0]}{parsed[2]}").lower()}
+        return frozenset({bare})
+    return frozenset({bare, re.sub(r"[\s_\-./:\\]+", "", f"{parsed[0]}{parsed[1][0]}{parsed[2]}").lower()})

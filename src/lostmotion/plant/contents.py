@@ -11,7 +11,7 @@ import narwhals.stable.v2 as nw
 import polars as pl
 
 from lostmotion.errors import DataError, LostMotionError
-from lostmotion.files.columns import SeveralLoopsError, resolve
+from lostmotion.files.columns import Columns, SeveralLoopsError, columns_of_loops, resolve
 from lostmotion.files.dates import looks_like_a_time, looks_numeric
 from lostmotion.files.frames import PEEKED, peeked
 from lostmotion.files.gathered import ENDINGS
@@ -167,8 +167,9 @@ def _of_names(names: tuple[str, ...], asked: tuple[tuple[str, Any], ...]) -> tup
     """Loops by the names of columns, or why there are none."""
     try:
         columns = _columns(names, asked)
-    except SeveralLoopsError as error:
-        return tuple(Found(tag, tag, dict(_columns(names, asked, tag))) for tag in error.loops), ""
+    except SeveralLoopsError:
+        found = columns_of_loops(names, **dict(asked))
+        return tuple(Found(tag, tag, dict(_by_role(one))) for tag, one in found.items()), ""
     except DataError as error:
         return (), one_line(error)
     by_columns = _one_of(dict(columns)) if not {"op", "pv"} & dict(asked).keys() else ""
@@ -176,12 +177,10 @@ def _of_names(names: tuple[str, ...], asked: tuple[tuple[str, Any], ...]) -> tup
 
 
 @lru_cache(maxsize=4096)
-def _columns(
-    names: tuple[str, ...], asked: tuple[tuple[str, Any], ...], loop: str | None = None
-) -> tuple[tuple[str, str], ...]:
+def _columns(names: tuple[str, ...], asked: tuple[tuple[str, Any], ...]) -> tuple[tuple[str, str], ...]:
     """Column of each role; the same for all files of one export."""
     try:
-        found = resolve(names, **dict(asked), loop=loop)
+        found = resolve(names, **dict(asked))
     except SeveralLoopsError:
         raise
     except DataError as error:
@@ -189,8 +188,11 @@ def _columns(
         if ways and not error.ways:
             raise error.leads_on(*ways) from None
         raise
-    roles = {role: getattr(found, role) for role in ROLES}
-    return tuple((role, name) for role, name in roles.items() if name is not None)
+    return _by_role(found)
+
+
+def _by_role(found: Columns) -> tuple[tuple[str, str], ...]:
+    return tuple((role, name) for role in ROLES if (name := getattr(found, role)) is not None)
 
 
 def _one_of(columns: Mapping[str, str]) -> str:

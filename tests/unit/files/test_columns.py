@@ -1,7 +1,8 @@
 import pytest
 
 from lostmotion.errors import ColumnError
-from lostmotion.files.columns import by_alias, key, resolve, time_unit
+from lostmotion.files import columns
+from lostmotion.files.columns import by_alias, columns_of_loops, key, resolve, time_unit
 
 NAMES = {
     "op": ["OP", "op", "CO", "MV", "out", "u", "Controller Output", "controller_output (%)"],
@@ -184,3 +185,31 @@ def test_op_and_pv_of_two_loops_are_refused(names):
         resolve(["t", *names])
     (way,) = caught.value.ways
     assert resolve(["t", *names], **way).pv == names[1]
+
+
+@pytest.mark.parametrize(
+    "form", [("FIC{}.OP", "FIC{}.PV"), ("FV_{}", "FT_{}"), ("FC{}/PID1/OUT.CV", "FC{}/PID1/PV.CV")]
+)
+@pytest.mark.parametrize("rest", [(), ("Time",), ("SP", "Mode"), ("FIC1.SP", "FIC2.MODE", "TI9.PV", "x")])
+def test_all_loops_at_once_are_those_one_by_one(form, rest):
+    names = [*rest, *(one.format(number) for number in range(100, 105) for one in form)]
+    found = columns_of_loops(names)
+    assert found
+    assert found == {tag: resolve(names, loop=tag) for tag in found}
+
+
+def test_the_work_grows_with_the_number_of_columns(monkeypatch):
+    """Four times the columns may take five times the look-ups, and not sixteen."""
+    counts = []
+    for size in (200, 800):
+        names = ["Time", *(f"FIC{number}.{role}" for number in range(size) for role in ("OP", "PV"))]
+        seen = []
+        monkeypatch.setattr(columns, "key", lambda name, seen=seen: seen.append(name) or name.strip().lower())
+        columns_of_loops(names)
+        counts.append(len(seen))
+    assert counts[1] < 5 * counts[0]
+
+
+def test_one_column_is_not_op_and_pv():
+    with pytest.raises(ColumnError, match="different columns for OP and PV"):
+        resolve(["time", "OP", "PV"], op="OP", pv="op")
