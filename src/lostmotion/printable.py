@@ -10,6 +10,9 @@ from collections.abc import Iterable
 _DELETE = "\x7f"
 _NO_LETTER = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")  # line breaks, controls, halves of signs
 
+_FORMULA = re.compile(r"'*[=+\-@\t\r＝＋－＠]")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
 
 def printable(text: str) -> str:
     r"""Text whose lines are kept; all else that steers a terminal (colours, titles, direction of writing) written out.
@@ -68,3 +71,19 @@ def _bytes(sign: str) -> str:
 
 def _written(sign: str) -> str:
     return "\\u007f" if sign == _DELETE else sign.encode("unicode_escape").decode()
+
+
+def cell_of(text: str) -> str:
+    """Text as a cell that no spreadsheet takes for a formula, as OWASP advises; :func:`text_of` gives it back.
+
+    Examples
+    --------
+    >>> cell_of("=1+1"), cell_of("-5.2"), cell_of("FIC101"), text_of(cell_of("'=x")), text_of("'n")
+    ("'=1+1", '-5.2', 'FIC101', "'=x", "'n")
+    """
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def text_of(cell: str) -> str:
+    """Text that :func:`cell_of` has made a cell of."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell

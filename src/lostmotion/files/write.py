@@ -15,6 +15,7 @@ import polars as pl
 
 from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
 from lostmotion.files.writer import refuse, write_bytes
+from lostmotion.printable import cell_of
 
 _SEPARATORS = {".csv": ",", ".txt": "\t", ".tsv": "\t"}
 _PARQUET = (".parquet", ".pq")
@@ -85,12 +86,18 @@ def write_table(path: str | os.PathLike[str], columns: Any, force: bool = False)
         if suffix in _PARQUET:
             frame.write_parquet(stream)
         else:
-            frame.fill_nan(None).write_csv(stream, separator=_SEPARATORS[suffix])
+            _without_formulas(frame).fill_nan(None).write_csv(stream, separator=_SEPARATORS[suffix])
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         remedy = f"columns of numbers, or text as {', '.join(_SEPARATORS)}"
         raise FileAccessError(f"expected a table that {suffix} can hold, got {reason!r}; give {remedy}") from error
     return write_bytes(target, stream.getbuffer(), force)
+
+
+def _without_formulas(frame: pl.DataFrame) -> pl.DataFrame:
+    """Texts and names of columns that no spreadsheet takes for a formula."""
+    texts = pl.col(pl.String).map_elements(cell_of, return_dtype=pl.String)
+    return frame.with_columns(texts).rename({name: cell_of(name) for name in frame.columns})
 
 
 def known_format(path: Path) -> str:

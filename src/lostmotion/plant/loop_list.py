@@ -16,6 +16,7 @@ from lostmotion.errors import DataError
 from lostmotion.files.frames import read_bytes
 from lostmotion.files.text import decode
 from lostmotion.plant.loop import PlantLoop
+from lostmotion.printable import cell_of, text_of
 
 COLUMNS = (
     "tag", "op", "pv", "sp", "mode", "type", "op_low", "op_high", "pv_low", "pv_high", "op_unit", "pv_unit", "area",
@@ -176,7 +177,7 @@ def _loop(header: Sequence[str], cells: Sequence[str], where: str) -> PlantLoop:
     """
     if len(cells) > len(header) and any(cell.strip() for cell in cells[len(header) :]):
         raise DataError.expected(f"{len(header)} cells", f"{len(cells)} in {where}", "quote cells that hold a comma")
-    row = {name: cell.strip() for name, cell in zip(header, cells, strict=False) if name}
+    row = {name: text_of(cell.strip()) for name, cell in zip(header, cells, strict=False) if name}
     if not row.get("tag"):
         raise DataError.expected("a tag", f"none in {where}", "name the loop")
     kind = row.get("type", "").lower()
@@ -240,7 +241,7 @@ def loop_list_text(loops: Iterable[PlantLoop]) -> str:
     out = io.StringIO(newline="")
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows(_cells(loop) for loop in loops)
+    writer.writerows([cell_of(cell) for cell in _cells(loop)] for loop in loops)
     return out.getvalue()
 
 

@@ -1,3 +1,4 @@
+import csv
 import os
 import stat
 
@@ -8,6 +9,10 @@ import pytest
 
 from lostmotion import files
 from lostmotion.errors import DataError, FileAccessError, InputError, ParameterError
+from lostmotion.files.write import write_table
+from lostmotion.plant import PlantLoop
+from lostmotion.plant.loop_list import loop_list_text, parse_loop_list
+from lostmotion.printable import text_of
 
 COLUMNS = {"time": np.arange(3.0), "OP": [1.0, np.nan, 3.0], "PV": [0.1, 0.2, 0.3]}
 
@@ -75,3 +80,15 @@ def test_refusals(tmp_path):
         files.write_columns(tmp_path / "b.csv", COLUMNS, force=True)
     with pytest.raises(InputError, match="a mapping of names"):
         files.write_table(tmp_path / "a.csv", [1, 2])
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+A1", "-x", "@SUM(A1)", "\t=1", "=cmd|' /C calc'!A0", "'=x", "＝1"])
+def test_no_text_is_a_formula_of_a_spreadsheet(tmp_path, text):
+    path = write_table(tmp_path / "a.csv", pl.DataFrame({text: [text, "-5.2", "FIC101"], "n": [-1.0, 2.0, 3.0]}))
+    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    assert rows[0][0] == rows[1][0] == f"'{text}"
+    assert [text_of(row[0]) for row in rows] == [text, text, "-5.2", "FIC101"]
+    assert [row[1] for row in rows] == ["n", "-1.0", "2.0", "3.0"]
+    loop = PlantLoop(text.strip(), op=text.strip(), pv="PV", where="-a.csv")
+    again = parse_loop_list(loop_list_text([loop])).loops[0]
+    assert (again.tag, again.op, again.where) == (loop.tag, loop.op, loop.where)
