@@ -30,7 +30,9 @@ def finite(name: str, value: float) -> float:
 
 def seconds(name: str, value: float) -> float:
     """`value` as a sampling time, or a ParameterError that names it."""
-    number = positive(name, value)
+    number = float(value)
+    if not (math.isfinite(number) and number > 0):
+        raise ParameterError.expected(f"{name} > 0", value, "give the sampling time in seconds")
     if not SHORTEST <= number <= LONGEST:
         raise ParameterError.expected(f"{name} from {SHORTEST:g} to {LONGEST:g} s", value, "give it in seconds")
     return number

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.arguments import finite
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
@@ -41,7 +42,10 @@ Ramp = Annotated[float | None, number("--ramp", "Units of OP a second while swit
 Centre = Annotated[float | None, number("--centre", "Dead zone: OP at which the valve rests.")]
 Method = Annotated[str, typer.Option("--method", help='Stiction: "knocker" or "two moves".')]
 Settings = Annotated[list[str] | None, number("--set", "Any setting, e.g. --set band=0.2; repeat it.")]
-Scans = Annotated[int, typer.Option("--replay", help="Scans of the replay that proves the code; 0: none.")]
+MOST_SCANS = 10_000_000  # an hour of work
+Scans = Annotated[
+    int, typer.Option("--replay", max=MOST_SCANS, help="Scans of the replay that proves the code; 0: none.")
+]
 
 
 Supervised = Annotated[
@@ -149,7 +153,9 @@ def _settings(words: list[str]) -> dict[str, float]:
     for word in words:
         name, _, value = word.partition("=")
         try:
-            result[name.strip()] = float(value)
+            result[name.strip()] = finite(name.strip(), float(value))
+        except ParameterError:
+            raise
         except ValueError as error:
             raise ParameterError.expected("--set name=number", word, "e.g. --set band=0.2") from error
     return result

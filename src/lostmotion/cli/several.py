@@ -178,7 +178,7 @@ def modes_as_options(text: str) -> str:
 def _auto_value(shown: str) -> str:
     try:
         return f"--auto-value {shell_word(ast.literal_eval(shown))}"
-    except (SyntaxError, ValueError, TypeError):  # several words
+    except (SyntaxError, ValueError, TypeError, AttributeError):  # several words
         return as_options("automatic=(..)")
 
 

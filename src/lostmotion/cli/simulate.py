@@ -44,9 +44,9 @@ Factor = Annotated[float | None, number("--factor", "Share to compensate; defaul
 Method = Annotated[str, typer.Option("--method", help='Stiction: "knocker" or "two moves".')]
 Block = Annotated[Path | None, number("--block", "Block as JSON, instead of the one that the rules make.")]
 BlockOut = Annotated[Path | None, number("--block-out", "Write the block here as JSON, for `export`.")]
-Samples = Annotated[int, typer.Option("--samples", help="Length of a run, where no record gives it.")]
-Runs = Annotated[int, typer.Option("--runs", help="Runs with other noise.")]
-Draws = Annotated[int, typer.Option("--draws", help="Plants drawn from the uncertainty of the fit.")]
+Samples = Annotated[int, typer.Option("--samples", max=10_000_000, help="Length of a run, where no record gives it.")]
+Runs = Annotated[int, typer.Option("--runs", max=10_000, help="Runs with other noise.")]
+Draws = Annotated[int, typer.Option("--draws", max=10_000, help="Plants drawn from the uncertainty of the fit.")]
 Seed = Annotated[int, typer.Option("--seed", help="Of noise and plants; the same seed, the same result.")]
 
 

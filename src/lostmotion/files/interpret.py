@@ -9,8 +9,9 @@ from datetime import datetime
 import narwhals.stable.v2 as nw
 import numpy as np
 
+from lostmotion.arguments import seconds
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.errors import DataError, ParameterError, TimeError
+from lostmotion.errors import DataError, TimeError
 from lostmotion.files.began import began, moment_of, open_date
 from lostmotion.files.clock import Clock, find_clock
 from lostmotion.files.columns import SAMPLING_NAMES, Columns, Wanted, key, resolve, time_unit
@@ -200,8 +201,8 @@ def _holding(table: Table, mode: str | None) -> Table:
 
 def check_dt(dt: float | None) -> None:
     """Refuse a sampling time that is none."""
-    if dt is not None and not (np.isfinite(dt) and dt > 0):
-        raise ParameterError.expected("dt > 0", dt, "give the sampling time in seconds")
+    if dt is not None:
+        seconds("dt", dt)
 
 
 def _sampling_column(table: Table, wanted: tuple[Wanted, ...]) -> str | None:

@@ -13,6 +13,9 @@ def check_choice(name: str, value: object, allowed: tuple[str | bool | None, ...
         raise ParameterError.expected(f"{name} as one of {list(allowed)}", repr(value), "choose one of them")
 
 
+MOST_ORDER, MOST_DELAY = 20, 10_000  # samples; "auto" tries 3, and no loop is sampled 10,000 times in its dead time
+
+
 def orders_of(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None:
     """Orders (na, nb, delay); None where they are chosen from the data."""
     if isinstance(orders, str):
@@ -23,6 +26,9 @@ def orders_of(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None
         na, nb, delay = (whole("orders", value, 0) for value in orders)
     except (TypeError, ValueError) as error:
         raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
+    if max(na, nb) > MOST_ORDER or delay > MOST_DELAY:
+        remedy = "resample the record where the process is slower"
+        raise ParameterError.expected(f"orders up to ({MOST_ORDER}, {MOST_ORDER}, {MOST_DELAY})", orders, remedy)
     return na, nb, delay
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lostmotion import _verbs
+from lostmotion.arguments import seconds
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.html_table import html_table
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 StringArray = npt.NDArray[np.str_]
 LARGEST = 1e30  # of a value, whatever its unit: squares of larger ones, summed, are no numbers any more
+MOST_SPAN = 1e6  # times the largest value: a valve that is closed but for noise has a thousandth of its span
 _SIGNALS = ("op", "pv", "sp", "position")
 
 
@@ -97,8 +99,7 @@ class LoopRecord:
     pv_unit: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.dt) and self.dt > 0):
-            raise ParameterError.expected("dt > 0", self.dt, "give the sampling time in seconds")
+        seconds("dt", self.dt)
         for name in _SIGNALS:
             value = getattr(self, name)
             if value is not None:
@@ -114,8 +115,8 @@ class LoopRecord:
             raise DataError.expected("at least 2 samples", n, "check that the right file was read")
         for name in ("op_span", "pv_span"):
             span = getattr(self, name)
-            if span is not None and not span[0] < span[1]:
-                raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+            if span is not None:
+                _refuse_span(name, span, getattr(self, name[:2]))
         self._set_labels()
         self._set_span()
         self._set_clock()
@@ -275,6 +276,15 @@ class LoopRecord:
 def fingerprint_of(records: Sequence[str]) -> str:
     """Fingerprint of several records from theirs, in this order; of a single one its own."""
     return records[0] if len(records) == 1 else hashlib.sha256("".join(records).encode()).hexdigest()[:16]
+
+
+def _refuse_span(name: str, span: tuple[float, float], values: FloatArray) -> None:
+    if not span[0] < span[1]:
+        raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
+    largest = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
+    if largest > 0.0 and not max(map(abs, span)) <= MOST_SPAN * largest:
+        remedy = f"give the limits of {name[:2].upper()} in its units"
+        raise ParameterError.expected(f"{name} within +-{MOST_SPAN * largest:.3g}", span, remedy)
 
 
 def _as_signal(value: npt.ArrayLike, name: str) -> FloatArray:

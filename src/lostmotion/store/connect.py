@@ -87,7 +87,7 @@ def store_url(address: str | os.PathLike[str]) -> URL:
         return URL.create("sqlite", database=text)
     try:
         url = make_url(text)
-    except ArgumentError:
+    except (ArgumentError, ValueError):  # a ValueError: a port that is no number
         url = URL.create("unknown")
     kind = url.drivername.partition("+")[0]
     if kind not in DRIVERS or (kind == "sqlite" and not url.database):

@@ -66,3 +66,17 @@ def test_mode_is_text_and_is_cut_with_the_rest():
         LoopRecord(OP, PV, dt=1.0, mode=["AUTO"])
     with pytest.raises(DataError, match="mode of one dimension"):
         LoopRecord(OP, PV, dt=1.0, mode=[["AUTO"] * 6])
+
+
+@pytest.mark.parametrize("dt", [5e-324, 1e-13, 1e13, 1.7e308])
+def test_no_record_has_such_a_sampling_time(dt):
+    with pytest.raises(ParameterError, match="dt from 1e-12 to"):
+        LoopRecord([1.0, 2.0], [3.0, 4.0], dt=dt)
+
+
+@pytest.mark.parametrize("span", [(-1e308, 1e308), (0.0, 1e300), (-1e9, 100.0), (0.0, float("inf"))])
+def test_no_signal_has_such_a_span(span):
+    for name in ("op_span", "pv_span"):
+        with pytest.raises(ParameterError, match=f"{name} within"):
+            LoopRecord([1.0, 2.0], [3.0, 4.0], dt=1.0, **{name: span})
+    assert LoopRecord([1e-3, 2e-3], [3.0, 4.0], dt=1.0, op_span=(0.0, 100.0)).op_span == (0.0, 100.0)

@@ -146,5 +146,7 @@ def linear_columns(problem: Problem, basis: FloatArray | None) -> tuple[list[int
 
 def linear_step(hessian: FloatArray, gradient: FloatArray, columns: FloatArray) -> FloatArray:
     """To the least sum of squares along these directions, from the normal equations."""
+    if not columns.size:  # nothing to move along: no process and no noise of any order
+        return np.zeros(len(columns))
     model = kernel.projected(stacked(hessian, gradient), np.ascontiguousarray(columns))
     return np.asarray(columns @ damped_step(model[:-1], model[-1], LINEAR_DAMPING)[0])

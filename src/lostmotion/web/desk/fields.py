@@ -100,7 +100,7 @@ def number(form: Mapping[str, str], name: str) -> float | None:
 def way_of(error: Mapping[str, Any], place: str) -> dict[str, Any]:
     """Settings of one way on that an error names, by its place in the list."""
     ways = error.get("ways", [])
-    if not place.isdigit() or int(place) >= len(ways):
+    if place not in map(str, range(len(ways))):
         raise HTTPException(404)
     return {name: value for name, value in ways[int(place)].items() if name in (*READING, *JUDGING)}
 

@@ -1,0 +1,111 @@
+"""Options with extreme values, typed as on a command line: one line of error, 0, 1 or 2, no traceback, no warning."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import lostmotion as lm
+from lostmotion.compensate import block_from_model
+from tests.support.command import run
+
+MODEL = [
+    "--width",
+    "2",
+    "--gain",
+    "1.5",
+    "--time-constant",
+    "30",
+    "--dead-time",
+    "4",
+    "--dt",
+    "1",
+    "--noise-deviation",
+    "0.1",
+    "--kp",
+    "1",
+    "--ki",
+    "0.03",
+]
+EXTREME = [
+    "5e-324",
+    "1e-320",
+    "1.7e308",
+    "-1.7e308",
+    "1e300",
+    "-1",
+    "nan",
+    "inf",
+    "9" * 20,
+    "9" * 5000,
+    "",
+    "x",
+    "\x1b",
+]
+EXPORT = ["export", "b.json", "--to", "st", "--name", "FY_1", "--date", "2026-01-31", "--out", "o", "--replay", "50"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    rng = np.random.default_rng(1)
+    rows = zip(np.repeat(rng.normal(size=40), 5), rng.normal(size=200), strict=True)
+    (tmp_path / "a.csv").write_text("OP,PV\n" + "".join(f"{op:.3f},{op + pv:.3f}\n" for op, pv in rows))
+    (tmp_path / "b.json").write_text(json.dumps(block_from_model(lm.Backlash(2.0), 1.0).to_dict()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def told(capsys, *words):
+    """Exit code of a command and the line of its error, if it has one."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        code, _, error = run(capsys, *words)
+    assert code in (0, 1, 2)
+    assert "Traceback" not in error
+    lines = [line for line in error.splitlines() if line.lower().startswith("error")]
+    assert len(lines) <= 1
+    assert all(line.isprintable() and len(line) < 3500 for line in lines)
+    return code, lines
+
+
+@pytest.mark.parametrize("value", EXTREME)
+def test_numbers(here, capsys, value):
+    for words in (
+        ["check", "a.csv", f"--dt={value}"],
+        ["check", "a.csv", "--dt", "1", "--op-span", f"-{value}".replace("--", ""), value],
+        [*EXPORT, f"--ramp={value}"],
+        [*EXPORT, "--set", f"high={value}"],
+        [*EXPORT, f"--factor={value}"],
+        [*EXPORT, f"--replay={value}"],
+        [*EXPORT, "--supervised", "--supervise", f"timeout={value}"],
+    ):
+        code, lines = told(capsys, *words)
+        assert (code, bool(lines)) != (0, True)
+
+
+@pytest.mark.parametrize("option", ["--gain", "--time-constant", "--dead-time", "--dt", "--kp", "--ki", "--width"])
+@pytest.mark.parametrize("value", ["1.7e308", "-1.7e308", "nan", "inf", "x"])
+def test_numbers_of_a_model(here, capsys, option, value):
+    words = list(MODEL)
+    words[words.index(option) + 1] = value
+    code, lines = told(capsys, "simulate", *words, "--samples", "200", "--runs", "1")
+    assert code == 2
+    assert len(lines) == 1
+
+
+@pytest.mark.parametrize("orders", ["50,50,1", "0,0,99999999999", "-1,0,0", "1,2", "a,b,c", "1e3,0,0"])
+def test_orders(here, capsys, orders):
+    code, lines = told(capsys, "identify", "a.csv", "--dt", "1", "--orders", orders)
+    assert code == 2
+    assert len(lines) == 1
+
+
+@pytest.mark.long
+def test_a_model_of_no_order(here, capsys):
+    assert told(capsys, "identify", "a.csv", "--dt", "1", "--orders", "0,0,0")[0] in (0, 1)
+
+
+@pytest.mark.parametrize("address", ["postgresql://u:p@[::1/db", "postgresql://h:x/db", "sqlite://", "x://"])
+def test_addresses(here, capsys, address):
+    assert told(capsys, "audit", "a.csv", "--dt", "1", "--store", address)[0] in (1, 2)
