@@ -49,7 +49,7 @@ def without_memory(folder, patch):
     def content(*_):
         raise MemoryError
 
-    patch.setattr(packed, "_content", content)
+    patch.setattr(packed, "content_of", content)
     (folder / "a.csv.gz").write_bytes(gzip.compress(rows().encode()))
     read_loop(folder / "a.csv.gz")
 
@@ -148,7 +148,14 @@ def unreadable(patch, work):
     work("a.csv")
 
 
+def full_memory(folder, patch):
+    patch.setattr(limits, "_free_bytes", lambda: 0.0)
+    (folder / "a.csv").write_text(rows())
+    read_loop(folder / "a.csv")
+
+
 OTHERS = {  # what no file alone provokes
+    "a span that no signal has": lambda _: LoopRecord([1.0, 2.0], [1.0, 2.0], dt=1.0, op_span=(-1e308, 1e308)),
     "neither path nor frame": lambda _: read_loop(5),
     "a dict without columns": lambda _: read_loop({}),
     "a dict of two lengths": lambda _: read_loop({"OP": [1.0, 2.0], "PV": [1.0]}),
@@ -204,6 +211,7 @@ PATCHED = {
     "a limit that is no number": lambda folder, patch: limited(folder, patch, "much"),
     "no memory for it": without_memory,
     "too many columns": few_columns,
+    "rows without memory for them": full_memory,
     "a cell that is too long": long_cell,
     "a file that cannot be read": lambda _, patch: unreadable(patch, read_loop),
     "a file that cannot be followed": lambda _, patch: unreadable(patch, lambda path: GrowingFile(Path(path))),

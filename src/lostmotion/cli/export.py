@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
-from lostmotion.arguments import finite
 from lostmotion.cli.gate import GateOptions
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
@@ -149,6 +148,8 @@ def export(
 
 def _settings(words: list[str]) -> dict[str, float]:
     """Settings from name=value."""
+    from lostmotion.arguments import finite
+
     result = {}
     for word in words:
         name, _, value = word.partition("=")

@@ -80,9 +80,6 @@ def resolve(
     >>> resolve(["Time", "FC1.PV", "FC1.OUT", "FC2.PV", "FC2.OUT"], loop="fc2").op
     'FC2.OUT'
     """
-    if op.strip().lower() == pv.strip().lower():
-        remedy = "name two columns: op='<column>' and pv='<column>'"
-        raise ColumnError.expected("different columns for OP and PV", f"{pv!r} for both", remedy)
     op, pv, sp, position, pair = _actuator_only(names, op, pv, sp, position)
     wanted: dict[str, Wanted] = {
         "op": op,
@@ -108,6 +105,7 @@ def resolve(
             rest = _of_tag(rest, found["pv"], notes)
         column = by_alias(role, rest)
         if column is None and isinstance(name, str) and role != "sp":
+            _no_double(found | {role: name})
             raise _missing(role, names, found)
         if column is not None:
             found[role] = column

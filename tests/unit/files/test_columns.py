@@ -211,5 +211,5 @@ def test_the_work_grows_with_the_number_of_columns(monkeypatch):
 
 
 def test_one_column_is_not_op_and_pv():
-    with pytest.raises(ColumnError, match="different columns for OP and PV"):
+    with pytest.raises(ColumnError, match="different columns for PV and OP, got 'OP' for both"):
         resolve(["time", "OP", "PV"], op="OP", pv="op")
