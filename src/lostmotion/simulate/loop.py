@@ -8,6 +8,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite_signal
 from lostmotion.arrays import FloatArray
 from lostmotion.compensate import BacklashCompensator, CompensatorBlock, DeadZoneCompensator
+from lostmotion.compensate.block import MOST_SETTING
 from lostmotion.errors import ParameterError
 from lostmotion.kernels.loop import closed_loop
 from lostmotion.models import BacklashInverse, DeadZoneInverse, Hammerstein, Identity, LinearModel
@@ -16,7 +17,7 @@ from lostmotion.simulate.controllers import PI
 from lostmotion.simulate.response import LoopResponse
 
 _OPEN = np.zeros(5)
-_WIDE = {"low": -1e300, "high": 1e300, "cap": 1e300, "rate": 1e300}  # no safeguards: the ideal inverse
+_WIDE = {"low": -MOST_SETTING, "high": MOST_SETTING, "cap": MOST_SETTING, "rate": MOST_SETTING}  # no safeguards
 
 Compensator = DeadZoneCompensator | DeadZoneInverse | BacklashCompensator | BacklashInverse | CompensatorBlock
 
