@@ -29,6 +29,11 @@ def test_a_sine_behind_noise(period):
     assert share_of(swinging(period, 1.0), period) == pytest.approx(1.0 / 3.0, abs=0.05)
 
 
+def test_an_offset_changes_nothing():
+    ((period, size),) = lines(swinging(41.0, 1.0))
+    assert lines(1e6 + swinging(41.0, 1.0)) == [(period, pytest.approx(size, rel=1e-9))]
+
+
 def test_noise_has_none():
     assert not lines(np.random.default_rng(1).normal(size=2000))
     assert not lines(np.zeros(20))  # too short to tell a line from its neighbours
