@@ -17,7 +17,7 @@ import pytest
 import lostmotion as lm
 from lostmotion.files.grid import Rows
 from lostmotion.online import OnlineMonitor
-from lostmotion.online.packing import STATE, pack
+from lostmotion.online.packing import STATE, pack, unpack
 from lostmotion.web.app import create_app
 from lostmotion.web.monitors import monitor as monitor_module
 from lostmotion.web.monitors import pages as monitor_pages
@@ -167,6 +167,9 @@ def test_a_state_file_tells_the_same(path: Path, state: bytes) -> None:
     assert said.status == "ok"
     assert abs(float(said.numbers()[0][1]) - 2.0) < 0.3
     assert len(said.points) >= 3
+    kept = OnlineMonitor.from_bytes(unpack(STATE, state)[1]).trend.to_dict()["points"]
+    halves = [1.96 / weight**0.5 for _, _, weight in kept]  # of intervals of 95 %
+    assert [high - value for _, value, _, high in said.points] == pytest.approx(halves)
     path.write_bytes(state[: len(state) // 2])
     assert "damaged" in One(str(path)).see().trouble
 
