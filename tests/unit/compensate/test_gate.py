@@ -246,3 +246,9 @@ def test_two_moves_need_a_jump_that_the_record_shows():
     with pytest.raises(lm.ParameterError, match="slips between the rows"):
         block_from_fit(fit, method="two moves", accept="a test", span=(0.0, 100.0))
     assert block_from_fit(fit, accept="a test", span=(0.0, 100.0)).kind == "stiction knocker"
+
+
+def test_two_moves_are_not_given_to_a_process_that_integrates():
+    fit = made_fit("stiction", integrating=True)
+    asked = {"method": "two moves", "accept": "a test", "span": (0.0, 100.0)}
+    assert "got an integrating one; take method='knocker'" in refusal(ParameterError, block_from_fit, fit, **asked)
