@@ -253,12 +253,12 @@ def test_folders_of_any_depth(tmp_path):
             below = os.open("d", os.O_RDONLY, dir_fd=here)
             os.close(here)
             here = below
+        plant = open_plant(tmp_path)
+        assert [loop.tag for loop in plant.loops()] == ["FIC101"]
+        assert [one.why for one in plant.unread()] == ["it is gone, or its path is too long"]
     finally:
-        os.close(here)
-    plant = open_plant(tmp_path)
-    assert [loop.tag for loop in plant.loops()] == ["FIC101"]
-    assert [one.why for one in plant.unread()] == ["it is gone, or its path is too long"]
-    subprocess.run(["rm", "-rf", str(tmp_path / "d")], check=True)  # noqa: S607  what Python removes it recurses over
+        os.close(here)  # and what Python, pytest too, would recurse over when it removes it
+        subprocess.run(["rm", "-rf", str(tmp_path / "d")], check=True)  # noqa: S607
 
 
 def test_errors_are_values_of_one_loop(tmp_path):
