@@ -98,7 +98,7 @@ $(OPCUA): tests/opcua/package.json
 
 # Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
 pages: $(STAMP) plc
-	$(BIN)/python -m benchmarks.pages $(PAGES)
+	$(BIN)/python -m benchmarks.pages --at-once 2 $(PAGES)
 
 clean:
 	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-rivals .venv-tep tests/opcua/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output

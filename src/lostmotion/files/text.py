@@ -17,6 +17,7 @@ from lostmotion.errors import DataError
 from lostmotion.files.head import DELIMITERS, TOP, cells_of, find_head, no_table
 from lostmotion.files.limits import need_few_columns, need_memory
 from lostmotion.files.number_cells import BAD_WORDS
+from lostmotion.files.quoted_names import joined
 from lostmotion.files.table import Table, unique_names
 from lostmotion.files.text_blocks import BLOCK, Block, Content, cuts, find_blocks, numbers_of
 from lostmotion.files.text_frame import TextFrame
@@ -53,6 +54,7 @@ def parse_text(raw: bytes, source: str) -> Table:
     (';', ['1,5'])
     """
     content = known_text(raw, source)
+    content = replace(content, raw=joined(content.raw))
     need_memory(max(content.raw.count(b"\n"), content.raw.count(b"\r")), source)
     spans = list(cuts(content.raw)) or [(0, 0)]
     top = _lines(content, spans[0])
