@@ -94,10 +94,13 @@ def test_numbers_of_a_model(here, capsys, option, value):
     assert len(lines) == 1
 
 
-@pytest.mark.parametrize("orders", ["50,50,1", "0,0,99999999999", "-1,0,0", "1,2", "a,b,c", "1e3,0,0"])
-def test_orders(here, capsys, orders):
+@pytest.mark.parametrize(
+    ("orders", "left"),
+    [("50,50,1", 1), ("0,0,99999999999", 1), ("-1,0,0", 2), ("1,2", 2), ("a,b,c", 2), ("1e3,0,0", 2)],
+)
+def test_orders(here, capsys, orders, left):
     code, lines = told(capsys, "identify", "a.csv", "--dt", "1", "--orders", orders)
-    assert code == 2
+    assert code == left  # 1: of a longer record they could be
     assert len(lines) == 1
 
 

@@ -25,8 +25,7 @@ from lostmotion.files.watch import LONG, tell
 
 BLANKS = " "  # any number of blanks and tabs, where nothing else cuts the lines
 ONE_COLUMN = ";"  # between what is no other column: a comma in its numbers is a decimal one
-NO_NAME = "Value"  # of the one column of a file without a header
-SAMPLE_LINES = 20
+NO_NAME, SAMPLE_LINES = "Value", 20  # of the one column of a file without a header; by which columns are counted
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _COMMENT = re.compile(r"\s*(#(?!N/A|VALUE|DIV/0|REF|NAME|NUM|NULL)|//)")
 _NUMBER = re.compile(r"\s*[+-]?[\d.,]+([eE][+-]?\d+)?\s*")
@@ -53,8 +52,7 @@ def parse_text(raw: bytes, source: str) -> Table:
     >>> table.delimiter, table.column("OP").to_list()
     (';', ['1,5'])
     """
-    content = known_text(raw, source)
-    content = replace(content, raw=joined(content.raw))
+    content = known_text(joined(raw), source)
     need_memory(max(content.raw.count(b"\n"), content.raw.count(b"\r")), source)
     spans = list(cuts(content.raw)) or [(0, 0)]
     top = _lines(content, spans[0])

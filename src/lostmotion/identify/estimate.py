@@ -25,7 +25,7 @@ from lostmotion.identify.call import Call
 from lostmotion.identify.data import FEWEST_SAMPLES, collect
 from lostmotion.identify.earned import CLAIMS, FEWEST_REVERSALS, reversals
 from lostmotion.identify.fit import HammersteinFit
-from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, with_found
+from lostmotion.identify.left_open import left_open, may_be_denied, surely_ahead, untold, with_found
 from lostmotion.identify.likelihood.asked import Asked
 from lostmotion.identify.likelihood.criterion import gain_over_linear
 from lostmotion.identify.likelihood.feedback import feedback
@@ -135,15 +135,7 @@ def identify(
     if y is None or any(name is not None for name in (op, pv, sp, time)):
         u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
     found = _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
-    return replace(found, status=Status.CANNOT_TELL) if _untold(found) else found
-
-
-def _untold(found: HammersteinFit) -> bool:
-    """Whether a linear model claims what the record does not tell: that there is no fault, where it excludes none."""
-    if found.kind.name != NO_FAULT or found.kinds is None or found.status not in CLAIMS:
-        return False
-    excluded = np.isfinite([*found.kinds.excluded.values()]).any()
-    return not excluded or (found.status is Status.OK and found.preferred != NO_FAULT)
+    return replace(found, status=Status.CANNOT_TELL) if untold(found) else found
 
 
 @one_thread

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from lostmotion.errors import Status
 from lostmotion.identify.actuators.choice import CONFIRMED, KindChoice
 from lostmotion.identify.actuators.excluded import largest_sizes, nothing_excluded
+from lostmotion.identify.actuators.kind import NO_FAULT
+from lostmotion.identify.earned import CLAIMS
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.scaled import Scaling
@@ -40,6 +44,14 @@ def left_open(
     seen = beside.status is not Status.CANNOT_TELL and told and not slow
     sizes = largest_sizes(linear, fits, ahead) if seen else nothing_excluded()  # a valve that stands still would do
     return excluded_sizes(sizes, beside.data, scaling)
+
+
+def untold(found: HammersteinFit) -> bool:
+    """Whether a linear model claims what the record does not tell: that there is no fault, where it excludes none."""
+    if found.kind.name != NO_FAULT or found.kinds is None or found.status not in CLAIMS:
+        return False
+    excluded = np.isfinite([*found.kinds.excluded.values()]).any()
+    return bool(not excluded or (found.status is Status.OK and found.preferred != NO_FAULT))
 
 
 def may_be_denied(found: HammersteinFit, kinds: KindChoice, sound: float) -> bool:

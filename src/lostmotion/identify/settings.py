@@ -26,9 +26,6 @@ def orders_of(orders: str | tuple[int, int, int]) -> tuple[int, int, int] | None
         na, nb, delay = (whole("orders", value, 0) for value in orders)
     except (TypeError, ValueError) as error:
         raise ParameterError.expected("orders as (na, nb, delay)", repr(orders), remedy) from error
-    if max(na, nb) > MOST_ORDER or delay > MOST_DELAY:
-        remedy = "resample the record where the process is slower"
-        raise ParameterError.expected(f"orders up to ({MOST_ORDER}, {MOST_ORDER}, {MOST_DELAY})", orders, remedy)
     return na, nb, delay
 
 
@@ -53,7 +50,7 @@ def noise_lags_of(noise: str | int) -> int | None:
 
 
 def check_length(shortest: int, asked: Asked) -> None:
-    """Refuse segments that are too short for the orders."""
+    """Refuse segments that are too short for the orders, and orders of no process."""
     if shortest < asked.needed:
         na, nb, delay = asked.orders or DEFAULT_ORDERS
         raise DataError.expected(
@@ -61,3 +58,6 @@ def check_length(shortest: int, asked: Asked) -> None:
             f"{shortest}",
             "use lower orders or longer records",
         )
+    if asked.orders is not None and (max(asked.orders[:2]) > MOST_ORDER or asked.orders[2] > MOST_DELAY):
+        remedy = "resample the record where the process is slower"
+        raise ParameterError.expected(f"orders up to ({MOST_ORDER}, {MOST_ORDER}, {MOST_DELAY})", asked.orders, remedy)

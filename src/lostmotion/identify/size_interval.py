@@ -39,4 +39,4 @@ def with_model_error(
 
 def slips_at_rest(actuator: Nonlinearity, evidence: Evidence) -> bool:
     """Whether a valve was found that slips between the rows, in a loop in which PV predicts all that moves OP."""
-    return isinstance(actuator, Stiction) and actuator.model == "he ramp" and evidence.exact_feedback
+    return isinstance(actuator, Stiction) and actuator.model == "he ramp" and evidence.only_fed_back

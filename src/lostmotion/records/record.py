@@ -116,7 +116,7 @@ class LoopRecord:
         for name in ("op_span", "pv_span"):
             span = getattr(self, name)
             if span is not None:
-                _refuse_span(name, span, getattr(self, name[:2]))
+                refuse_span(name, span, getattr(self, name[:2]))
         self._set_labels()
         self._set_span()
         self._set_clock()
@@ -278,11 +278,12 @@ def fingerprint_of(records: Sequence[str]) -> str:
     return records[0] if len(records) == 1 else hashlib.sha256("".join(records).encode()).hexdigest()[:16]
 
 
-def _refuse_span(name: str, span: tuple[float, float], values: FloatArray) -> None:
+def refuse_span(name: str, span: tuple[float, float], values: FloatArray) -> None:
+    """ParameterError for what is no span of these values (n,)."""
     if not span[0] < span[1]:
         raise ParameterError.expected(f"{name} with low < high", span, "give (low, high)")
-    largest = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
-    if largest > 0.0 and not max(map(abs, span)) <= MOST_SPAN * largest:
+    largest = max(float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values))), 1.0)
+    if not max(map(abs, span)) <= MOST_SPAN * largest:
         remedy = f"give the limits of {name[:2].upper()} in its units"
         raise ParameterError.expected(f"{name} within +-{MOST_SPAN * largest:.3g}", span, remedy)
 

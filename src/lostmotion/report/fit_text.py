@@ -272,13 +272,10 @@ def dynamics(fit: HammersteinFit) -> str:
 
 def _noise_words(fit: HammersteinFit) -> str:
     """Its model."""
-    chosen = fit.chosen
+    zero, order = fit.chosen.noise_zero, fit.chosen.noise_order
     if fit.evidence.load_drifts:
-        memory = -fit.data.dt / np.log(min(abs(np.roots([1.0, *fit.noise.d]))))
-        return f"a load that drifts (it forgets in {memory:.3g} s) and white noise of measurement"
-    if chosen.noise_zero:
-        return f"ARMA of order ({chosen.noise_order}, 1), zero at {chosen.noise_zero:g}"
-    return "white" if chosen.noise_order == 0 else f"AR of order {chosen.noise_order}"
+        return "a load that drifts, and white noise of measurement"
+    return f"ARMA of order ({order}, 1), zero at {zero:g}" if zero else f"AR of order {order}" if order else "white"
 
 
 def _below_zero(fit: HammersteinFit) -> str:

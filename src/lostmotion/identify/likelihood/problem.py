@@ -9,15 +9,14 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import lfilter, lfilter_zi
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.plausible import FREE, Held
+from lostmotion.identify.likelihood.zeros import before, seen_through
 from lostmotion.kernels import likelihood as kernel
 from lostmotion.kernels.linear import is_allowed
 from lostmotion.kernels.normal_equations import normal_equations
-from lostmotion.kernels.smoothed import roughen, smooth, smooth_rows
 from lostmotion.kernels.squared_errors import squared_errors
 
 Inner: TypeAlias = tuple[FloatArray, FloatArray]  # internal variable x (n,) and dx/deta (m, n)
@@ -241,21 +240,7 @@ class Problem:
 
     def smoothed(self, signals: FloatArray) -> FloatArray:
         """One signal (n,) or several (m, n) through the zeros of the noise; themselves where it has none."""
-        zero, c = self.structure.zero, self.structure.c
-        if not self.structure.zeros:
-            return signals
-        found = np.zeros(signals.shape)
-        if c:
-            rest = lfilter_zi([1.0], [1.0, *c])
-            for start, stop in self.segments.tolist():
-                begun = signals[..., start, None] * rest
-                found[..., start:stop] = lfilter([1.0], [1.0, *c], signals[..., start:stop], zi=begun)[0]
-            return found
-        if signals.ndim == 1:
-            smooth(signals, zero, self.segments, found)
-        else:
-            smooth_rows(signals, zero, self.segments, found)
-        return found
+        return seen_through(signals, self.structure.zero, self.structure.c, self.segments)
 
     def internal(self, theta: FloatArray) -> Inner:
         """Internal variable x (n,) and dx/deta (m, n), not of sizes of known courses, as the likelihood sees them."""
@@ -272,17 +257,8 @@ class Problem:
             return simulated, errors
         rows = [slice(start + s.first, stop) for start, stop in self.segments.tolist()]
         smooth = [self.target[at] - z for at, z in zip(rows, simulated, strict=True)]
-        left = [self._roughened(v) for v in smooth]
+        left = [before(v, s.zero, s.c) for v in smooth]
         return [self.y[at] - v for at, v in zip(rows, left, strict=True)], [self.sharpness * e for e in errors]
-
-    def _roughened(self, smooth: FloatArray) -> FloatArray:
-        """One stretch before the zeros of the noise; the first rows, behind which lies what was before, repeat."""
-        c = self.structure.c
-        if not c:
-            return np.asarray(roughen(smooth, self.structure.zero))
-        found = lfilter([1.0, *c], [1.0], smooth)
-        found[: len(c)] = found[len(c) : len(c) + 1]
-        return np.asarray(found)
 
     def _predicted(self, theta: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """The same of the smoothed signals."""
