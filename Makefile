@@ -53,7 +53,7 @@ short: $(COMPILED)
 # The order is random, its seed is printed (again with SEED=..). Coverage of lines and branches was 96.2 %; a point is left
 # for machines on which a browser or a compiler is missing. `.venv/bin/coverage report --skip-covered` says what is left out. Not `--dist loadgroup`: it waits for
 # ever for a worker that died.
-SEED := default
+SEED ?= default
 COVERED := 95
 all: $(COMPILED)
 	$(BIN)/pytest -n 3 --dist worksteal -p randomly --randomly-seed=$(SEED) --randomly-dont-reset-seed \
