@@ -3,8 +3,8 @@
 import ast
 import json
 import os
-import signal
 import re
+import signal
 import sys
 import tomllib
 from subprocess import run
