@@ -56,8 +56,8 @@ class Evidence:
         Whether the controller knows more than the rows, which answer moves of OP however small: OP foretells PV against
         the way in which the valve moves it, see ``foretold``, or moves mostly between the rows, see ``Unseen``.
     load_drifts : bool
-        Whether the noise is a load that drifts, and white noise of measurement: by it a level is told from the inverse
-        of its controller.
+        Whether the noise model is a drifting load disturbance and white measurement noise, which identifies a level
+        without moves of the set point.
     """
 
     gain_over_linear: float

@@ -274,7 +274,7 @@ def _noise_words(fit: HammersteinFit) -> str:
     """Its model."""
     zero, order = fit.chosen.noise_zero, fit.chosen.noise_order
     if fit.evidence.load_drifts:
-        return "a load that drifts, and white noise of measurement"
+        return "a drifting load disturbance and white measurement noise"
     return f"ARMA of order ({order}, 1), zero at {zero:g}" if zero else f"AR of order {order}" if order else "white"
 
 

@@ -55,7 +55,7 @@ def test_its_size_asked_for_is_the_same(backlash):
 
 
 def test_noise_of_a_level_is_said_and_saved(backlash, tmp_path):
-    assert "a load that drifts" in " ".join(str(backlash).split())
+    assert "a drifting load disturbance and white measurement noise" in " ".join(str(backlash).split())
     backlash.save(tmp_path / "fit.json")
     again = lm.read_fit(tmp_path / "fit.json")
     assert again.noise == backlash.noise

@@ -1,9 +1,9 @@
-"""Kinds of a level: an integrating process under control, whose load drifts (:mod:`..likelihood.drifting_load`).
+"""Actuator kinds of a level: an integrating process under control with a drifting load disturbance.
 
-Predictions with a rich model of the noise excluded plays of 0.01 to 0.1 where 1.5 to 4 was true: without moves of the
-set point the process is not identified beside such a noise, and a process that follows every ripple of OP excludes any
-lost motion. Beside the noise that a level has the process is known, and a lost motion is seen as what it is: a load
-that turns with OP. Every size of every kind is looked at with everything else at its best.
+Predictions with a rich noise model excluded backlash of 0.01 to 0.1 where 1.5 to 4 was true: without set-point moves
+the process is not identifiable beside such a noise model, and a process that follows every ripple of OP excludes any
+lost motion. With the noise model of a level (:mod:`..likelihood.drifting_load`) it is. The profile likelihood of the
+size of each kind is evaluated with process and noise refitted at every size.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ LATEST, LATEST_SHARE = 60, 20  # rows of delay, and rows of a segment for each
 MOST_SEGMENTS = 10  # each has initial states of its own
 FIRST_BLOCKS, FEWEST_BLOCKS = 2000, 100  # of a record, and of a segment
 IN_MEMORY = 5.0  # blocks in the time in which the noise forgets
-SIZES, LARGEST = 24, 0.95  # looked at, up to so much of the range of OP
+SIZES, LARGEST = 24, 0.95  # evaluated, up to so much of the range of OP
 HOPELESS = 30.0  # of log-likelihood, that no fault makes up for
 LEVEL = 0.95  # of the intervals
-ANSWERED = 10.0  # of twice the log-likelihood over a valve that stands still; less excludes no lost motion
+ANSWERED = 10.0  # of twice the log-likelihood over a valve that does not move; less excludes no lost motion
 CLOSE = 10.0  # of twice the log-likelihood: other forms of a size that are refined as well
 NEAR_STEPS = 4  # of noise, from that of a size nearby
 HALVINGS = 6  # of the steps of own parameters, and of an end between two sizes
@@ -85,7 +85,7 @@ class Level:
 
 
 def as_level(data: ScaledData, asked: Asked, linear: Fitted, kind: str | None = None) -> Level | None:
-    """The kinds behind a load that drifts, where that is likelier than the linear model with any noise; else None.
+    """The kinds with a drifting load, where that is more likely than the linear model with any noise; else None.
 
     `kind`: that which was asked for; None: the likeliest.
     """
@@ -150,10 +150,10 @@ class _Search:
         rows, healthy = self.likelihood.rows, self._densities(self.none)
         likelihoods, firm = {NO_FAULT: 0.0}, {NO_FAULT: 0.0}
         for name, place in places.items():
-            total, sure = total_and_firm(self._densities(place) - healthy)
+            total, robust = total_and_firm(self._densities(place) - healthy)
             cost = 0.5 * (place.own.size - place.family.places) * float(np.log(rows))  # slopes are as they are
             if total > cost:
-                likelihoods[name], firm[name] = total - cost, sure - cost
+                likelihoods[name], firm[name] = total - cost, robust - cost
         scores = {name: gain for name, gain in likelihoods.items() if firm[name] > NEEDED} | {NO_FAULT: NEEDED}
         chosen, *others = sorted(scores, key=lambda name: scores[name], reverse=True)
         runner_up = others[0] if others else chosen
@@ -269,7 +269,7 @@ class _Profile:
         return replace(place, fit=self.likelihood.with_best_delay(_course(place, self.data.u), place.fit, 2))
 
     def _refine(self, place: Place) -> None:
-        """By a pattern search over own parameters and rests."""
+        """By a pattern search over the parameters of the actuator."""
         step = self.span * LARGEST / SIZES / 2
         for _ in range(HALVINGS):
             for _ in range(MOST_MOVES):

@@ -1,9 +1,9 @@
-"""The likelihood of an integrating process whose load drifts, measured with white noise.
+"""The likelihood of an integrating process with a drifting load disturbance and white measurement noise.
 
 Where only a controller moves OP, and exactly, a linear process cannot be told from the inverse of that controller by
 predictions with a rich model of the noise (Ljung, 2nd ed., section 13.4): its gain may be anything, and so may the
-lost motion that "would have been seen". What the noise of a level is made of tells them apart. A load l that forgets
-slowly acts where the valve acts, and the measurement adds white noise v:
+lost motion that "would have been seen". The noise model of a level tells them apart. A load disturbance l, a
+first-order autoregression, acts where the valve acts, and the measurement adds white noise v:
 
     (1 - q^-1) y = b q^-d (x + l) + (1 - q^-1) v,    (1 - p q^-1) l = w.
 
@@ -35,7 +35,7 @@ STEPS = 12  # of Gauss and Newton
 STEP, LONGEST = 0.02, 2.0  # of the logarithms: for derivatives, and of one step
 FIRST_DAMPING, LARGEST_DAMPING, SHRINK, GROW = 1e-3, 1e4, 5.0, 10.0
 ENOUGH = 0.01  # of twice the log-likelihood, that a step gains
-DELAYS = 2  # looked at in a block
+DELAYS = 2  # evaluated in a block
 RIDGE = 1e-12  # of products of columns of norm 1
 
 
