@@ -4,7 +4,6 @@ import ast
 import json
 import os
 import re
-import signal
 import sys
 import tomllib
 from subprocess import run
@@ -43,11 +42,8 @@ BY = {writer.__name__, folders.__name__, numba_cache.__name__, isolated.__name__
 def done(tmp_path_factory):
     """What each command that writes did outside of its process, as Python reports it."""
     found = tmp_path_factory.mktemp("found") / "done.json"
-    for _ in range(2):  # it forks beside threads of others, and an interpreter died of that twice in some twenty runs
-        words = ["-m", "tests.support.watched_commands", str(tmp_path_factory.mktemp("commands")), str(found)]
-        ended = run([sys.executable, "-X", "faulthandler", *words], cwd=ROOT, timeout=500, check=False)
-        if ended.returncode != -signal.SIGSEGV:
-            break
+    words = ["-m", "tests.support.watched_commands", str(tmp_path_factory.mktemp("commands")), str(found)]
+    ended = run([sys.executable, "-X", "faulthandler", *words], cwd=ROOT, timeout=500, check=False)
     assert ended.returncode == 0
     return json.loads(found.read_text(encoding="utf-8"))
 

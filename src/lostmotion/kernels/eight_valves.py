@@ -15,6 +15,7 @@ from lostmotion.kernels.lanes import (
     WIDTH,
     Quad,
     address,
+    alive,
     less,
     load,
     over,
@@ -54,6 +55,7 @@ def _follow_all(
             at = (k - begin) * EIGHT
             x0[k], x1[k], x2[k], x3[k] = values[at], values[at + 1], values[at + 2], values[at + 3]
             x4[k], x5[k], x6[k], x7[k] = values[at + 4], values[at + 5], values[at + 6], values[at + 7]
+    alive(some)
     return state[TURNS:]
 
 

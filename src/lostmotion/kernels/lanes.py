@@ -26,9 +26,16 @@ WIDTH, EIGHT, WIDEST = machine.WIDTH, machine.EIGHT, machine.WIDEST
 def address(array: AnyArray) -> AnyArray:
     """Where an array begins: indexed like the array, without bounds and without counted references.
 
-    In compiled code it lives as long as the array does; the counting would cost more than the arithmetic.
+    In compiled code it lives as long as the array does; the counting would cost more than the arithmetic. Compiled code
+    frees an array behind its last use by name, so that an array of the function itself is kept by ``alive`` (and what a
+    function is given that is inlined).
     """
     return array
+
+
+@machine.as_alive
+def alive(arrays: AnyArray | tuple[FloatArray | IntArray, ...]) -> None:
+    """Keep an array, or several, up to here: its address was in use."""
 
 
 @machine.as_widest

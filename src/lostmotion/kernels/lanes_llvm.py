@@ -53,6 +53,13 @@ def as_address(meaning: Function) -> Function:
     return meaning
 
 
+def as_alive(meaning: Function) -> Function:
+    """Compile `meaning` to nothing: Numba frees an array behind its last use, and this is one."""
+    type_callable(meaning)(lambda _context: lambda _arrays: types.void)
+    lower_builtin(meaning, types.Any)(lambda context, *_: context.get_dummy_value())
+    return meaning
+
+
 def _compiler(result: Any, *arguments: Any) -> Callable[[Callable[..., Any]], Callable[[Function], Function]]:
     """Turn code that writes LLVM instructions into a decorator for the Python function that they stand for.
 

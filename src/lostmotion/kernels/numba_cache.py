@@ -8,6 +8,7 @@ kernels and the version of Numba: code of older sources is never run, and severa
 from __future__ import annotations
 
 import hashlib
+import secrets
 import shutil
 from collections.abc import Callable
 from contextlib import suppress
@@ -24,6 +25,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 MAX_FOLDERS = 4  # of other sources or versions of Numba that are kept, 20 MB each: the latest ones
 SOURCES = Path(__file__).parent
+_PROCESS = secrets.token_hex(4)
 
 
 def cache_folder(sources: Path = SOURCES) -> Path:
@@ -48,9 +50,21 @@ def njit(folder: Path | None = None, **options: Any) -> Callable[[Function], Fun
             made: Function = numba.njit(cache=True, **options)(function)
         finally:
             config.CACHE_DIR = chosen  # type: ignore[attr-defined]
+        _name_by_process(made)
         return made
 
     return compiled
+
+
+def _name_by_process(function: Any) -> None:
+    """Give this process file names of its own in the cache.
+
+    Numba counts them up from 1: of two processes that compile one function at a time, for other types each, the index
+    of one could name the code of the other, which would run from then on.
+    """
+    files = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    if files is not None:
+        files._data_name_pattern = files._data_name_pattern.replace("{number", f"{_PROCESS}-{{number")
 
 
 def prepare_folder(folder: Path) -> None:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDEST, Quad, address, less, over, plus_product, root_above, store, times
+from lostmotion.kernels.lanes import WIDEST, Quad, address, alive, less, over, plus_product, root_above, store, times
 from lostmotion.kernels.lanes import load_widest as load
 from lostmotion.kernels.lanes import spread_widest as spread
 from lostmotion.kernels.likelihood import add_lagged
@@ -104,6 +104,7 @@ def _add_part(
             at = (i * size + j) * WIDEST
             value = less(load(table, at), times(share, load(mode, j * WIDEST)))
             store(out, at, plus_product(value, one, load(out, at)))
+    alive((x, part, with_mode, whole, grams))
 
 
 @njit(nogil=True, forceinline=True)
@@ -157,6 +158,7 @@ def _least_squares(gram: FloatArray, at: int, lags: int, rss: FloatArray, b: Flo
             for k in range(j + 1, i + 1):
                 value = less(value, times(load(root, k * line + j * WIDEST), load(gains, i * line + k * WIDEST)))
             store(gains, i * line + j * WIDEST, over(value, load(root, j * line + j * WIDEST)))
+    alive((gram, rss, b, work))
 
 
 @njit(nogil=True, inline="always")

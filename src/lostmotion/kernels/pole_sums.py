@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.kernels.lanes import WIDEST, Quad, address, plus_product, store, times
+from lostmotion.kernels.lanes import WIDEST, Quad, address, alive, plus_product, store, times
 from lostmotion.kernels.lanes import load_widest as load
 from lostmotion.kernels.lanes import spread_widest as spread
 from lostmotion.kernels.numba_cache import njit
@@ -41,6 +41,7 @@ def respond(a: FloatArray, drive: FloatArray, ones: FloatArray, x: FloatArray, l
         x3, x2, x1, y3, y2, y1 = x2, x1, first, y2, y1, second
         store(to_x, k * WIDEST, first)
         store(to_level, k * WIDEST, second)
+    alive((a, x, level))
 
 
 @njit(nogil=True)
@@ -80,6 +81,7 @@ def sum_lags(
         _put(out, i1 * triple, p1, t1, l1)
         _put(out, i2 * triple, p2, t2, l2)
         _put(out, i3 * triple, p3, t3, l3)
+    alive((x, level, sums))
 
 
 @njit(nogil=True, inline="always")
@@ -111,6 +113,7 @@ def sum_modes(
     store(out, 2 * WIDEST, steps)
     store(out, 3 * WIDEST, square)
     store(out, 4 * WIDEST, both)
+    alive((x, level, decays, sums, now))
 
 
 @njit(nogil=True, inline="always")
@@ -159,6 +162,7 @@ def _sum_few(
     store(address(modes.reshape(-1)), 3 * WIDEST, square)
     store(address(modes.reshape(-1)), 4 * WIDEST, both)
     store(address(modes.reshape(-1)), 5 * WIDEST, whole)
+    alive((x, level, decays, sums, last, modes, now))
 
 
 @njit(nogil=True, inline="always")
@@ -203,3 +207,4 @@ def derive_lags(
                 levels = plus_product(levels, after, load(to_level, (n - j) * width))
             steps = plus_product(steps, times(minus, load(poles, (m - 1) * width)), levels)
         store(out, lag * step + 2 * width, steps)
+    alive((a, x, level, sums, modes))

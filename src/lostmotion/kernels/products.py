@@ -6,7 +6,7 @@ import numpy as np
 from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDEST, address, load_widest, plus_product, spread_widest, store, widest
+from lostmotion.kernels.lanes import WIDEST, address, alive, load_widest, plus_product, spread_widest, store, widest
 from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 
@@ -212,6 +212,7 @@ def _factorise(gram: FloatArray, target: FloatArray) -> float:
         upper[i, n] *= inverse
         gram[i, i], target[i] = inverse, upper[i, n]
         total += target[i] * target[i]
+    alive(upper)
     return total
 
 
@@ -280,6 +281,7 @@ def _explained(table: FloatArray, basis: FloatArray, known: FloatArray, floor: f
         for j in range(i + 1, m + 1):
             row[j] *= inverse
         total += row[m] * row[m]
+    alive(rows)
     return total
 
 

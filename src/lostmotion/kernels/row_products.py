@@ -6,7 +6,17 @@ import numpy as np
 from numba import config
 
 from lostmotion.arrays import FloatArray, IntArray
-from lostmotion.kernels.lanes import WIDEST, WIDTH, Quad, address, load_widest, plus_product, spread_widest, store
+from lostmotion.kernels.lanes import (
+    WIDEST,
+    WIDTH,
+    Quad,
+    address,
+    alive,
+    load_widest,
+    plus_product,
+    spread_widest,
+    store,
+)
 from lostmotion.kernels.no_literal import no_literal
 from lostmotion.kernels.numba_cache import njit
 
@@ -118,6 +128,7 @@ def _add_row_products(
                 last[i * WIDEST + k] = flat[single[i] + whole + k]
         few = no_literal(WIDEST)
         _add_tiles(address(last), address(places), singles, single.size - 1, lagged, lags, whole, few, rows, parts)
+        alive((last, places))
 
 
 def _add_row_products_plain(

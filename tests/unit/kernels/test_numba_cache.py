@@ -100,3 +100,27 @@ def test_a_caller_follows_its_callee_in_another_file(tmp_path):
             subprocess.run(run, env=environment, capture_output=True, text=True, check=True, timeout=300).stdout
         )
     assert found == ["2\n", "14\n"]
+
+
+def test_of_two_processes_that_compile_one_function_none_runs_the_code_of_the_other(tmp_path):
+    """Each for its own type at the same time: the index that one keeps names no code of the other."""
+    (tmp_path / "twice.py").write_text(
+        "import sys\nfrom pathlib import Path\nfrom lostmotion.kernels.numba_cache import njit\n"
+        "@njit(folder=Path(sys.argv[1]))\ndef twice(x):\n    return 2 * x\nprint(twice(eval(sys.argv[2])))\n"
+    )
+    folder, environment = tmp_path / "kept", {**os.environ, "PYTHONPATH": str(SOURCE), "NUMBA_DISABLE_JIT": "0"}
+
+    def said(value):
+        run = [sys.executable, str(tmp_path / "twice.py"), str(folder), value]
+        return subprocess.run(
+            run, env=environment, capture_output=True, text=True, check=True, timeout=300
+        ).stdout.strip()
+
+    assert said("3") == "6"
+    (index,) = folder.rglob("*.nbi")
+    of_the_first = index.read_bytes()
+    index.unlink()  # the second has looked before the first wrote it
+    assert said("1.5") == "3.0"
+    index.write_bytes(of_the_first)
+    assert said("4") == "8"
+    assert said("2.5") == "5.0"
