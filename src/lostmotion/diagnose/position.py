@@ -11,13 +11,10 @@ from lostmotion.actuator import ActuatorResponse, actuator_response
 from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.op_span import op_span
+from lostmotion.identify.seen_position import SEEN_CONFIDENCE
 from lostmotion.records import LoopRecord
 
 Found = TypeVar("Found", bound=Diagnosis)
-
-# of a finding in the position: the kind is right in 71 of 75 simulated positioners that are named
-# (benchmarks/positioners.py, seeds 200 to 305)
-SEEN_CONFIDENCE = 0.95
 OUTVOTED = ("none", "cannot tell", "other oscillation")  # verdicts from PV that name no fault of the actuator
 
 

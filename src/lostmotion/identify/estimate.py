@@ -33,6 +33,7 @@ from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.identify.recording import Recording
 from lostmotion.identify.scaled import ScaledData
+from lostmotion.identify.seen_position import beside_position
 from lostmotion.identify.settings import check_choice, check_length, integrating_of, noise_lags_of, orders_of
 from lostmotion.identify.status import VAGUE, excluded_sizes
 from lostmotion.kernels.threads import one_thread
@@ -107,7 +108,8 @@ def identify(
     Returns
     -------
     HammersteinFit
-        With `status`: look at it before the numbers.
+        With `status`: look at it before the numbers. Where the record has the actuator's position, what that shows
+        is in `actuator`; a fault that PV does not show is then the likelier kind (OTHER_KIND).
 
     Raises
     ------
@@ -135,7 +137,7 @@ def identify(
     if y is None or any(name is not None for name in (op, pv, sp, time)):
         u = as_records(u, op=op, pv=pv, sp=sp, time=time, dt=dt)
     found = _or_integrating(_asked_for(u, y, dt, nonlinearity, orders, noise, gain, offset, raw, integrating))
-    return replace(found, status=Status.CANNOT_TELL) if untold(found) else found
+    return beside_position(replace(found, status=Status.CANNOT_TELL) if untold(found) else found, u)
 
 
 @one_thread

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lostmotion import _verbs
+from lostmotion.actuator import ActuatorResponse
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify.actuators.choice import KindChoice
@@ -47,6 +48,8 @@ class HammersteinFit(RatedEstimate):
         With nonlinearity="auto": how the kinds compare, and how sure the choice is.
     linear_alternative : HammersteinFit or None
         Where no number is given for the fault: the linear model, whose gain is that of the process.
+    actuator : ActuatorResponse or None
+        Where the record has the actuator's position: what that shows (:func:`lostmotion.actuator_response`).
     residuals : ndarray
         Prediction errors, white where the model is right; simulated : output of the model from its input alone.
     """
@@ -68,6 +71,7 @@ class HammersteinFit(RatedEstimate):
     linear_alternative: HammersteinFit | None = field(default=None, repr=False)
     profiled: dict[str, tuple[float, float]] = field(default_factory=dict)
     kinds: KindChoice | None = None
+    actuator: ActuatorResponse | None = None
 
     def repr_parts(self) -> tuple[str, ...]:
         """Finding in a few words."""
@@ -132,6 +136,7 @@ class HammersteinFit(RatedEstimate):
         about = {"segments": data.segments.tolist(), "notes": list(data.notes), "remarks": list(self.remarks)}
         return {
             **facts,
+            **({} if self.actuator is None else {"actuator": self.actuator.to_dict()}),
             "residual_tests": dict(vars(self.tests)),
             "settings": {**copy.deepcopy(self.settings), "chosen": self.chosen.to_dict()},
             "data": {**facts["data"], **about},

@@ -17,10 +17,10 @@ from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
 from lostmotion.records.movement import TOLERANCE
 from lostmotion.report.digits import FINEST, bracketed, digits, plain, signed, span
 from lostmotion.report.fit_text import fill, head
+from lostmotion.report.seen_in_position import seen_in_position
 
 MARK = 0.5  # log-odds of one mark of a bar
 MOST_MARKS = 12
-BEHIND = " The {} that PV shows lies behind the position transmitter: look for a loose linkage."
 LIKELY = (
     0.8  # probability of a fault of the actuator, from which on it is named as the place even where the fault is not
 )
@@ -32,7 +32,7 @@ def diagnosis_summary(diagnosis: Diagnosis) -> str:
         _head(diagnosis),
         fill(verdict_sentence(diagnosis)),
         fill(where_from(diagnosis)),
-        fill(seen_in_position(diagnosis)),
+        fill(_position(diagnosis)),
         _evidence(diagnosis),
         _oscillation(diagnosis),
         _kinds(diagnosis),
@@ -68,20 +68,10 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     return f"{verdict.upper()}{_size(diagnosis)}, severity {_severity(diagnosis)}, confidence {sure}."
 
 
-def seen_in_position(diagnosis: Diagnosis) -> str:
+def _position(diagnosis: Diagnosis) -> str:
     """What the measured position shows, and what PV adds; "" where there is none."""
-    response = diagnosis.actuator
-    if response is None:
-        return ""
-    if not response.status.identified:
-        return f"The position does not tell the dead band: {response.message}"
-    low, high = (response.percent_text(end) for end in response.interval)
-    if response.kind == NO_FAULT:
-        seen = f"Seen directly in the position: no dead band larger than {high} of span."
-        behind = diagnosis.kind == "actuator" and diagnosis.verdict != NO_FAULT
-        return seen + (BEHIND.format(diagnosis.verdict) if behind else "")
-    size = f"{response.percent_text(response.dead_band)} of span ({low[:-2]} .. {high[:-2]})"
-    return f"Seen directly in the position: {response.kind}, dead band {size}."
+    named = diagnosis.verdict if diagnosis.kind == "actuator" else NO_FAULT
+    return "" if diagnosis.actuator is None else seen_in_position(diagnosis.actuator, named)
 
 
 def _severity(diagnosis: Diagnosis) -> str:

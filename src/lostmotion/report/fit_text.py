@@ -16,6 +16,7 @@ from lostmotion.identify.actuators.choice import KindChoice
 from lostmotion.identify.actuators.kind import NO_FAULT
 from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
+from lostmotion.identify.seen_position import shown_by_position
 from lostmotion.report.digits import bracketed, digits, error_of, span
 
 WIDTH = 96
@@ -62,6 +63,8 @@ def _finding(fit: HammersteinFit) -> str:
 def sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
     kind, compared, other = fit.kind, fit.kinds is not None, fit.evidence.other_kind
+    if fit.status is Status.OTHER_KIND and other is not None and shown_by_position(fit):
+        return f"PV does not show it, but the measured position shows {other[0]}: its size is in `fit.actuator`."
     if fit.status is Status.OTHER_KIND and other is not None:
         return (
             f"Converged, but {other[0]} fits better by {other[1]:.0f} (log-likelihood, less what parameters cost) than "

@@ -8,6 +8,7 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
 from lostmotion.identify.unseen_moves import FILLED
+from lostmotion.report.seen_in_position import seen_in_position
 
 # Step of PV over the deviation of the noise, measured on the level tank (docs/records.md)
 FELT_STEP = 1.0  # rounding adds a twelfth to the variance of the noise
@@ -35,8 +36,8 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     fit : HammersteinFit
     """
     about = (
-        about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads, about_characteristic,
-        about_asymmetry, about_horizon, in_percent,
+        about_position, about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads,
+        about_characteristic, about_asymmetry, about_horizon, in_percent,
     )  # fmt: skip
     return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
@@ -70,6 +71,11 @@ def about_unseen_moves(fit: HammersteinFit) -> str:
         f"{fit.data.unseen.words(moves)}, which makes the interval of the {fit.kind.size} so wide. Record every scan of"
         " the controller."
     )
+
+
+def about_position(fit: HammersteinFit) -> str:
+    """What the measured position shows."""
+    return "" if fit.actuator is None else seen_in_position(fit.actuator, fit.preferred)
 
 
 def about_lag(fit: HammersteinFit) -> str:
