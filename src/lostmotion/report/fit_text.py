@@ -18,6 +18,7 @@ from lostmotion.identify.earned import fit_without_drift
 from lostmotion.identify.rated_estimate import HIDDEN
 from lostmotion.identify.seen_position import shown_by_position
 from lostmotion.report.digits import bracketed, digits, error_of, span
+from lostmotion.report.seen_in_position import seen_in_position
 
 WIDTH = 96
 UNEARNED = (
@@ -48,12 +49,7 @@ def head(fit: HammersteinFit, of: str = "") -> str:
     name = data.tag or data.source or "record"
     pieces = f" in {len(data.segments)} pieces" if len(data.segments) > 1 else ""
     reach = f"{float(data.u.min()):.5g} .. {float(data.u.max()):.5g}{bracketed(data.op_unit)}"
-    return "\n".join(
-        [
-            f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}{of}, OP {reach}",
-            "=" * WIDTH,
-        ]
-    )
+    return f"{name}: {data.u.size} samples every {data.dt:g} s{pieces}{of}, OP {reach}\n{'=' * WIDTH}"
 
 
 def _finding(fit: HammersteinFit) -> str:
@@ -64,7 +60,7 @@ def sentence(fit: HammersteinFit) -> str:
     """The sentence of the status; that of a dead zone is reworded for other kinds and for what was already done."""
     kind, compared, other = fit.kind, fit.kinds is not None, fit.evidence.other_kind
     if fit.status is Status.OTHER_KIND and other is not None and shown_by_position(fit):
-        return f"PV does not show it, but the measured position shows {other[0]}: its size is in `fit.actuator`."
+        return f"PV does not show it, but the measured position shows {other[0]} (`fit.actuator`)."
     if fit.status is Status.OTHER_KIND and other is not None:
         return (
             f"Converged, but {other[0]} fits better by {other[1]:.0f} (log-likelihood, less what parameters cost) than "
@@ -135,10 +131,11 @@ def _bound(fit: HammersteinFit) -> str:
 
 def _unearned(fit: HammersteinFit) -> str:
     """What is not to be read into the numbers."""
-    kind = fit.kind.name
-    if kind == NO_FAULT:
+    if fit.actuator is not None and shown_by_position(fit):
+        return seen_in_position(fit.actuator, fit.preferred)
+    if fit.kind.name == NO_FAULT:
         return "A fault is neither shown nor excluded."
-    return f"No number is given for the {kind}." if fit.status in HIDDEN else f"Build nothing on this {kind}."
+    return f"{'No number is given for the' if fit.status in HIDDEN else 'Build nothing on this'} {fit.kind.name}."
 
 
 def _unseen(fit: HammersteinFit, span_op: float | None) -> str:

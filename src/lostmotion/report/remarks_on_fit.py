@@ -7,6 +7,7 @@ import numpy as np
 from lostmotion.arrays import FloatArray
 from lostmotion.errors import Status
 from lostmotion.identify import HammersteinFit
+from lostmotion.identify.seen_position import shown_by_position
 from lostmotion.identify.unseen_moves import FILLED
 from lostmotion.report.seen_in_position import seen_in_position
 
@@ -74,8 +75,8 @@ def about_unseen_moves(fit: HammersteinFit) -> str:
 
 
 def about_position(fit: HammersteinFit) -> str:
-    """What the measured position shows."""
-    return "" if fit.actuator is None else seen_in_position(fit.actuator, fit.preferred)
+    """What the measured position shows, where that is not the finding."""
+    return "" if fit.actuator is None or shown_by_position(fit) else seen_in_position(fit.actuator, fit.preferred)
 
 
 def about_lag(fit: HammersteinFit) -> str:
