@@ -109,7 +109,7 @@ def identify(
     -------
     HammersteinFit
         With `status`: look at it before the numbers. Where the record has the actuator's position, what that shows
-        is in `actuator`; a fault that PV does not show is then the likelier kind (OTHER_KIND).
+        is in `actuator`; a fault that PV does not show is then more likely (OTHER_KIND).
 
     Raises
     ------

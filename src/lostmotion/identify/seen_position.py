@@ -8,7 +8,7 @@ from math import log
 import numpy as np
 
 from lostmotion.actuator import actuator_response
-from lostmotion.actuator.response import NONE
+from lostmotion.actuator.response import CANNOT_TELL, NONE
 from lostmotion.errors import Status
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.records import LoopRecord, Prepared
@@ -17,13 +17,13 @@ from lostmotion.records import LoopRecord, Prepared
 # (benchmarks/positioners.py, seeds 200 to 305)
 SEEN_CONFIDENCE = 0.95
 AHEAD = log(SEEN_CONFIDENCE / (1.0 - SEEN_CONFIDENCE))
-UNNAMED = (NONE, "cannot tell")
+UNNAMED = (NONE, CANNOT_TELL)  # what PV says where it names no fault
 
 
 def beside_position(fit: HammersteinFit, records: object) -> HammersteinFit:
-    """The fit with `actuator`, where one record with a position was handed over.
+    """The fit with `actuator`, where it is of one record with a position.
 
-    A fault that the position shows and PV does not is the likelier kind. One that PV names stays: it may lie behind the
+    A fault that the position shows and PV does not is the more likely kind. One that PV names stays: it may lie behind the
     position transmitter, in a loose linkage.
     """
     record = _one(records)
@@ -38,12 +38,12 @@ def beside_position(fit: HammersteinFit, records: object) -> HammersteinFit:
 
 
 def shown_by_position(fit: HammersteinFit) -> bool:
-    """Whether the position, and not PV, shows the kind that is likelier than the fitted one."""
+    """Whether the position, and not PV, shows the kind that is more likely than the fitted one."""
     return fit.actuator is not None and fit.evidence.other_kind == (fit.actuator.kind, AHEAD)
 
 
 def _one(records: object) -> LoopRecord | None:
-    """The record that was handed over, if it is one."""
+    """The record of `identify`, if it is one."""
     if isinstance(records, list | tuple) and len(records) == 1:
         records = records[0]
     if isinstance(records, Prepared):

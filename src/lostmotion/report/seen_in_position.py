@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lostmotion.actuator import ActuatorResponse
 from lostmotion.actuator.response import NONE
+from lostmotion.identify.seen_position import UNNAMED
 
-UNNAMED = (NONE, "cannot tell")
 BEHIND = " The {} that PV shows lies behind the position transmitter: look for a loose linkage."
 
 
