@@ -8,10 +8,10 @@ from typing import TypeVar
 import numpy as np
 
 from lostmotion.actuator import ActuatorResponse, actuator_response
+from lostmotion.actuator.response import SEEN_CONFIDENCE
 from lostmotion.diagnose.advice import advise
 from lostmotion.diagnose.diagnosis import Diagnosis
 from lostmotion.diagnose.op_span import op_span
-from lostmotion.identify.seen_position import SEEN_CONFIDENCE
 from lostmotion.records import LoopRecord
 
 Found = TypeVar("Found", bound=Diagnosis)

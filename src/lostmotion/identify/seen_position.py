@@ -8,14 +8,11 @@ from math import log
 import numpy as np
 
 from lostmotion.actuator import actuator_response
-from lostmotion.actuator.response import CANNOT_TELL, NONE
+from lostmotion.actuator.response import CANNOT_TELL, NONE, SEEN_CONFIDENCE
 from lostmotion.errors import Status
 from lostmotion.identify.fit import HammersteinFit
 from lostmotion.records import LoopRecord, Prepared
 
-# of a finding in the position: the kind is right in 71 of 75 simulated positioners that are named
-# (benchmarks/positioners.py, seeds 200 to 305)
-SEEN_CONFIDENCE = 0.95
 AHEAD = log(SEEN_CONFIDENCE / (1.0 - SEEN_CONFIDENCE))
 UNNAMED = (NONE, CANNOT_TELL)  # what PV says where it names no fault
 
@@ -23,8 +20,8 @@ UNNAMED = (NONE, CANNOT_TELL)  # what PV says where it names no fault
 def beside_position(fit: HammersteinFit, records: object) -> HammersteinFit:
     """The fit with `actuator`, where it is of one record with a position.
 
-    A fault that the position shows and PV does not is the more likely kind. One that PV names stays: it may lie behind the
-    position transmitter, in a loose linkage.
+    A fault that the position shows and PV does not is the more likely kind. One that PV names stays: it may lie behind
+    the position transmitter, in a loose linkage.
     """
     record = _one(records)
     if record is None or record.position is None or not np.isfinite(record.position).any():
