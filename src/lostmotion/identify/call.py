@@ -91,6 +91,6 @@ class Call:
             widest=None if status is not Status.NOT_SEEN else excluded_above(fitted, evidence, profiled, scaling),
             profiled=profiled,
             settings={**self.settings, "offset_fixed": fitted.basis is not None},
-            chosen=chosen_of(fitted),
+            chosen=chosen_of(fitted, scaling),
             data=data,
         )

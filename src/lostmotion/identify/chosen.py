@@ -27,6 +27,9 @@ class Chosen:
     asymmetry : tuple of float, optional
         Of a lag that differs with direction: by this share it is faster than its mean upwards, and away from PV at OP
         0, and slower the other way; the mean is that of the model. None: it is the same in all directions.
+    break_away : tuple of float, optional
+        OP between which a dead zone with a jump does not move; its `left` and `right` are where the lines beyond reach
+        zero. None: it begins to move there.
     noise_zero : float
         Zero of the noise; 0: it is autoregressive.
     """
@@ -40,6 +43,7 @@ class Chosen:
     noise_zero: float = 0.0
     slopes: tuple[float, float] | None = None
     asymmetry: tuple[float, float] | None = None
+    break_away: tuple[float, float] | None = None
 
     @property
     def periods(self) -> tuple[float, ...]:
@@ -58,7 +62,7 @@ class Chosen:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of :meth:`to_dict`."""
-        pairs = {name: _pair(data.get(name)) for name in ("slopes", "asymmetry")}
+        pairs = {name: _pair(data.get(name)) for name in ("slopes", "asymmetry", "break_away")}
         return cls(**{**data, "loads": tuple(data.get("loads", ())), **pairs})
 
 

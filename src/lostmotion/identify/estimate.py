@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lostmotion.arguments import finite
 from lostmotion.errors import ParameterError, Status
 from lostmotion.identify.actuators.asked_kind import AskedKind
+from lostmotion.identify.actuators.break_away import broken_away
 from lostmotion.identify.actuators.choice import choose_kind, likelihood_gain, set_aside
 from lostmotion.identify.actuators.every_kind import EveryKind, further
 from lostmotion.identify.actuators.fit_kind import fit_kind, fit_linear
@@ -234,7 +235,7 @@ class _Identification(Call):
             return self.packed(linear, linear)
         kind = kind_of(name)
         found = self._fitted(linear, self.scaled, kind, kind.sought(self.scaled, self.asked))
-        found = self._beside_nested(kind, found, linear)
+        found = broken_away(self._beside_nested(kind, found, linear))
         plain, linear = linear, max(linear, without_actuator(found), key=lambda one: gain_over_linear(one, linear))
         packed = self.packed(found, linear)
         otherwise = None

@@ -5,21 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.break_away import break_points
 from lostmotion.identify.actuators.characteristic import slopes
 from lostmotion.identify.actuators.directional_lag import asymmetry
 from lostmotion.identify.actuators.kind import kind_of
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.data import IdentificationData
 from lostmotion.identify.likelihood.fitted import Fitted
-from lostmotion.identify.scaled import ScaledData
+from lostmotion.identify.scaled import ScaledData, Scaling
 from lostmotion.models import Hammerstein, LinearModel
 
 
-def chosen_of(fitted: Fitted) -> Chosen:
+def chosen_of(fitted: Fitted, scaling: Scaling) -> Chosen:
     """Structure, and what acts beside the actuator."""
     s, loads = fitted.problem.structure, fitted.problem.family.loads
     events = () if loads is None else loads.to_dicts()
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, slopes(fitted), asymmetry(fitted))
+    besides = slopes(fitted), asymmetry(fitted), _in_op(break_points(fitted), scaling)
+    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, *besides)
+
+
+def _in_op(pair: tuple[float, float] | None, scaling: Scaling) -> tuple[float, float] | None:
+    if pair is None:
+        return None
+    low, high = (scaling.u_centre + scaling.u_scale * end for end in pair)
+    return low, high
 
 
 def model_of(values: dict[str, float], fitted: Fitted, data: IdentificationData) -> Hammerstein:

@@ -46,6 +46,8 @@ class _Begun:
 class Predictor:
     """A model in engineering units, its noise, and the constant load of an integrating process, None where not known.
 
+    `still`: OP between which a dead zone that is left with a jump does not move.
+
     The initial state of each piece of a record is estimated from its PV, as in the fit: max(na, nb) numbers by least
     squares on the whitened errors, for a valve with memory the place in its band where it rests at first, and the load
     where it is not known.
@@ -54,6 +56,7 @@ class Predictor:
     model: Hammerstein
     noise: NoiseModel
     load: float | None = None
+    still: tuple[float, float] | None = None
 
     def from_rest(self, op: Any, pv: float | None) -> FloatArray:
         """PV for an array of OP: the valve rests at the first OP, the process at `pv` (None: at that same OP)."""
@@ -189,6 +192,8 @@ class Predictor:
             x = np.asarray(valve(u))
         else:
             x = np.asarray(valve.run(u, u[0] + rest * self._reach))
+        if self.still is not None:
+            x[(u > self.still[0]) & (u < self.still[1])] = 0.0
         if not self.model.linear.integrates():
             return x
         return x - x[0] if self.load is None else x + self.load

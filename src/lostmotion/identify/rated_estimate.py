@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from lostmotion.identify.actuators.kind import NO_FAULT, Kind, kind_of
 from lostmotion.identify.chosen import Chosen
 from lostmotion.identify.evidence import Evidence
 from lostmotion.identify.named_estimate import NamedEstimate
+from lostmotion.identify.predicted import Predictor
 from lostmotion.identify.size_interval import slips_at_rest, with_model_error
 from lostmotion.identify.unseen_moves import beyond_unseen, within_unseen
 from lostmotion.summary import Summary
@@ -48,15 +50,20 @@ class RatedEstimate(NamedEstimate, ABC):
     def nuisances(self) -> tuple[str, ...]:
         """What a sound plant may do and this record needed in the model, beside the fault and a linear process.
 
-        Out of "direction-dependent lag" (`chosen.asymmetry`), "bent characteristic" (`chosen.slopes`) and "actuator
-        lag" (`evidence.actuator_lag`).
+        Out of "direction-dependent lag" (`chosen.asymmetry`), "bent characteristic" (`chosen.slopes`), "actuator
+        lag" (`evidence.actuator_lag`) and "break-away" (`chosen.break_away`).
         """
         needed = {
             "direction-dependent lag": self.chosen.asymmetry is not None,
             "bent characteristic": self.chosen.slopes is not None,
             "actuator lag": self.evidence.actuator_lag > 0.0,
+            "break-away": self.chosen.break_away is not None,
         }
         return tuple(name for name, there in needed.items() if there)
+
+    @property
+    def _predictor(self) -> Predictor:
+        return replace(super()._predictor, still=self.chosen.break_away)
 
     @property
     @abstractmethod

@@ -109,7 +109,8 @@ def _chosen(saved: Fields) -> Chosen:
     loads = saved.made("loads", "a list of loads", _loads) if "loads" in saved else ()
     na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
     zero = saved.number("noise_zero") if "noise_zero" in saved else 0.0
-    pairs = {name: saved.made(name, "two numbers", _pair) for name in ("slopes", "asymmetry") if name in saved}
+    names = ("slopes", "asymmetry", "break_away")
+    pairs = {name: saved.made(name, "two numbers", _pair) for name in names if name in saved}
     return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads, zero, **pairs)
 
 

@@ -38,7 +38,7 @@ def fit_remarks(fit: HammersteinFit) -> tuple[str, ...]:
     """
     about = (
         about_position, about_pv_step, about_op_step, about_unseen_moves, about_lag, about_sampling, about_loads,
-        about_characteristic, about_asymmetry, about_horizon, in_percent,
+        about_break_away, about_characteristic, about_asymmetry, about_horizon, in_percent,
     )  # fmt: skip
     return tuple(sentence for sentence in (say(fit) for say in about) if sentence)
 
@@ -95,6 +95,17 @@ def about_loads(fit: HammersteinFit) -> str:
     if steps:
         parts.append(f"{steps} step{'s' * (steps > 1)}")
     return f"Beside the actuator {' and '.join(parts)} of load act on the process in this model." if parts else ""
+
+
+def about_break_away(fit: HammersteinFit) -> str:
+    """Of a dead zone that is left with a jump."""
+    if fit.chosen.break_away is None:
+        return ""
+    low, high = fit.chosen.break_away
+    return (
+        f"The valve begins to move at OP {low:.4g} and {high:.4g}, and then with a jump: left and right are where the "
+        "lines beyond reach zero. The inverse uses these lines; what is smaller than the jump it cannot reach."
+    )
 
 
 def about_characteristic(fit: HammersteinFit) -> str:

@@ -36,7 +36,7 @@ def bent(fitted: Fitted) -> Fitted:
     if loads is not None and loads.bend is not None:
         return _along(fitted)
     added = Loads((Bend(_position(fitted)),), fitted.problem.u.size)
-    sizes, gain = explained_by(fitted, added)
+    sizes, gain = explained_by(fitted, added.shapes)
     if gain < PROMISING:
         return fitted
     trial = loaded(fitted, fitted.problem.y, added, sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -50,11 +50,12 @@ class DeadZoneFamily(Family):
     """Dead zone; own parameters = left, right, log(left_slope / right_slope).
 
     `low` and `high` keep both break points where at least a few samples lie beyond them: outside, the
-    likelihood is flat.
+    likelihood is flat. With `still` it moves beyond these two only, on the lines that reach zero at left and right.
     """
 
     low: float
     high: float
+    still: tuple[float, float] | None = None
     kind: ClassVar[str] = "dead zone"
     own: ClassVar[tuple[str, ...]] = ("left", "right", "log_ratio")
     relative: ClassVar[bool] = True
@@ -64,6 +65,15 @@ class DeadZoneFamily(Family):
         left, right, log_ratio = eta.tolist()
         log_ratio = min(max(log_ratio, -FARTHEST), FARTHEST)  # a trial step may go anywhere
         kernel.sensitivities(u, left, right, log_ratio, x, dx)
+        if self.still is not None:
+            inside = (u > self.still[0]) & (u < self.still[1])
+            x[inside] = 0.0
+            dx[:, inside] = 0.0
+
+    @property
+    def sought(self) -> int:
+        """Two more where it is left with a jump."""
+        return super().sought + (0 if self.still is None else 2)
 
     def valid(self, eta: FloatArray) -> FloatArray:
         """Order the break points (a negative width becomes zero at its middle) and keep them inside the data."""
@@ -81,7 +91,7 @@ class DeadZoneFamily(Family):
 
     def edges(self, own: FloatArray) -> list[float]:
         """The real actuator may break away with a jump."""
-        return [float(edge) for edge in own[:2]]
+        return [float(edge) for edge in (self.still or own[:2])]
 
     def room(self, own: FloatArray, direction: FloatArray, largest: float, u: FloatArray) -> float:
         """How far the break points can move before they meet a sample of OP.
@@ -201,6 +211,9 @@ class DeadZoneKind(Kind):
 
     def healthy(self, fitted: Fitted, linear: Fitted) -> Fitted:
         """A characteristic without the gap, which may bend, or a valve that is slow."""
+        family = fitted.problem.family
+        if isinstance(family, DeadZoneFamily) and family.still is not None:
+            fitted = replace(fitted, problem=replace(fitted.problem, family=replace(family, still=None)))
         rivals = without_gap(fitted, linear), slow_at_a_glance(fitted, linear)
         return max(rivals, key=lambda one: gain_over_linear(one, linear))
 

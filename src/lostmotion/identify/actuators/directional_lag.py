@@ -77,7 +77,7 @@ def _first_look(fitted: Fitted, centre: float) -> tuple[Loads, FloatArray, float
     around = float(position.min()) < centre < float(position.max())
     event = Asymmetry(position, problem.segments, pole, centre=centre if around else None)
     added = Loads((event,), problem.u.size)
-    return added, *explained_by(fitted, added)
+    return added, *explained_by(fitted, added.shapes)
 
 
 def of_first_order(fitted: Fitted) -> Fitted | None:

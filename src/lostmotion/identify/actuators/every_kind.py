@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.actuators.break_away import broken_away
 from lostmotion.identify.actuators.characteristic import bent
 from lostmotion.identify.actuators.directional_lag import centre_of, directional, promises
 from lostmotion.identify.actuators.fit_kind import fit_linear
@@ -139,7 +140,7 @@ class EveryKind:
         fitted = bent(fitted)
         if self.asymmetric:
             fitted = directional(fitted, centre_of(self.scaled, fitted), self.asked.orders is None)
-        return with_own_loads(fitted)
+        return with_own_loads(broken_away(fitted))
 
 
 def _best_linear(linear: Fitted, found: Fits) -> Fitted:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
+from lostmotion.identify.actuators.break_away import broken_away
 from lostmotion.identify.actuators.choice import (
     FOLDS,
     KindChoice,
@@ -102,7 +103,7 @@ def simulated(
         starts = [found[name].actuator] if name in found else []
         simple = [searched(first, kind, data, starts)] if first is not None else []
         both = [searched(plain, kind, data, [*starts, *(one.actuator for one in simple)]), *simple]
-        fits[name] = dispersed(min(both, key=lambda one: (one.drifts(data.longest), one.fit.cost)))
+        fits[name] = dispersed(broken_away(min(both, key=lambda one: (one.drifts(data.longest), one.fit.cost))))
     longest = max(one.problem.structure.start for one in [mine, *fits.values()])
     pieces = pieces_of(data.segments, longest + FEWEST_ROWS)
     if len(pieces) < FOLDS:

@@ -168,13 +168,13 @@ def without_swings(data: ScaledData, loads: Loads) -> ScaledData:
 def with_loads(fitted: Fitted, data: ScaledData, loads: Loads) -> Fitted:
     """A model of other signals, refined on these with given loads, and with its own."""
     on_data = replace(fitted, problem=replace(fitted.problem, u=data.u, y=data.y))
-    return with_own_loads(pruned(loaded(on_data, data.y, loads, explained_by(on_data, loads)[0])))
+    return with_own_loads(pruned(loaded(on_data, data.y, loads, explained_by(on_data, loads.shapes)[0])))
 
 
-def explained_by(fitted: Fitted, events: Loads) -> tuple[FloatArray, float]:
-    """Sizes of loads that explain most of the errors of a model, and what they gain in log-likelihood."""
+def explained_by(fitted: Fitted, courses: FloatArray) -> tuple[FloatArray, float]:
+    """Sizes of courses (m, n) that explain most of the errors of a model, and what they gain in log-likelihood."""
     errors = _Errors(fitted)
-    sizes, left = errors.explained(events.shapes)
+    sizes, left = errors.explained(courses)
     gain = float(errors.errors @ errors.errors - left @ left)
     return sizes, 0.5 * gain / max(fitted.variance, 1e-300)
 
