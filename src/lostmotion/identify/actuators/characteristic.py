@@ -14,6 +14,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray
 from lostmotion.identify.actuators.loads import explained_by, loaded, places_of_loads
+from lostmotion.identify.actuators.slopes import equal_slopes
 from lostmotion.identify.likelihood.courses import Bend, Loads
 from lostmotion.identify.likelihood.criterion import criterion
 from lostmotion.identify.likelihood.fitted import Fitted
@@ -35,12 +36,27 @@ def bent(fitted: Fitted) -> Fitted:
     loads = fitted.problem.family.loads
     if loads is not None and loads.bend is not None:
         return _along(fitted)
-    added = Loads((Bend(_position(fitted)),), fitted.problem.u.size)
+    smooth = _with_bend(equal) if (equal := equal_slopes(fitted)) is not None else None
+    if smooth is not None and _is_one(smooth):  # in place of two slopes it needs to be no more than better
+        smooth = _along(smooth)
+        if criterion(smooth) < criterion(fitted):
+            return smooth
+    added = _bend(fitted)
     sizes, gain = explained_by(fitted, added.shapes)
     if gain < PROMISING:
         return fitted
     trial = loaded(fitted, fitted.problem.y, added, sizes)
     return _along(trial) if criterion(trial) < criterion(fitted) - 2.0 * WORTH and _is_one(trial) else fitted
+
+
+def _bend(fitted: Fitted, *names: str) -> Loads:
+    bend = Bend(_position(fitted), fitted.problem.family.relative)
+    return Loads((replace(bend, names=names) if names else bend,), fitted.problem.u.size)
+
+
+def _with_bend(fitted: Fitted) -> Fitted:
+    added = _bend(fitted, "square")
+    return loaded(fitted, fitted.problem.y, added, explained_by(fitted, added.shapes)[0])
 
 
 def slopes(fitted: Fitted) -> tuple[float, float] | None:

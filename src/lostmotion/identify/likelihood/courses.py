@@ -61,22 +61,32 @@ class Bend:
     ----------
     position : ndarray, shape (n,)
         Of the valve, in units of scaled OP.
+    names : tuple of str
+        Of the sizes.
+    from_zero : bool
+        It adds nothing at position 0: PV there is the offset, which may be known.
     """
 
     position: FloatArray
-    names: ClassVar[tuple[str, ...]] = ("square", "cube")
+    from_zero: bool = False
+    names: tuple[str, ...] = ("square", "cube")
     sought: ClassVar[int] = 0  # it has no time
 
     @cached_property
     def _places(self) -> tuple[float, float]:
         """Middle and range of the positions."""
-        return float(self.position.mean()), float(np.ptp(self.position)) or 1.0
+        middle = 0.0 if self.from_zero else float(self.position.mean())
+        return middle, float(np.ptp(self.position)) or 1.0
 
     @cached_property
     def _lines(self) -> list[tuple[float, float]]:
         """Straight line in the square and in the cube."""
         place = self._placed(self.position)
-        return [_line(place, place**power) for power in _POWERS]
+        return [_line(place, place**power, self.from_zero) for power in self._powers]
+
+    @property
+    def _powers(self) -> list[int]:
+        return [_POWERS[name] for name in self.names]
 
     def _placed(self, position: FloatArray) -> FloatArray:
         middle, wide = self._places
@@ -85,7 +95,7 @@ class Bend:
     def fill(self, courses: FloatArray) -> None:
         """Square and cube of the place in the range, in courses (2, n)."""
         place = self._placed(self.position)
-        for row, (power, (level, rise)) in enumerate(zip(_POWERS, self._lines, strict=True)):
+        for row, (power, (level, rise)) in enumerate(zip(self._powers, self._lines, strict=True)):
             np.power(place, power, out=courses[row])
             courses[row] -= level + rise * place
 
@@ -93,16 +103,18 @@ class Bend:
         """Of the characteristic at positions (m,), over that of its straight line, for sizes (2,) of the courses."""
         place, wide = self._placed(position), self._places[1]
         slopes = np.ones(position.size)
-        for size, power, (_, rise) in zip(sizes, _POWERS, self._lines, strict=True):
+        for size, power, (_, rise) in zip(sizes, self._powers, self._lines, strict=True):
             slopes += size / wide * (power * place ** (power - 1) - rise)
         return slopes
 
 
-_POWERS = (2, 3)
+_POWERS = {"square": 2, "cube": 3}
 
 
-def _line(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    """Level and rise of the straight line through points, by least squares."""
+def _line(x: FloatArray, y: FloatArray, from_zero: bool) -> tuple[float, float]:
+    """Level and rise of the straight line through points, by least squares; with level 0 where asked."""
+    if from_zero:
+        return 0.0, float(x @ y) / max(float(x @ x), 1e-300)
     rise = float((x - x.mean()) @ y / max(float((x - x.mean()) @ x), 1e-300))
     return float(y.mean()) - rise * float(x.mean()), rise
 
@@ -212,7 +224,7 @@ class Loads:
 
 def _along(event: Event, position: FloatArray) -> Event:
     if isinstance(event, Bend):
-        return Bend(position)
+        return replace(event, position=position)
     return replace(event, position=position) if isinstance(event, Asymmetry) else event
 
 
