@@ -30,6 +30,8 @@ class Chosen:
     break_away : tuple of float, optional
         OP between which a dead zone with a jump does not move; its `left` and `right` are where the lines beyond reach
         zero. None: it begins to move there.
+    break_away_intervals : tuple of (float, float), optional
+        95 % interval of either.
     noise_zero : float
         Zero of the noise; 0: it is autoregressive.
     """
@@ -44,6 +46,7 @@ class Chosen:
     slopes: tuple[float, float] | None = None
     asymmetry: tuple[float, float] | None = None
     break_away: tuple[float, float] | None = None
+    break_away_intervals: tuple[tuple[float, float], tuple[float, float]] | None = None
 
     @property
     def periods(self) -> tuple[float, ...]:
@@ -63,7 +66,9 @@ class Chosen:
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of :meth:`to_dict`."""
         pairs = {name: _pair(data.get(name)) for name in ("slopes", "asymmetry", "break_away")}
-        return cls(**{**data, "loads": tuple(data.get("loads", ())), **pairs})
+        ranges = data.get("break_away_intervals")
+        intervals = None if ranges is None else tuple(map(_pair, ranges))
+        return cls(**{**data, "loads": tuple(data.get("loads", ())), **pairs, "break_away_intervals": intervals})
 
 
 def _pair(saved: Any) -> tuple[float, float] | None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from lostmotion.arrays import FloatArray
-from lostmotion.identify.actuators.break_away import break_points
+from lostmotion.identify.actuators.break_away import break_point_ranges, break_points
 from lostmotion.identify.actuators.characteristic import slopes
 from lostmotion.identify.actuators.directional_lag import asymmetry
 from lostmotion.identify.actuators.kind import kind_of
@@ -20,13 +22,16 @@ def chosen_of(fitted: Fitted, scaling: Scaling) -> Chosen:
     """Structure, and what acts beside the actuator."""
     s, loads = fitted.problem.structure, fitted.problem.family.loads
     events = () if loads is None else loads.to_dicts()
-    besides = slopes(fitted), asymmetry(fitted), _in_op(break_points(fitted), scaling)
-    return Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, *besides)
+    besides = slopes(fitted), asymmetry(fitted)
+    found = Chosen(s.na, s.nb, s.delay, s.noise_order, s.integrating, events, s.zero, *besides)
+    still, ranges = break_points(fitted), break_point_ranges(fitted)
+    if still is None or ranges is None:
+        return found
+    intervals = _in_op(ranges[0], scaling), _in_op(ranges[1], scaling)
+    return replace(found, break_away=_in_op(still, scaling), break_away_intervals=intervals)
 
 
-def _in_op(pair: tuple[float, float] | None, scaling: Scaling) -> tuple[float, float] | None:
-    if pair is None:
-        return None
+def _in_op(pair: tuple[float, float], scaling: Scaling) -> tuple[float, float]:
     low, high = (scaling.u_centre + scaling.u_scale * end for end in pair)
     return low, high
 

@@ -102,7 +102,11 @@ class RatedEstimate(NamedEstimate, ABC):
 
     @property
     def message(self) -> str:
-        """Sentence of the status; OK of a linear model has its own, since no nonlinearity is shown by it."""
+        """Sentence of the status; where a linear model is OK or another kind is seen it has its own."""
+        other = self.evidence.other_kind
+        if self.status is Status.OTHER_KIND and other is not None:
+            advice = "" if self.kinds else "; use nonlinearity='auto'"
+            return f"Converged, but the record shows {other[0]} rather than {self.kind.name}{advice}."
         if self.status is not Status.OK or self.kind.name != NO_FAULT:
             return self.status.value
         if self.kinds is None:

@@ -110,14 +110,27 @@ def _chosen(saved: Fields) -> Chosen:
     na, nb, delay, noise_order = (saved.count(name) for name in ("na", "nb", "delay", "noise_order"))
     zero = saved.number("noise_zero") if "noise_zero" in saved else 0.0
     names = ("slopes", "asymmetry", "break_away")
-    pairs = {name: saved.made(name, "two numbers", _pair) for name in names if name in saved}
-    return Chosen(na, nb, delay, noise_order, saved.flag("integrating"), loads, zero, **pairs)
+    slopes, asymmetry, still = (saved.made(name, "two numbers", _pair) if name in saved else None for name in names)
+    intervals = "break_away_intervals"
+    ranges = saved.made(intervals, "two pairs of numbers", _two_pairs) if intervals in saved else None
+    integrating = saved.flag("integrating")
+    return Chosen(na, nb, delay, noise_order, integrating, loads, zero, slopes, asymmetry, still, ranges)
 
 
 def _pair(saved: object) -> tuple[float, float] | None:
     if saved is None:
         return None
     first, second = map(as_number, as_list(saved))
+    return first, second
+
+
+def _two_pairs(saved: object) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    pairs = None if saved is None else tuple(map(_pair, as_list(saved)))
+    if pairs is None:
+        return None
+    first, second = pairs
+    if first is None or second is None:
+        raise TypeError
     return first, second
 
 

@@ -18,14 +18,16 @@ UNNAMED = (NONE, CANNOT_TELL)  # what PV says where it names no fault
 
 
 def beside_position(fit: HammersteinFit, records: object) -> HammersteinFit:
-    """The fit with `actuator`, where it is of one record with a position.
+    """The fit with `actuator`, where one of the records has a position; of several it is that with most of it.
 
     A fault that the position shows and PV does not is the more likely kind. One that PV names stays: it may lie behind
     the position transmitter, in a loose linkage.
     """
-    record = _one(records)
-    if record is None or record.position is None or not np.isfinite(record.position).any():
+    several = records if isinstance(records, list | tuple) else [records]
+    seen = {_samples(record): record for record in map(_record, several) if record is not None}
+    if not max(seen, default=0):
         return fit
+    record = seen[max(seen)]
     response = actuator_response(record)
     fit = replace(fit, actuator=response)
     if not response.status.identified or response.kind == NONE or fit.preferred not in UNNAMED:
@@ -39,10 +41,12 @@ def shown_by_position(fit: HammersteinFit) -> bool:
     return fit.actuator is not None and fit.evidence.other_kind == (fit.actuator.kind, AHEAD)
 
 
-def _one(records: object) -> LoopRecord | None:
-    """The record of `identify`, if it is one."""
-    if isinstance(records, list | tuple) and len(records) == 1:
-        records = records[0]
-    if isinstance(records, Prepared):
-        records = records.record
-    return records if isinstance(records, LoopRecord) else None
+def _record(one: object) -> LoopRecord | None:
+    """A record of `identify`, if it is one."""
+    found = one.record if isinstance(one, Prepared) else one
+    return found if isinstance(found, LoopRecord) else None
+
+
+def _samples(record: LoopRecord) -> int:
+    """Of the position."""
+    return 0 if record.position is None else int(np.isfinite(record.position).sum())

@@ -101,9 +101,10 @@ def about_break_away(fit: HammersteinFit) -> str:
     """Of a dead zone that is left with a jump."""
     if fit.chosen.break_away is None:
         return ""
-    low, high = fit.chosen.break_away
+    ends = zip(fit.chosen.break_away, fit.chosen.break_away_intervals or ((), ()), strict=True)
+    low, high = (f"{at:.4g}{f' ({ci[0]:.4g} to {ci[1]:.4g})' if ci else ''}" for at, ci in ends)
     return (
-        f"The valve begins to move at OP {low:.4g} and {high:.4g}, and then with a jump: left and right are where the "
+        f"The valve begins to move at OP {low} and {high}, and then with a jump: left and right are where the "
         "lines beyond reach zero. The inverse uses these lines; what is smaller than the jump it cannot reach."
     )
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 
 import numpy as np
 
 from lostmotion.arrays import FloatArray
+from lostmotion.distributions import chi2_quantile
 from lostmotion.identify.actuators.dead_zone import DeadZoneFamily
 from lostmotion.identify.actuators.loads import explained_by
 from lostmotion.identify.likelihood.beside import Beside
@@ -26,8 +27,10 @@ WORTH = 5.0  # of BIC with everything refined
 FIRST_AT = (0.1, 0.25, 0.45)  # of the width beyond either line, where the first look has its jumps
 LINES = (1.0, 0.9, 0.8, 0.7, 0.6)  # widths between the lines that are tried, over that without a jump
 BREAKS = (1.0, 1.08, 1.16, 1.25, 1.35, 1.5, 1.7)  # and between the break points
-SIDES = (0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.3)  # of each break point's distance from the middle, then tried alone
-TURNS = 2  # of these and the rest of the model
+ASIDE = (0.3, 0.2, 0.1, 0.05)  # of each break point's distance from the middle, by which it is then moved alone
+FINER = (1.0, 1.0, 0.2)  # shares of these, by turns with the rest of the model
+FARTHEST, PLACES = 2.0, 25  # of a line's distance from the middle, where a break point may be, and places to there
+LEVEL = 0.95  # of its interval
 
 Breaks = tuple[float, float]
 
@@ -42,11 +45,8 @@ def broken_away(fitted: Fitted) -> Fitted:
         return fitted
     plain = _at(fitted, None, fitted.actuator) if family.still else fitted
     best = _best(fitted, _trials(left, right, ratio)) if family.still is None else fitted
-    for _ in range(TURNS):
-        again = _best(best, _either_side(best))
-        if criterion(again) >= criterion(best) - 1.0:
-            break
-        best = again
+    for share in FINER:
+        best = min((best, _best(best, _either_side(best, share))), key=criterion)
     return best if criterion(best) < criterion(plain) - 2.0 * WORTH else plain
 
 
@@ -56,13 +56,40 @@ def break_points(fitted: Fitted) -> Breaks | None:
     return family.still if isinstance(family, DeadZoneFamily) else None
 
 
+def break_point_ranges(fitted: Fitted) -> tuple[Breaks, Breaks] | None:
+    """95 % intervals of both break points, process and noise held: between levels of OP, and as far as PV allows."""
+    still = break_points(fitted)
+    if still is None:
+        return None
+    own, problem = fitted.actuator, fitted.problem
+    beside = Beside(problem, fitted.fit.theta, fitted.basis)
+    limit = fitted.fit.cost + chi2_quantile(LEVEL, 1) * fitted.variance
+    middle, levels = 0.5 * (own[0] + own[1]), np.unique(problem.u)
+
+    def allowed(side: int, place: float) -> bool:
+        ends = (place, still[1]) if side == 0 else (still[0], place)
+        return beside.settled(_family(problem.family, ends), own)[1] <= limit
+
+    found = []
+    for side, line in enumerate(own[:2].tolist()):
+        inner, outer = sorted((line, middle + FARTHEST * (line - middle)))
+        places = np.linspace(inner, outer, PLACES)
+        step = places[1] - places[0]
+        good = [place for place in (still[side], *places.tolist()) if place == still[side] or allowed(side, place)]
+        low, high = min(good) - step, max(good) + step
+        beyond = levels[levels <= low], levels[levels >= high]
+        found.append((float(max(beyond[0], default=low)), float(min(beyond[1], default=high))))
+    return found[0], found[1]
+
+
 def _first_look(fitted: Fitted, left: float, right: float) -> float:
     """What jumps beyond the lines gain in log-likelihood, beside what the lines do if they move."""
     u, width = fitted.problem.u, right - left
-    beyond = [u > right + share * width for share in (0.0, *FIRST_AT)]
-    beyond += [u < left - share * width for share in (0.0, *FIRST_AT)]
-    courses = [np.maximum(u - right, 0.0), np.minimum(u - left, 0.0), *(one.astype(float) for one in beyond)]
-    return explained_by(fitted, np.array(courses))[1]
+    shares = (0.0, *FIRST_AT)
+    lines = (np.clip(u - end, low, high) for end, low, high in ((right, 0.0, np.inf), (left, -np.inf, 0.0)))
+    above = ((u > right + share * width).astype(float) for share in shares)
+    below = ((u < left - share * width).astype(float) for share in shares)
+    return explained_by(fitted, chain(lines, above, below))[1]
 
 
 def _trials(left: float, right: float, ratio: float) -> Iterator[tuple[Breaks, FloatArray]]:
@@ -73,11 +100,11 @@ def _trials(left: float, right: float, ratio: float) -> Iterator[tuple[Breaks, F
         yield (middle - still * half, middle + still * half), own
 
 
-def _either_side(fitted: Fitted) -> Iterator[tuple[Breaks, FloatArray]]:
+def _either_side(fitted: Fitted, finer: float) -> Iterator[tuple[Breaks, FloatArray]]:
     """One of the break points elsewhere."""
     low, high = break_points(fitted) or fitted.actuator[:2].tolist()
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    for share in SIDES:
+    for share in (1.0 + sign * finer * aside for aside in ASIDE for sign in (-1.0, 1.0)):
         yield (low, middle + share * half), fitted.actuator
         yield (middle - share * half, high), fitted.actuator
 

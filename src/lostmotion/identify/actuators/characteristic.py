@@ -8,6 +8,7 @@ that a fault must beat a sound valve that bends as it likes.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -36,27 +37,30 @@ def bent(fitted: Fitted) -> Fitted:
     loads = fitted.problem.family.loads
     if loads is not None and loads.bend is not None:
         return _along(fitted)
-    smooth = _with_bend(equal) if (equal := equal_slopes(fitted)) is not None else None
-    if smooth is not None and _is_one(smooth):  # in place of two slopes it needs to be no more than better
-        smooth = _along(smooth)
-        if criterion(smooth) < criterion(fitted):
-            return smooth
     added = _bend(fitted)
     sizes, gain = explained_by(fitted, added.shapes)
-    if gain < PROMISING:
-        return fitted
-    trial = loaded(fitted, fitted.problem.y, added, sizes)
-    return _along(trial) if criterion(trial) < criterion(fitted) - 2.0 * WORTH and _is_one(trial) else fitted
+    found = fitted
+    if gain > PROMISING:
+        trial = loaded(fitted, fitted.problem.y, added, sizes)
+        found = _along(trial) if criterion(trial) < criterion(fitted) - 2.0 * WORTH and _is_one(trial) else fitted
+    return min((found, *_in_place_of_slopes(fitted)), key=criterion)
+
+
+def _in_place_of_slopes(fitted: Fitted) -> Iterator[Fitted]:
+    """A curve with equal slopes, where a dead zone has two: both say that the gain differs over the range."""
+    equal = equal_slopes(fitted)
+    if equal is None or criterion(equal) < criterion(fitted) + 2.0 * PROMISING:
+        return
+    for names in (("square",), ("square", "cube")):
+        added = _bend(equal, *names)
+        trial = loaded(equal, equal.problem.y, added, explained_by(equal, added.shapes)[0])
+        if _is_one(trial):
+            yield _along(trial)
 
 
 def _bend(fitted: Fitted, *names: str) -> Loads:
     bend = Bend(_position(fitted), fitted.problem.family.relative)
     return Loads((replace(bend, names=names) if names else bend,), fitted.problem.u.size)
-
-
-def _with_bend(fitted: Fitted) -> Fitted:
-    added = _bend(fitted, "square")
-    return loaded(fitted, fitted.problem.y, added, explained_by(fitted, added.shapes)[0])
 
 
 def slopes(fitted: Fitted) -> tuple[float, float] | None:

@@ -9,7 +9,7 @@ by hand, no steps are sought: at the moves they would imitate any actuator.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -171,8 +171,8 @@ def with_loads(fitted: Fitted, data: ScaledData, loads: Loads) -> Fitted:
     return with_own_loads(pruned(loaded(on_data, data.y, loads, explained_by(on_data, loads.shapes)[0])))
 
 
-def explained_by(fitted: Fitted, courses: FloatArray) -> tuple[FloatArray, float]:
-    """Sizes of courses (m, n) that explain most of the errors of a model, and what they gain in log-likelihood."""
+def explained_by(fitted: Fitted, courses: Iterable[FloatArray]) -> tuple[FloatArray, float]:
+    """Sizes of courses (n,) that explain most of the errors of a model, and what they gain in log-likelihood."""
     errors = _Errors(fitted)
     sizes, left = errors.explained(courses)
     gain = float(errors.errors @ errors.errors - left @ left)
@@ -285,11 +285,15 @@ class _Errors:
         order = whole / periods
         return np.asarray((order > 1.5) & (np.abs(order - np.round(order)) < SAME * order))
 
-    def explained(self, courses: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def explained(self, courses: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Sizes of loads of given courses, by least squares, and the errors that they leave."""
-        table = np.column_stack([self._column(course) for course in courses])
-        sizes = np.asarray(np.linalg.lstsq(table, self.errors, rcond=1e-10)[0])
-        return sizes, self.errors - table @ sizes
+        columns = [self._column(course) for course in courses]
+        gram = np.array([[one @ other for other in columns] for one in columns])
+        sizes = _solved(gram, np.array([column @ self.errors for column in columns]), 1e-12)
+        left = self.errors.copy()
+        for size, column in zip(sizes.tolist(), columns, strict=True):
+            left -= size * column
+        return sizes, left
 
     def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
         """Best step and best swing of a segment."""
