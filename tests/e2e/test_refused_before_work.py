@@ -70,7 +70,7 @@ def full(monkeypatch):
     """A disk without room, which is seen only when bytes are put on it."""
 
     def no_room(draft, data):
-        with writer._told(draft.target, len(data)):
+        with writer.write_errors(draft.target, len(data)):
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(writer._Draft, "fill", no_room)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -153,7 +152,7 @@ def _door(bind: str, port: int, token_file: Path | None, public_url: str | None)
 def _token(path: Path) -> str:
     try:
         token = path.read_text(encoding="utf-8").strip()
-        open_to_others = os.name == "posix" and path.stat().st_mode & 0o077
+        open_to_others = sys.platform != "win32" and path.stat().st_mode & 0o077
     except (OSError, UnicodeDecodeError) as error:
         raise FileAccessError(f"expected a file with a token, got {path}: {error}; write one into it") from error
     if open_to_others:

@@ -215,10 +215,10 @@ READERS = {SHEETS: _of_workbook, HDF5: _of_hdf5} | {kind: partial(_trial, kind) 
 
 def limit(memory: int, seconds: int) -> None:
     """Limits of this process, where the system has them: bytes, seconds of work, and no file written."""
-    try:
-        import resource  # noqa: PLC0415  not on Windows
-    except ImportError:
+    if sys.platform == "win32":
         return
+    import resource  # noqa: PLC0415  not on Windows
+
     limits = {
         resource.RLIMIT_AS: memory,
         resource.RLIMIT_CPU: seconds,
@@ -251,6 +251,8 @@ def exactly(stream: IO[bytes], size: int) -> bytes:
 
 def _forked(kind: str, raw: bytes, memory: int, seconds: int, out: IO[bytes]) -> int:
     """Exit code of the reader in a fork, whose answer is passed on as it comes."""
+    if sys.platform == "win32":
+        raise NotImplementedError("no forks on Windows")
     reading, writing = os.pipe()
     child = os.fork()
     if not child:

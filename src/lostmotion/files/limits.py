@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from pathlib import Path
 
 from lostmotion.errors import DataError, ParameterError
@@ -57,15 +58,17 @@ def need_memory(rows: int, source: str) -> None:
 
 def _free_bytes() -> float:
     """Memory that this process may still take, where the system tells: of the computer, and of its own limit."""
+    if sys.platform == "win32":
+        return math.inf
+    import resource  # noqa: PLC0415  not on Windows
+
     try:
         fields = dict(line.split(":", 1) for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines())
         free = float(fields["MemAvailable"].split()[0]) * 1024
         used = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-        import resource  # noqa: PLC0415  not on Windows
-
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         own = math.inf if limit == resource.RLIM_INFINITY else limit - used * resource.getpagesize()
-    except (OSError, ImportError, LookupError, ValueError):
+    except (OSError, LookupError, ValueError):
         return math.inf
     return max(min(free, own), 0.0)
 

@@ -13,20 +13,21 @@ import hashlib
 import os
 import secrets
 import stat
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
-from lostmotion.files.alone import LOCKS, alone, locked
+from lostmotion.files.alone import alone, locked, patiently
 from lostmotion.files.folders import MOST_NEW, depth, made, make, nearest
+from lostmotion.files.write_errors import write_errors
 
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-TAKEN = (errno.EEXIST, errno.ENOTEMPTY)  # a file, or a folder with files in it, that came just before
 PLAIN = 0o666  # mode of a new file, less what the umask of the process takes away
 PRIVATE = 0o600  # of a key: nobody else reads it, from its first byte on
 _BINARY = getattr(os, "O_BINARY", 0)  # Windows
+_SELF = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # no link, and no waiting for a pipe
 _ROOM = "~" * 45  # as long as a second name
 _NAMELESS = getattr(os, "O_TMPFILE", 0) if Path("/proc/self/fd").is_dir() else 0
 Buffer = bytes | memoryview
@@ -43,7 +44,7 @@ def refuse(path: _PATHLIKE, force: bool = False) -> Path:
         no file can have that name.
     """
     target = Path(path)
-    with _told(target):
+    with write_errors(target):
         _refuse_folder(target.parent)
         with suppress(FileNotFoundError):
             _refuse_present(target, target.lstat().st_mode, force)
@@ -53,7 +54,7 @@ def refuse(path: _PATHLIKE, force: bool = False) -> Path:
 def refuse_folder(folder: _PATHLIKE, names: Iterable[str]) -> None:
     """Raise FileAccessError where files of these names could not be written, or the folder not be made."""
     place = Path(folder)
-    with _told(place):
+    with write_errors(place):
         if os.path.lexists(place):
             if not place.is_dir():
                 raise FileAccessError(f"expected a folder, got the file {str(place)!r}; choose another")
@@ -93,7 +94,7 @@ def write_together(files: Mapping[Path, Buffer], force: bool = False, mode: int 
     drafts: list[_Draft] = []
     with ExitStack() as stack:
         for target in targets:
-            stack.enter_context(_told(target))
+            stack.enter_context(write_errors(target))
             stack.enter_context(made(target.parent))
         try:
             for target, data in zip(targets, files.values(), strict=True):
@@ -118,7 +119,7 @@ def write_folder(folder: _PATHLIKE, files: Mapping[str, Buffer], force: bool = F
     refuse_folder(place, files)
     if place.is_dir():
         return write_together({place / name: data for name, data in files.items()}, force, mode)
-    with _told(place):
+    with write_errors(place):
         place.parent.mkdir(parents=True, exist_ok=True)
         drafts: list[_Draft] = []
         try:
@@ -142,22 +143,20 @@ def sweep(path: _PATHLIKE) -> None:
             left.unlink()
 
 
-def lock_file(path: Path) -> BinaryIO | None:
+def lock_file(path: Path) -> BinaryIO:
     """Keep other processes of lostmotion from working with `path` until what is returned is closed, or we end.
 
-    None where the platform has no such locks. The file that holds the lock stays; it is empty.
+    The file that holds the lock stays; it is empty.
 
     Raises
     ------
     FileAccessError
         Another process works with it, or the folder cannot be written.
     """
-    if not LOCKS:
-        return None
-    beside = path.with_name(f".{path.name}.lock")
-    with _told(beside):
+    beside = refuse(path.with_name(f".{path.name}.lock"), force=True)
+    with write_errors(beside):
         make(beside.parent)
-        number = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, PLAIN)
+        number = os.open(beside, os.O_RDWR | os.O_CREAT | _SELF, PLAIN)
     stream = os.fdopen(number, "rb")
     if not locked(number):
         stream.close()
@@ -171,7 +170,7 @@ class _Draft:
     def __init__(self, target: Path, folder: Path, mode: int = PLAIN) -> None:
         self.target, self._mode, self._placed = target, mode, False
         self.beside: Path | None = None  # second name
-        with _told(target):
+        with write_errors(target):
             self._stream = self._open(folder)
 
     def _open(self, folder: Path) -> BinaryIO:
@@ -183,7 +182,7 @@ class _Draft:
 
     def fill(self, data: Buffer) -> None:
         """Put the bytes on the disk, under the permissions of the file that they replace."""
-        with _told(self.target, len(data)):
+        with write_errors(self.target, len(data)):
             if hasattr(os, "fchmod") and self.target.is_file():
                 os.fchmod(self._stream.fileno(), stat.S_IMODE(self.target.stat().st_mode))
             self._stream.write(data)
@@ -195,7 +194,7 @@ class _Draft:
 
         `only`: nobody else names anything in the folder meanwhile.
         """
-        with _told(self.target):
+        with write_errors(self.target):
             if self.beside is None:
                 beside = self.target.parent / _second_name(self.target, only)
                 if only:
@@ -207,9 +206,7 @@ class _Draft:
                 self._link(beside)
                 self.beside = beside
             self._stream.close()
-            if os.path.lexists(self.target) and not force:
-                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
-            self.beside.replace(self.target)
+            (_replace if force else _rename)(self.beside, self.target)
             self._placed, self.beside = True, None
 
     def _link(self, path: Path) -> None:
@@ -231,6 +228,36 @@ class _Draft:
             self._stream.close()
         if self.beside is not None:
             self.beside.unlink(missing_ok=True)
+
+
+def _replace(beside: Path, target: Path) -> None:
+    """Rename a file to a name that may be taken; Windows waits for who has that one open."""
+    if sys.platform != "win32":
+        beside.replace(target)
+        return
+    try:
+        patiently(lambda: beside.replace(target))
+    except PermissionError as error:
+        raise FileAccessError(
+            f"expected {str(target)!r} closed, got it open in another program, or read-only; close it and try again"
+        ) from error
+
+
+def _rename(beside: Path, target: Path) -> None:
+    """Rename a file to a name that is free; one that was taken just now is kept."""
+    if sys.platform == "win32":  # there a rename replaces nothing
+        beside.rename(target)
+        return
+    try:
+        os.link(beside, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a drive on which a file has one name
+        if os.path.lexists(target):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+        beside.rename(target)
+    else:
+        beside.unlink()
 
 
 def _place(drafts: list[_Draft], force: bool) -> None:
@@ -318,26 +345,3 @@ def _refuse_folder(folder: Path) -> None:
         raise FileAccessError(f"expected a folder {str(folder)!r}, got the file {str(above)!r}; choose another path")
     if not os.access(above, os.W_OK | os.X_OK):
         raise FileAccessError(f"expected a folder that can be written, got {str(folder)!r}; choose another")
-
-
-@contextmanager
-def _told(target: Path, size: int | None = None) -> Iterator[None]:
-    """What the system refuses, in the words of the house."""
-    try:
-        yield
-    except FileAccessError:
-        raise
-    except (OSError, ValueError) as error:
-        if getattr(error, "errno", None) in TAKEN:
-            raise FileAccessError(
-                f"expected a new file, got {str(target)!r}, which exists; use force=True to replace it"
-            ) from error
-        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
-        if getattr(error, "errno", None) in FULL:
-            room = "room" if size is None else f"room for {size} bytes"
-            raise FileAccessError(
-                f"expected {room} to write {str(target)[:200]!r}, got {reason!r}; free some, or choose another disk"
-            ) from error
-        raise FileAccessError(
-            f"expected a folder that can be written, got {reason!r} for {str(target)[:200]!r}; choose another path"
-        ) from error

@@ -41,7 +41,8 @@ class AuditLog:
         """
         said = {"when": self._now().isoformat(), "who": who, "block": block, "event": event, **facts, "answer": answer}
         data = json.dumps(said, allow_nan=False, separators=(", ", ": ")).encode() + b"\n"
-        flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+        flags = os.O_RDWR | os.O_APPEND | os.O_CREAT
+        flags |= getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)  # POSIX; Windows
         try:
             number = os.open(self.path, flags, 0o640)
             try:

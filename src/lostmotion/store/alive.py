@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 import uuid
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -41,7 +42,7 @@ def lives(name: str, heartbeat: datetime | None, now: datetime) -> bool:
 
 def _runs(process: int) -> bool:
     """Whether a process runs here; one that has ended and was not yet fetched by its parent does not."""
-    if os.name == "nt":  # there the signal 0 ends a process
+    if sys.platform == "win32":  # there the signal 0 ends a process
         return True
     try:
         os.kill(process, 0)

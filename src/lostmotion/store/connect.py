@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from contextlib import closing
 from pathlib import Path
@@ -147,9 +148,11 @@ def _make_folder(path: Path, name: str) -> None:
 
 def _longest_name(folder: Path) -> int:
     """Bytes that a name may have in a folder."""
+    if sys.platform == "win32":
+        return 255  # everywhere
     try:
         return os.pathconf(folder, "PC_NAME_MAX")
-    except (AttributeError, OSError, ValueError):  # Windows: 255 everywhere
+    except (OSError, ValueError):
         return 255
 
 

@@ -6,6 +6,7 @@ import ipaddress
 import os
 import platform
 import stat
+import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -103,7 +104,7 @@ def refuse_public(path: Path) -> None:
         raise FileAccessError(f"expected a readable file {path}, got {error.strerror}; check the path") from error
     if not stat.S_ISREG(found.st_mode):
         raise FileAccessError(f"expected a file, got {path}, which is none; give a file")
-    if os.name == "posix" and (found.st_mode & 0o077 or found.st_uid not in (0, os.geteuid())):
+    if sys.platform != "win32" and (found.st_mode & 0o077 or found.st_uid not in (0, os.geteuid())):
         mode = f"mode {stat.S_IMODE(found.st_mode):04o} of user {found.st_uid}"
         raise FileAccessError(f"expected {path} for its owner alone, got {mode}; chown it to you and chmod 600 it")
 

@@ -66,9 +66,7 @@ class Supervised:
             Another process writes this log, or it cannot be written; the folder of requests is open to everybody.
         """
         with ExitStack() as open_:
-            lock = lock_file(self._common.log)  # two supervisors of one block must not be
-            if lock is not None:
-                open_.callback(lock.close)
+            open_.enter_context(lock_file(self._common.log))  # two supervisors of one block must not be
             log = ToldLog(self._common.log, {one.name: one.tag for one in self._blocks}, self._emit)
             for block in self._blocks:
                 log.line(who=block.name, block=block.name, event="start", answer="live --write begins, write = true")

@@ -130,8 +130,7 @@ class Desk:
     def close(self) -> None:
         """End what runs, and remove what is not kept."""
         self.jobs.close()
-        if self._locked is not None:
-            self._locked.close()
+        self._locked.close()
         if not self.kept:
             shutil.rmtree(self.records, ignore_errors=True)
 

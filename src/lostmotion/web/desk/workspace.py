@@ -41,7 +41,6 @@ def sweep(folder: Path) -> None:
         with suppress(OSError, FileAccessError):
             if place.is_symlink() or not place.is_dir() or time.time() - place.stat().st_mtime < STALE:
                 continue
-            lock = lock_file(place / LOCK)  # another user's cannot be locked
-            if lock is not None:
-                with lock:
-                    shutil.rmtree(place)
+            with lock_file(place / LOCK):  # another user's cannot be locked
+                shutil.rmtree(place, ignore_errors=True)
+            shutil.rmtree(place)  # Windows keeps what is open: the lock
