@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 
+from lostmotion.files.file_stem import DEVICES
+
 TYPES = (
     "bool byte word dword lword sint int dint lint usint uint udint ulint real lreal time ltime date ldate tod ltod dt "
     "ldt time_of_day ltime_of_day date_and_time ldate_and_time string wstring char wchar"
@@ -113,6 +115,7 @@ GROUPS: dict[str, str] = {
         significand assert complex imaginary eof errno main null offsetof setjmp stdin stdout stderr unix linux p s i
         o lesser greater
     """,
+    "device of Windows, which no file can be called after": " ".join(DEVICES),
 }
 WORDS: dict[str, str] = {word: group for group, words in reversed(GROUPS.items()) for word in words.split()}
 
@@ -132,6 +135,8 @@ def why_reserved(name: str) -> str | None:
     'function block of an annex of IEC 61131-3'
     >>> why_reserved("int_to_real")
     'conversion of IEC 61131-3'
+    >>> why_reserved("AUX")
+    'device of Windows, which no file can be called after'
     >>> why_reserved("ramp_step")
     """
     word = name.lower()

@@ -16,9 +16,9 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from lostmotion.errors import DataError, FileAccessError, GateError
+from lostmotion.files.file_stem import file_stem
 from lostmotion.files.results import read_json, write_json
 from lostmotion.files.schema import anything, checked, group, number, table, text
 
@@ -166,7 +166,7 @@ class Outbox:
 
 
 def _name(tag: str) -> str:
-    return f"{quote(tag, safe=' ')}{ENDING}"
+    return f"{file_stem(tag)}{ENDING}"
 
 
 def _owner(path: Path) -> str:
