@@ -17,7 +17,7 @@ $(STAMP): pyproject.toml constraints.txt
 	touch $@
 
 demo: $(STAMP)
-	$(BIN)/python examples/demo.py
+	$(BIN)/lostmotion demo demo-output --force
 
 # Before a pull request: at most ten minutes on two cores once all is set up. What needs one core each goes by twos.
 test: $(STAMP)

@@ -15,6 +15,7 @@ WORK = {
     "export": ("export", "{fit}", "--name", "LY_101", "--date", "2026-01-31", "--span", "-10", "10", "--out", "block"),
     "online": ("online", "-", "--orders", "3,2,3"),
     "solve": ("solve", "{loop}", "--out", "block.json"),
+    "demo": ("demo", "demo"),
     "demo-plant": ("demo-plant", "plant", "--loops", "2", "--days", "0.05", "--faults", "1", "--format", "csv"),
     "warm-up": ("warm-up", "--help"),
     "request": ("request", "--help"),

@@ -33,6 +33,8 @@ COMMANDS = {  # the first line of each command's docstring; a test compares them
     "solve": "Go the whole way from a record to a compensating block: check, diagnose, identify, simulate, block.",
     "audit": "Look at all loops of a plant: "
     "which valves need a hand, how sure that is, what swings with what, what is new.",
+    "demo": "Go the whole way on a simulated loop: "
+    "record, check, identify, compensate, figure, and the loop before and after.",
     "demo-plant": "Make a plant to try an audit on: a file a loop, a list of the loops, and the truth beside them.",
     "demo-live": "Run a plant to try the live link on: "
     "level, flow and temperature with worn valves, over OPC UA on this machine.",
