@@ -6,7 +6,7 @@ OPCUA := tests/opcua/node_modules/.installed
 COMPILED := .venv/.compiled
 export PYTHONPATH :=
 
-.PHONY: setup demo test test-all ready lint types imports short all nojit plc web opcua pages clean
+.PHONY: setup demo test test-all ready lint types imports short all nojit plc web opcua pages sbom clean
 setup: $(STAMP)
 
 $(STAMP): pyproject.toml constraints.txt
@@ -95,14 +95,22 @@ $(VENDOR)/uPlot.iife.min.js:
 opcua:
 	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(OPCUA) || echo "npm gave nothing: tests against node-opcua skip"; else echo "no npm: tests against node-opcua skip"; fi
 
-$(OPCUA): tests/opcua/package.json
-	cd tests/opcua && npm install --no-package-lock --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error
+# Each package against the digest of the lock file, which names no host. Renewed by the same words with `npm install
+# --package-lock-only --omit-lockfile-registry-resolved`, less its "funding".
+$(OPCUA): tests/opcua/package.json tests/opcua/package-lock.json
+	cd tests/opcua && npm ci --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error
 	touch $@
 
 # Makes the pages of docs/ again that are older than their source, oldest first; stop it and start it at any time.
 pages: $(STAMP) plc
 	$(BIN)/python -m benchmarks.pages --at-once 2 $(PAGES)
 
+# What a release consists of (CycloneDX): the packages of .venv, with versions and licences, into sbom.json.
+sbom: $(STAMP)
+	$(PYTHON) -m venv .venv-sbom
+	.venv-sbom/bin/pip install --quiet --disable-pip-version-check cyclonedx-bom==7.5.0
+	.venv-sbom/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible -o sbom.json $(BIN)/python
+
 clean:
-	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-rivals .venv-tep tests/opcua/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
+	rm -rf $(VENDOR) .cache .venv .venv-plc .venv-sbom sbom.json .venv-rivals .venv-tep tests/opcua/node_modules .mypy_cache .ruff_cache .pytest_cache .import_linter_cache demo-output
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

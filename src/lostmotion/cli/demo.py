@@ -10,8 +10,7 @@ import typer
 
 from lostmotion.cli.closed_output import echo
 from lostmotion.cli.output import Force
-from lostmotion.errors import DataError
-from lostmotion.extras import need_extra
+from lostmotion.extras import MissingExtraError, extra, need_extra
 from lostmotion.printable import shell_word
 
 SAMPLES = 6000
@@ -41,8 +40,9 @@ def demo(folder: Folder, force: Force = False) -> None:
     drawn: tuple[str, ...] = ("--figure", str(figure))
     missing = ""
     try:
-        need_extra("plot")
-    except DataError as error:
+        with extra("plot"):
+            need_extra("plot")
+    except MissingExtraError as error:
         drawn, missing = (), f"No figure: {error}"
     _run("check", str(record))
     _run("identify", str(record), "--gain", gain, "--out", str(fit), *drawn, *again)
