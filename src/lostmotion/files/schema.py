@@ -156,6 +156,16 @@ def group(optional: Mapping[str, Check] | None = None, /, **checks: Check) -> Ch
     return check_all
 
 
+def within(optional: Mapping[str, Check] | None = None, /, **checks: Check) -> Check:
+    """Mapping with these keys, perhaps the optional ones, and any others."""
+    exact, known = group(optional, **checks), {*(optional or {}), *checks}
+
+    def check_known(value: Any) -> Wrong | None:
+        return exact({k: v for k, v in value.items() if k in known} if isinstance(value, Mapping) else value)
+
+    return check_known
+
+
 def table(check: Check, most: int = 1000) -> Check:
     """Mapping of any names to such values."""
 

@@ -8,13 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.audit.plant_view import LoopView
-from lostmotion.errors import DataError, one_line
+from lostmotion.errors import DataError, FileAccessError, one_line
+from lostmotion.files.results import read_json
+from lostmotion.files.schema import checked, each, either, flag, group, kept, number, or_null, table, text
 from lostmotion.web.desk.view_json import view_of_json
 from lostmotion.web.worker.task import BRIEF, EXPORT, LOOK, RECORD, RESULT, STUDY, ZIP, brief_of, failure, outcome_of
 
 ABOUT = "about.json"
 LABEL = 120  # characters
 LETTERS = frozenset("0123456789abcdef")
+WHAT, REMEDY = "a dropped file as it was kept", "drop it again"
+VALUE = either(text(), number(), flag(), or_null(each(either(text(), number()), 1000)))
+PATH = kept("a path", lambda value: isinstance(value, str) and "\0" not in value)  # its bytes may be no text
+SHAPE = group(
+    label=text(), sources=each(PATH, 1 << 20), dropped=flag(), came=text(40), asked=table(VALUE), parent=text(16)
+)
 
 
 @dataclass(frozen=True)
@@ -143,12 +151,8 @@ def present(folder: Path) -> Iterator[Item]:
 
 
 def _item(place: Path) -> Item | None:
-    about = outcome_of(place, ABOUT)
     try:
-        known = dict(about or {})
-        sources = tuple(str(one) for one in known.pop("sources"))
-        item = Item(place.name, place, sources=sources, **known)
-    except (KeyError, TypeError):
+        known = checked(read_json(place / ABOUT, WHAT, REMEDY), SHAPE, WHAT, REMEDY)
+    except (DataError, FileAccessError):
         return None
-    texts = (item.label, item.came, item.parent)
-    return item if all(isinstance(one, str) for one in texts) and isinstance(item.asked, dict) else None
+    return Item(place.name, place, **{**known, "sources": tuple(known["sources"])})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
 from typing import Any
@@ -12,6 +13,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from lostmotion.errors import LostMotionError
 from lostmotion.files.results import read_json
 from lostmotion.report.plant import loop_report
 from lostmotion.web.desk.desk import Desk
@@ -47,11 +49,18 @@ def routes(page: Page) -> list[Route]:
 
     def shown(request: Request) -> Response:
         item = found(desk, request)
-        trend = None if item.record_path is None else trend_slot(page, request, f"file:{item.id}")
-        return answer(page, request, "file.html.j2", **file_context(desk, item, trend))
+
+        def drawn() -> Response:
+            trend = None if item.record_path is None else trend_slot(page, request, f"file:{item.id}")
+            return answer(page, request, "file.html.j2", **file_context(desk, item, trend))
+
+        return of_item(page, request, item, drawn)
 
     def columns(request: Request) -> Response:
-        return answer(page, request, "file_columns.html.j2", **columns_context(found(desk, request)))
+        item = found(desk, request)
+        return of_item(
+            page, request, item, lambda: answer(page, request, "file_columns.html.j2", **columns_context(item))
+        )
 
     def listed_json(request: Request) -> Response:  # noqa: ARG001  the signature of a route
         return JSONResponse([as_json(desk, item) for item in desk.items()])
@@ -72,8 +81,11 @@ def routes(page: Page) -> list[Route]:
         Route("/files", dropped, methods=["POST"]),
         Route("/files/{item}", shown),
         Route("/files/{item}/columns", columns),
-        *(Route(f"/files/{{item}}/{name}", posted(desk, change), methods=["POST"]) for name, change in changes.items()),
-        *(Route(f"/files/{{item}}/{name}", download(desk, give)) for name, give in downloads.items()),
+        *(
+            Route(f"/files/{{item}}/{name}", posted(page, desk, change), methods=["POST"])
+            for name, change in changes.items()
+        ),
+        *(Route(f"/files/{{item}}/{name}", download(page, desk, give)) for name, give in downloads.items()),
         Route("/jobs/{job}/cancel", cancelled(desk), methods=["POST"]),
         Route("/api/v1/files", listed_json),
         Route("/api/v1/files/{item}", shown_json),
@@ -93,21 +105,33 @@ def found(desk: Desk, request: Request) -> Item:
     return item
 
 
-def posted(desk: Desk, change: Change) -> Callable[[Request], Awaitable[Response]]:
+def of_item(page: Page, request: Request, item: Item, work: Callable[[], Response]) -> Response:
+    """Answer made of the files that are kept of an item; where one of them is damaged, a page with the ways on."""
+    try:
+        return work()
+    except (HTTPException, LostMotionError):
+        raise
+    except Exception as error:
+        logging.getLogger("lostmotion.web").exception("%s %s", request.method, request.url.path)
+        return answer(page, request, "file_damaged.html.j2", 409, item=item, error=type(error).__name__)
+
+
+def posted(page: Page, desk: Desk, change: Change) -> Callable[[Request], Awaitable[Response]]:
     """Route of a small form about an item."""
 
     async def route(request: Request) -> Response:
         item, form = found(desk, request), await fields(request)
-        return await run_in_threadpool(change, desk, item, form)
+        return await run_in_threadpool(of_item, page, request, item, lambda: change(desk, item, form))
 
     return route
 
 
-def download(desk: Desk, give: Callable[[Item], Response]) -> Callable[[Request], Response]:
+def download(page: Page, desk: Desk, give: Callable[[Item], Response]) -> Callable[[Request], Response]:
     """Route of a file about an item."""
 
     def route(request: Request) -> Response:
-        return give(found(desk, request))
+        item = found(desk, request)
+        return of_item(page, request, item, lambda: give(item))
 
     return route
 

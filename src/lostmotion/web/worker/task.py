@@ -9,6 +9,7 @@ from typing import Any
 
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.files.results import read_json, write_json
+from lostmotion.files.schema import anything, checked, each, flag, group, or_null, table, text, whole, within
 
 LOOK, RESULT, STUDY, BLOCK, FIT, EXPORT = (f"{n}.json" for n in ("look", "result", "study", "block", "fit", "export"))
 BRIEF = "brief.json"  # of the result: what a list shows of it
@@ -16,6 +17,16 @@ RECORD, ZIP = "record", "block.zip"
 DROPPED = "dropped-file"  # name of what was dropped, wherever it came from; messages show its label instead
 READING = ("op", "pv", "sp", "position", "time", "mode", "dt", "loop", "op_span", "pv_span", "automatic", "manual",
            "quality", "uncertain")  # fmt: skip
+MOST = 1 << 20  # columns, loops, words of a list
+ERROR = group(text=text(), parts=each(text(), 3), ways=each(table(anything), 1000), type=text())
+SHAPES = {  # of what lists show: one file that somebody changed is one bad file
+    LOOK: within(columns=each(text(), MOST), rows=each(each(text(), MOST), MOST), roles=table(text(), MOST),
+                 loops=each(text(), MOST), more=whole()),
+    BRIEF: group(failed=flag(), verdict=or_null(text(100)), words=text()),
+    RESULT: within({"error": or_null(ERROR), "diagnosis": within(verdict=text(100))}),
+    STUDY: within({"error": or_null(ERROR)}),
+    EXPORT: within({"error": or_null(ERROR)}),
+}  # fmt: skip
 JUDGING = ("loop_type", "integrating", "tolerance")
 
 
@@ -77,10 +88,11 @@ def keep_result(folder: Path, result: Mapping[str, Any], words: str = "") -> Non
 
 
 def outcome_of(folder: Path, name: str) -> dict[str, Any] | None:
-    """What a task wrote; None: nothing yet, or something that cannot be read."""
+    """What a task wrote; None: nothing yet, or something that is not what it writes."""
     if not (folder / name).is_file():
         return None
     try:
-        return read_json(folder / name, "a result", "do it again")
+        found = read_json(folder / name, "a result", "do it again")
+        return checked(found, SHAPES.get(name, anything), "a result", "do it again")  # type: ignore[no-any-return]
     except (DataError, FileAccessError):
         return None
