@@ -104,3 +104,41 @@ async def test_an_application_that_is_late_itself_is_not_hidden():
 
     with pytest.raises(TimeoutError):
         await Patience(late, SHORT)({"type": "http"}, None, None)
+
+
+async def held(monkeypatch, begin, count):
+    """What a server of 20 connections answers beside `count` others that each begin with `begin`."""
+    monkeypatch.setattr(patience, "WAITING", 10)
+    config = uvicorn.Config(
+        Patience(echo), http=PatientProtocol, ws="none", lifespan="off", log_config=None, limit_concurrency=20
+    )
+    config.load()
+    server = uvicorn.Server(config)
+    loop = asyncio.get_running_loop()
+    listening = await loop.create_server(lambda: PatientProtocol(config, server.server_state, {}), "127.0.0.1", 0)
+    address = listening.sockets[0].getsockname()
+    held = []
+    try:
+        for _ in range(count):
+            reader, writer = await asyncio.open_connection(*address)
+            writer.write(begin)
+            if begin.endswith(b"\r\n\r\n"):
+                await reader.readuntil(b"\r\n\r\n")
+            held.append(writer)
+        reader, writer = await asyncio.open_connection(*address)
+        held.append(writer)
+        writer.write(HEAD + b"abcd")
+        answer = await asyncio.wait_for(reader.read(), 5.0)
+        return answer, len(server.server_state.connections)
+    finally:
+        for writer in held:
+            writer.close()
+        listening.close()
+
+
+@pytest.mark.parametrize("begin", [b"", HEAD[:20], HEAD[:-1], b"GET / HTTP/1.1\r\nhost: x\r\n\r\n"])
+async def test_connections_that_wait_keep_nobody_out(monkeypatch, begin):
+    """Silent ones, half heads, and those that are kept open after their answer."""
+    answer, connections = await held(monkeypatch, begin, 60)
+    assert answer.startswith(b"HTTP/1.1 200")
+    assert connections <= 11

@@ -15,17 +15,24 @@ from lostmotion.web.server.guard import App, Receive, Scope, Send
 
 HEAD = 10.0  # s from the connection, or the first sign of another request, to the end of the head
 PIECE = 20.0  # s from piece to piece
+WAITING = 100  # connections without a request that is answered: one more ends the one that has waited longest
 
 
 class PatientProtocol(H11Protocol):
-    """Closes connections on which the head of a request is not there in time."""
+    """Closes connections on which the head of a request is not there in time, and those that keep others out.
+
+    Who waits needs no token. A browser sends its head at once, so the connection that has waited longest is none that
+    somebody needs: it makes room for the newest, and never takes part in the limit for requests.
+    """
 
     head_timer: asyncio.TimerHandle | None = None
+    waits_since: float | None = None  # by the loop's clock; None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """The head of the first request may come."""
         super().connection_made(transport)
         self._await_head()
+        self._wait()
 
     def data_received(self, data: bytes) -> None:
         """Bytes of a head, or of a body."""
@@ -34,6 +41,21 @@ class PatientProtocol(H11Protocol):
             self._await_head()
         else:
             self._forget_head()
+            self.waits_since = None
+
+    def on_response_complete(self) -> None:
+        """The next request may come."""
+        super().on_response_complete()
+        if self.cycle.response_complete:
+            self._wait()
+
+    def _wait(self) -> None:
+        self.waits_since = self.loop.time()
+        waiting = [one for one in self.connections if isinstance(one, PatientProtocol) and one.waits_since is not None]
+        if len(waiting) > WAITING:
+            oldest = min(waiting, key=lambda one: one.waits_since or 0.0)
+            self.connections.discard(oldest)  # now: its end comes later
+            oldest.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """It is over."""
