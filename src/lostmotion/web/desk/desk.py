@@ -6,6 +6,7 @@ import secrets
 import shutil
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -116,6 +117,7 @@ class Desk:
         self.records = workspace(keep)
         self._locked = lock_file(self.records / LOCK)
         self._lock = threading.RLock()
+        self._drafts: set[Path] = set()  # folders of what is being dropped
         self._items: dict[str, Item] = {item.id: item for item in present(self.records)}
         self.jobs = Jobs(self._ended) if jobs_seconds is None else Jobs(self._ended, jobs_seconds)
         known = {item.sources for item in self.items() if not item.dropped}
@@ -153,9 +155,11 @@ class Desk:
     def draft(self) -> tuple[str, Draft]:
         """Id and file for something that is being dropped; the oldest goes where there are too many."""
         number = secrets.token_hex(8)
-        self._make_room()
         folder = self.records / number
-        folder.mkdir(mode=0o700)
+        with self._lock:
+            self._make_room(self.limits.file_bytes)
+            folder.mkdir(mode=0o700)
+            self._drafts = {one for one in self._drafts if one.is_dir()} | {folder}
         return number, Draft(folder, self.limits.file_bytes)
 
     def dropped(self, number: str, draft: Draft, label: str) -> Item:
@@ -170,7 +174,10 @@ class Desk:
         if not draft.size:
             draft.drop()
             raise ParameterError.expected("a file with a record", "an empty one", "choose another")
-        item = self._add(number, clean_label(label), (str(draft.folder / DROPPED),))
+        with self._lock:  # limits hold for all forms together: counted where a draft becomes an item
+            self._drafts.discard(draft.folder)
+            item = self._add(number, clean_label(label), (str(draft.folder / DROPPED),))
+            self._make_room()
         self.read(item)
         return item
 
@@ -188,17 +195,16 @@ class Desk:
         """
         known = {name: False if (name, one) == ("time", "none") else one for name, one in (asked or {}).items()}
         paths = tuple(str(Path(one).absolute()) for one in sources)
-        later = [item for item in self.items() if not item.dropped and item.id not in self._given]
-        for item in later:
-            if (item.sources, as_json(item.asked)) == (paths, as_json(known)):
-                if self.state(item) in ("new", "failed"):
-                    self.read(item)
-                return item
-        for item in later[self.limits.files - 1 :]:
-            self.remove(item)
-        item = self._add(secrets.token_hex(8), clean_label(label), paths, dropped=False, asked=known)
-        self.read(item)
-        return item
+        with self._lock:
+            later = [item for item in self.items() if not item.dropped and item.id not in self._given]
+            same = [one for one in later if (one.sources, as_json(one.asked)) == (paths, as_json(known))]
+            if same and self.state(same[0]) not in ("new", "failed"):
+                return same[0]
+            for item in [] if same else later[self.limits.files - 1 :]:
+                self.remove(item)
+            made = same or [self._add(secrets.token_hex(8), clean_label(label), paths, dropped=False, asked=known)]
+            self.read(made[0])
+        return made[0]
 
     def read(self, item: Item) -> Job:
         """Read, check and diagnose, from the beginning."""
@@ -211,10 +217,18 @@ class Desk:
         return self.start(item, "read")
 
     def start(self, item: Item, kind: str, given: Mapping[str, Any] | None = None) -> Job:
-        """Begin a job: "read", "study" (the way to a block), "block" (its code)."""
-        (item.folder / WRITES[kind]).unlink(missing_ok=True)
+        """Begin a job: "read", "study" (the way to a block), "block" (its code).
+
+        An item has one job: the same one goes on, another one takes its place, so that nobody fills the row with it.
+        """
         task = Task(kind, str(item.folder), item.sources, item.label, item.stem, dict(item.asked), dict(given or {}))
-        return self.jobs.submit(item.id, asdict(task))
+        with self._lock:
+            known = self.jobs.open_job(item.id, asdict(task))
+            if known is not None:
+                return known
+            self.jobs.cancel_of({item.id})
+            (item.folder / WRITES[kind]).unlink(missing_ok=True)
+            return self.jobs.submit(item.id, asdict(task))
 
     def change(self, item: Item, asked: Mapping[str, Any]) -> Job:
         """Read it with other settings; loops that were told apart before are told anew."""
@@ -284,15 +298,15 @@ class Desk:
             if place < AT_ONCE:
                 self.start(one, "read")
 
-    def _make_room(self) -> None:
-        """Let the oldest go until another file fits."""
-        while True:
-            dropped = [item for item in self.items() if item.dropped]
-            used = sum(_bytes(one.folder) for item in dropped for one in (item, *self.loops(item)))
-            full = len(dropped) >= self.limits.files or used + self.limits.file_bytes > self.limits.all_bytes
-            if not dropped or not full:
-                return
-            self.remove(dropped[-1])
+    def _make_room(self, more: int = 0) -> None:
+        """Let the oldest go, but never the newest, until limits hold with so many more bytes."""
+        dropped = [item for item in self.items() if item.dropped]
+        sizes = [sum(_bytes(one.folder) for one in (item, *self.loops(item))) for item in dropped]
+        used = sum(sizes) + sum(map(_bytes, self._drafts)) + more
+        fewest = 0 if more else 1
+        while len(dropped) > fewest and (len(dropped) > self.limits.files or used > self.limits.all_bytes):
+            self.remove(dropped.pop())
+            used -= sizes.pop()
 
 
 def _keep_death(item: Item, job: Job) -> None:
@@ -316,4 +330,9 @@ def _opened(files: Sequence[str]) -> list[tuple[str, tuple[str, ...]]]:
 
 
 def _bytes(folder: Path) -> int:
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    """Size of a folder in which others write and delete."""
+    total = 0
+    for path in folder.rglob("*"):
+        with suppress(OSError):
+            total += path.stat().st_size if path.is_file() else 0
+    return total

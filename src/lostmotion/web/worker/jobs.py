@@ -116,6 +116,12 @@ class Jobs:
         with self._changed:
             return next((job for job in reversed(self._known.values()) if job.item == item), None)
 
+    def open_job(self, item: str, task: Mapping[str, Any]) -> Job | None:
+        """Job of an item that does, or will do, this very task; None: there is none."""
+        with self._changed:
+            job = self.of(item)
+            return job if job is not None and job.open and self._tasks.get(job.id) == task else None
+
     def ahead(self, job: Job) -> int:
         """Jobs that are done before this one."""
         with self._changed:
