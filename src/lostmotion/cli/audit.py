@@ -188,18 +188,14 @@ def _write(found: AuditRun, written: ReportOptions, output: OutputOptions) -> No
 
 
 def _write_pages(view: PlantView, folder: Path, output: OutputOptions) -> None:
-    from lostmotion.files.file_stem import file_stem
+    from lostmotion.files.tag_file import tag_file
     from lostmotion.files.writer import write_folder
     from lostmotion.report.plant import loop_report
 
     pages: dict[str, bytes] = {}
     for row in view.leading:
         if row.priority:
-            name = file_stem("".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in row.tag)[:100])
-            taken = f"{name}.html".lower() in map(str.lower, pages)  # Windows and macOS see no case
-            pages[f"{name}_{len(pages) + 1}.html" if taken else f"{name}.html"] = loop_report(
-                view.loop_view(row.tag)
-            ).encode()
+            pages[tag_file(row.tag, ".html")] = loop_report(view.loop_view(row.tag)).encode()
     write_folder(folder, pages, output.force)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from lostmotion.files.file_stem import DEVICES
+from lostmotion.files.tag_file import DEVICES
 
 TYPES = (
     "bool byte word dword lword sint int dint lint usint uint udint ulint real lreal time ltime date ldate tod ltod dt "

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from asyncua import ua
 
-from lostmotion.files.file_stem import file_stem
+from lostmotion.files.tag_file import tag_file
 from lostmotion.files.writer import refuse_folder
 from lostmotion.live.first_fits import FirstFits
 from lostmotion.live.loop_settings import LoopSettings, Model, publishing_of
@@ -105,7 +105,7 @@ class Watch:
                 self._tell("note", loop.tag, f"ACCEPTED behind a closed gate: {model.accepted}.")
 
     def _watched(self, loop: LoopSettings, model: Model, publishing: float, folder: Path | None) -> Watched:
-        path = None if folder is None else folder / f"{file_stem(loop.tag)}.state"
+        path = None if folder is None else folder / tag_file(loop.tag, ".state")
         settings = json.loads(json.dumps({**model.settings, **loop.watch}))
         kept = self._open.enter_context(Kept(path, settings, check_position))
         source = LoopSource(model.signals(loop, publishing), kept.position)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from datetime import timedelta
 from html.parser import HTMLParser
 from types import SimpleNamespace
+from urllib.parse import quote
 
 import httpx
 import pytest
@@ -16,7 +17,7 @@ from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
 from lostmotion.web.app import create_app
 from lostmotion.web.page import Page
-from lostmotion.web.plant.query import Query, loop_address
+from lostmotion.web.plant.query import PARTS, Query, loop_address
 from tests.support.plant_rows import END, HOSTILE, START, finding, plant, sound
 from tests.support.plant_stores import TAGS, plant_store
 
@@ -209,6 +210,25 @@ def test_any_tag_has_a_page(tmp_path, tag):
     assert site.ask("/api/v1" + loop_address(tag)).json()["loop"]["tag"] == tag
     answer = site.ask(loop_address(tag, part="review"), "POST", data={"state": "accepted", "who": "Ada"})
     assert answer.status_code == 303
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_no_tag_is_the_address_of_a_part_of_another_loop(tmp_path, part):
+    """Tag "A/report.html" beside "A": each has its page, its report, its reviews and its JSON."""
+    tags = ("A", f"A/{part}", part, "B", "C")
+    view = plant(tags)
+    site = Site(Page(plant_store(tmp_path, tags, replace(view, rows=tuple(map(finding, tags))), data=False)))
+    for number, tag in enumerate(tags):
+        assert f"<bdi>{tag}</bdi>" in site.text(loop_address(tag))
+        assert site.ask("/api/v1" + loop_address(tag)).json()["loop"]["tag"] == tag
+        report = site.ask(loop_address(tag, part="report.html"))
+        assert report.headers["content-disposition"].startswith("attachment")
+        assert f">{tag}<" in report.text
+        said = {"state": "accepted", "who": f"who{number}"}
+        assert site.ask(loop_address(tag, part="review"), "POST", data=said).status_code == 303
+    for number, tag in enumerate(tags):
+        reviews = site.ask(f"/api/v1/reviews?tag={quote(tag, safe='')}").json()["reviews"]
+        assert [one["who"] for one in reviews] == [f"who{number}"]
 
 
 class Tags(HTMLParser):

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from lostmotion.errors import DataError, FileAccessError, GateError
-from lostmotion.files.file_stem import file_stem
 from lostmotion.files.results import read_json, write_json
 from lostmotion.files.schema import anything, checked, group, number, table, text
+from lostmotion.files.tag_file import tag_file
 
 OLDEST = 30.0  # s of the wall clock, both ways: a request is for now
 SESSION = "live.json"
@@ -104,7 +104,7 @@ class Inbox:
         DataError, FileAccessError
             What was there is no request.
         """
-        path = self.folder / _name(tag)
+        path = self.folder / tag_file(tag, ENDING)
         mine = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
         try:
             path.rename(mine)  # one takes it, or who made it takes it back
@@ -142,7 +142,7 @@ class Outbox:
                        "a start of live", "start it anew")  # fmt: skip
         if tag not in said["tags"]:
             raise GateError.expected(f"a loop out of {said['tags']}", tag, "only these have write = true")
-        self._path, self._tag, self._session = folder / _name(tag), tag, said["session"]
+        self._path, self._tag, self._session = folder / tag_file(tag, ENDING), tag, said["session"]
         self.word = secrets.token_hex(16)  # stands in the log beside the answer
 
     def hand_over(self, who: str, fit: dict[str, Any]) -> None:
@@ -163,10 +163,6 @@ class Outbox:
         except FileNotFoundError:
             return False
         return True
-
-
-def _name(tag: str) -> str:
-    return f"{file_stem(tag)}{ENDING}"
 
 
 def _owner(path: Path) -> str:

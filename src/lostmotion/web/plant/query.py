@@ -121,15 +121,20 @@ PLAIN = Query()
 NAMES = tuple(one.name for one in fields(Query))
 
 
+PARTS = ("review", "study", "report.html")  # of the address of a loop
+
+
 def loop_address(tag: str, words: str = "", part: str = "") -> str:
     """Address of the page of a loop, or of a `part` of it.
 
     Examples
     --------
-    >>> loop_address("FIC-1/A 2%", "?run=3"), loop_address("..", part="review")
-    ('/loops/FIC-1/A%202%25?run=3', '/loops//review?tag=..')
+    >>> loop_address("FIC-1/A 2%", "?run=3"), loop_address("..", part="review"), loop_address("A/study")
+    ('/loops/FIC-1/A%202%25?run=3', '/loops//review?tag=..', '/loops/?tag=A%2Fstudy')
     """
-    odd = any(piece in ("", ".", "..") for piece in tag.split("/"))  # a browser would resolve them as folders
+    pieces = tag.split("/")
+    folders = any(piece in ("", ".", "..") for piece in pieces)  # a browser would resolve them
+    odd = folders or pieces[-1] in PARTS  # the address of a part of another loop
     path = "/loops/" + ("" if odd else quote(tag, safe="/")) + (f"/{part}" if part else "")
     if not odd:
         return path + words
