@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from lostmotion.printable import printable
+
 LEFT = ' style="text-align:left;vertical-align:top"'
 
 
@@ -36,8 +38,8 @@ def html_panel(headline: str, *parts: str, said: Sequence[str] = ()) -> str:
     >>> html_panel("a < b", "<table></table>", said=("& more",))
     '<div><p><b>a &lt; b</b></p><p>&amp; more</p><table></table></div>'
     """
-    sentences = "".join(f"<p>{escape(text)}</p>" for text in said if text)
-    return f"<div><p><b>{escape(headline)}</b></p>{sentences}{''.join(parts)}</div>"
+    sentences = "".join(f"<p>{_text(text)}</p>" for text in said if text)
+    return f"<div><p><b>{_text(headline)}</b></p>{sentences}{''.join(parts)}</div>"
 
 
 def html_list(texts: Iterable[str]) -> str:
@@ -48,12 +50,16 @@ def html_list(texts: Iterable[str]) -> str:
     >>> html_list(["x > 1"])
     '<ul><li>x &gt; 1</li></ul>'
     """
-    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    items = "".join(f"<li>{_text(text)}</li>" for text in texts)
     return f"<ul>{items}</ul>" if items else ""
 
 
 def _row(cells: Sequence[str], names: int) -> str:
     """Cells, the first `names` of them as headings."""
     tags = ["th"] * names + ["td"] * (len(cells) - names)
-    inside = (f"<{tag}{LEFT}>{escape(cell)}</{tag}>" for tag, cell in zip(tags, cells, strict=True))
+    inside = (f"<{tag}{LEFT}>{_text(cell)}</{tag}>" for tag, cell in zip(tags, cells, strict=True))
     return f"<tr>{''.join(inside)}</tr>"
+
+
+def _text(text: str) -> str:
+    return escape(printable(text))

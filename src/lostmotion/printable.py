@@ -10,6 +10,8 @@ from collections.abc import Iterable
 _DELETE = "\x7f"
 _NO_LETTER = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")  # line breaks, controls, halves of signs
 
+_KEPT = "\n\xa0\u2007\u2009\u202f"  # line ends, and the spaces inside numbers of many countries
+
 _FORMULA = re.compile(r"'*[=+\-@\t\r＝＋－＠]")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
@@ -25,9 +27,9 @@ def printable(text: str) -> str:
     FIC\x1b]0;x\x07\u202e-101
     m³/h
     """
-    if text.isascii() and text.replace("\n", "").isprintable():
+    if text.replace("\n", "").isprintable():
         return text
-    return "".join(sign if sign.isprintable() or sign == "\n" else _written(sign) for sign in text)
+    return "".join(sign if sign.isprintable() or sign in _KEPT else _written(sign) for sign in text)
 
 
 def label(text: str) -> str:

@@ -10,7 +10,7 @@ import jinja2
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
-from lostmotion.report.plant.pages import with_code
+from lostmotion.report.plant.pages import Exact, only_shown, with_code
 
 if TYPE_CHECKING:
     from lostmotion.web.desk.desk import Desk
@@ -90,6 +90,7 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
+        finalize=only_shown,
     )
-    made.filters["code"] = with_code
+    made.filters |= {"code": with_code, "exact": Exact}
     return made

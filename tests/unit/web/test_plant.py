@@ -12,6 +12,8 @@ from urllib.parse import quote
 import httpx
 import pytest
 
+from lostmotion.printable import printable
+from lostmotion.store.encoded import clean
 from lostmotion.store.rows import AssessmentRow
 from lostmotion.store.run_rows import LoopRow, RunRow
 from lostmotion.store.store import Screened, Store
@@ -229,6 +231,34 @@ def test_no_tag_is_the_address_of_a_part_of_another_loop(tmp_path, part):
     for number, tag in enumerate(tags):
         reviews = site.ask(f"/api/v1/reviews?tag={quote(tag, safe='')}").json()["reviews"]
         assert [one["who"] for one in reviews] == [f"who{number}"]
+
+
+@pytest.mark.parametrize("odd", ["\u202e", "\x1b[31m", "\x07", "\u2066", "\u061c", "\x85", "\udc80"])
+def test_what_steers_is_written_out_on_pages_and_in_reports(tmp_path, odd):
+    """Notes, names, tags, areas: one rule of all templates."""
+    tag = f"FIC{odd}101"
+    view = plant((tag, *TAGS[1:]))
+    rows = (finding(tag), *view.rows[:2])
+    site = Site(Page(plant_store(tmp_path, (tag, *TAGS[1:]), replace(view, rows=rows), data=False)))
+    kept = clean(odd)
+    given = {"state": "accepted", "who": f"A{odd}da", "note": f"valve {odd}deppots"}
+    given = {name: text.encode("utf-8", "replace").decode() for name, text in given.items()}
+    assert site.ask(loop_address(clean(tag), part="review"), "POST", data=given).status_code == 303
+    for path in (loop_address(clean(tag)), loop_address(clean(tag), part="report.html"), "/", "/plant/groups"):
+        text = site.text(path)
+        assert kept not in text.replace(f'value="Unit {clean(tag)}"', "") or kept.isprintable()
+        if odd != "\udc80" and path.endswith("101"):
+            assert printable(" ".join(given["note"].split())) in text
+    assert site.ask("/?area=" + quote(f"Unit {clean(tag)}")).status_code == 200
+
+
+@pytest.mark.parametrize("name", ["who", "note"])
+def test_a_review_with_nul_is_refused(site, name):
+    given = {"state": "accepted", "who": "Ada", "note": "seen", name: "a\0b"}
+    for path in ("/loops/FIC-1/review", "/api/v1/reviews"):
+        how = {"data": given} if path.startswith("/loops") else {"json": {**given, "tag": "FIC-1"}}
+        assert site.ask(path, "POST", **how).status_code == 400
+    assert site.ask("/api/v1/reviews?tag=FIC-1").json()["reviews"] == []
 
 
 class Tags(HTMLParser):

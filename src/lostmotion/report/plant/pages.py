@@ -14,6 +14,7 @@ from markupsafe import Markup, escape
 from lostmotion.audit.health import health_of
 from lostmotion.audit.plant_view import LoopView, PlantView
 from lostmotion.audit.rules import findings_counted
+from lostmotion.printable import printable
 from lostmotion.report.plant.changes import changes
 from lostmotion.report.plant.loop_page import LoopPage, loop_page
 from lostmotion.report.plant.ranking import lines, sections
@@ -178,9 +179,24 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
+        finalize=only_shown,
     )
     environment.filters["code"] = with_code
     return environment
+
+
+class Exact(str):
+    """Text that comes back from a form as it is: it stands in an attribute, and nobody reads it there."""
+
+    __slots__ = ()
+
+
+def only_shown(value: Any) -> Any:
+    """What a template puts out, with signs that steer (direction of writing, controls) written out."""
+    if not isinstance(value, str) or isinstance(value, Exact):
+        return value
+    text = printable(value)
+    return value if text is value else Markup(text) if isinstance(value, Markup) else text  # noqa: S704  as it was
 
 
 def with_code(text: str) -> Markup:

@@ -117,6 +117,8 @@ def put_review(plant: Plant, tag: str, given: dict[str, Any]) -> None:
     if words["state"] not in list(ReviewState):
         raise ParameterError.expected(f"one of {', '.join(ReviewState)}", repr(words["state"]), "choose one")
     for name, most in (("who", MOST_WHO), ("note", MOST_NOTE)):
+        if "\0" in words[name]:
+            raise ParameterError.expected(f"text as {name}", "NUL in it", "type it again")
         if len(words[name]) > most or (name == "who" and not words[name]):
             got = f"{len(words[name])} characters"
             raise ParameterError.expected(f"1 to {most} characters as {name}", got, "say who decided, shortly")
