@@ -23,7 +23,7 @@ from lostmotion.plant.pooled import pooled
 from lostmotion.plant.reading import Reading, between, checked_range, record_of, tried, trust
 from lostmotion.plant.source import Unread
 from lostmotion.plant.survey import Survey, below, stamp_of, surveyed
-from lostmotion.plant.walk import in_pieces
+from lostmotion.plant.walk import given_places, in_pieces, leads_out
 from lostmotion.records.record import LoopRecord
 
 Outcome = LoopRecord | LostMotionError
@@ -83,8 +83,9 @@ class FilesSource:
         Raises
         ------
         FileAccessError
-            One of them is not there.
+            One of them is not there, or not in a place that was given.
         """
+        places = given_places(self.sources)
         size, told = 0, []
         for place in parsed(loop.where):
             for file in place.files:
@@ -92,6 +93,9 @@ class FilesSource:
                 if not path.is_file():
                     error = f"expected a file for {loop.tag!r}, got no such file {str(path)!r}; check it"
                     raise FileAccessError(error) from FileNotFoundError(str(path))
+                out = leads_out(path, places)
+                if out:
+                    raise FileAccessError(f"expected a file of the plant for {loop.tag!r}, got {str(path)!r}: {out}")
                 seen = path.stat()
                 size += seen.st_size
                 told.append(f"{seen.st_size}-{seen.st_mtime_ns}")

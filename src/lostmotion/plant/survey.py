@@ -13,6 +13,7 @@ from typing import Any
 from lostmotion.errors import LostMotionError
 from lostmotion.files.dataset import DATE_KEYS
 from lostmotion.files.joined import name_of
+from lostmotion.files.paths import is_link
 from lostmotion.files.tags import folded, loop_type, loops_of
 from lostmotion.plant.address import Place, written
 from lostmotion.plant.contents import ROLES, contents_of, of_tags, one_line, parquet_unit
@@ -22,7 +23,7 @@ from lostmotion.plant.naming import Named, Part, area_of, named, parts_of
 from lostmotion.plant.parquet import LOOP_KEYS, Kind, names_in, schema_at, schema_of
 from lostmotion.plant.source import Unread
 from lostmotion.plant.unit import Found, Unit
-from lostmotion.plant.walk import files_below, in_pieces, no_file, partition_of
+from lostmotion.plant.walk import files_below, given_places, in_pieces, leads_out, no_file, partition_of
 
 AREAS = ("area", "unit", "plant", "section", "site", "anlage", "bereich", "zone")
 ALONE = "the values of one tag only, without OP and PV of one loop"
@@ -57,7 +58,8 @@ def surveyed(sources: Sequence[Path], reading: Mapping[str, Any]) -> Survey:
     """
     paths = files_below(sources)
     root = root_of(sources, paths)
-    odd = {path: why for path in paths if (why := no_file(path))}
+    places = given_places(sources)
+    odd = {path: why for path in paths if (why := no_file(path) or (is_link(path) and leads_out(path, places)))}
     files = [path for path in paths if path not in odd]
     units = _together([one for path_units in _units(files, reading) for one in path_units])
     units += [Unit((path,), why=why, failed=True) for path, why in odd.items()]

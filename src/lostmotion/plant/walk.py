@@ -58,6 +58,29 @@ def no_file(path: Path) -> str:
     return "no file: a pipe, a socket or a device" if is_other(path) else "it is gone, or its path is too long"
 
 
+def given_places(sources: Sequence[Path]) -> tuple[Path, ...]:
+    """Folders and files that a person has named, links resolved; of a pattern the folder that it is spelled out to."""
+    return tuple(_fixed(source).resolve() for source in sources)
+
+
+def leads_out(path: Path, places: Sequence[Path]) -> str:
+    """Return why a path that others have named is not read; empty where it lies in a place that was given.
+
+    A loop list and a folder come from others: what they name is read, and quoted in reports where it is no table. So
+    they reach only what was given to the command; who wants more gives it, too.
+    """
+    real = path.resolve()
+    if any(real.is_relative_to(place) for place in places):
+        return ""
+    return f"it leads out of what was given, to {str(real)!r}; give its folder, too"
+
+
+def _fixed(source: Path) -> Path:
+    while is_pattern(source):
+        source = source.parent
+    return source
+
+
 def _walked(folder: Path) -> Iterator[Path]:
     """Yield all below a folder that is no folder itself, and folders that cannot be listed; of any depth."""
     waiting = [folder]

@@ -236,6 +236,52 @@ def test_what_is_no_file_is_listed_as_unread(tmp_path, form):
     assert all(one.failed for one in plant.unread())
 
 
+SECRET = "secret;of;root\nhunter2;x;y\n"
+
+
+@pytest.fixture
+def plant_and_secret(tmp_path):
+    """A plant folder beside a file that is nobody's business."""
+    put(tmp_path / "plant" / "FIC101.csv", frame(0))
+    put(tmp_path / "plant" / "sub" / "FIC102.csv", frame(1))
+    (tmp_path / "secret.txt").write_text(SECRET)
+    (tmp_path / "plant" / "up").symlink_to("..")
+    (tmp_path / "plant" / "inner.csv").symlink_to("sub/FIC102.csv")
+    (tmp_path / "plant" / "secret.csv").symlink_to("../secret.txt")
+    return tmp_path / "plant"
+
+
+@pytest.mark.parametrize(
+    "file", ["/etc/passwd", "../secret.txt", "sub/../../secret.txt", "secret.csv", "up/secret.txt", "{}/secret.txt"]
+)
+@pytest.mark.parametrize("form", ["{}", "{}/*.csv", "{}/FIC101.csv"])
+def test_a_loop_list_reaches_only_what_was_given(plant_and_secret, file, form):
+    """Else whoever sends a list has any file quoted in the report."""
+    where = file.format(plant_and_secret.parent)
+    listed = [PlantLoop("A", op="OP", pv="PV", where=where), PlantLoop("FIC101", where="FIC101.csv")]
+    plant = open_plant(form.format(plant_and_secret), loops=listed)
+    assert [loop.tag for loop in plant.loops()] == ["FIC101"]
+    said = {one.where: one.why for one in plant.unread()}
+    assert "leads out of what was given" in said["A"]
+    assert not any(word in text for word in ("hunter2", "secret;of", "root:") for text in said.values())
+
+
+def test_what_is_given_too_is_read(plant_and_secret):
+    listed = [PlantLoop("A", op="OP", pv="PV", where=str(plant_and_secret / "sub" / "FIC102.csv"))]
+    for sources in (plant_and_secret, [plant_and_secret / "FIC101.csv", plant_and_secret / "sub"]):
+        assert [loop.tag for loop in open_plant(sources, loops=listed).loops()] == ["A"]
+
+
+@pytest.mark.parametrize("form", ["{}", "{}/*.csv"])
+def test_a_link_in_a_folder_leads_not_out_of_it(plant_and_secret, form):
+    plant = open_plant(form.format(plant_and_secret))
+    told = {one.where: one.why for one in plant.unread()}
+    assert "leads out of what was given" in told["secret.csv"]
+    assert not any("hunter2" in text or "secret;of" in text for text in told.values())
+    assert "inner.csv" not in told or "leads out" not in told["inner.csv"]
+    assert [one.tag for one in open_plant(plant_and_secret / "inner.csv").loops()] == ["inner"]
+
+
 def test_links_that_lead_in_circles_have_an_end(tmp_path):
     put(tmp_path / "FIC101.csv", frame(0))
     for name in "abc":
