@@ -48,6 +48,8 @@ class Rows:
         Samples (from 0 in these arrays) whose time does not go on from the sample before.
     notes : tuple of Note
         What was odd.
+    inserted : ndarray of bool, shape (n,), or None
+        Samples of gaps, for which no row has come; None: there are none.
     """
 
     time: FloatArray
@@ -56,6 +58,12 @@ class Rows:
     automatic: Bools | None = None
     breaks: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     notes: tuple[Note, ...] = ()
+    inserted: Bools | None = None
+
+    @property
+    def came(self) -> int:
+        """Samples for which a row has come."""
+        return len(self) - (0 if self.inserted is None else int(self.inserted.sum()))
 
     def __len__(self) -> int:
         return self.op.size
@@ -65,7 +73,8 @@ class Rows:
         rows = slice(first, stop)
         automatic = None if self.automatic is None else self.automatic[rows]
         breaks = self.breaks[(self.breaks >= first) & (self.breaks < stop)] - first
-        return Rows(self.time[rows], self.op[rows], self.pv[rows], automatic, breaks)
+        inserted = None if self.inserted is None else self.inserted[rows]
+        return Rows(self.time[rows], self.op[rows], self.pv[rows], automatic, breaks, inserted=inserted)
 
 
 class Grid:
@@ -200,7 +209,7 @@ class Grid:
         automatic = None if cells.automatic is None else cells.automatic[rows] | ~real
         time = times[rows] - (ends[rows] - np.arange(rows.size)) * self.dt
         op, pv = (np.where(real, signal[rows], np.nan) for signal in (cells.op, cells.pv))
-        return Rows(time, op, pv, automatic, (ends - passed + 1)[breaks], notes)
+        return Rows(time, op, pv, automatic, (ends - passed + 1)[breaks], notes, ~real)
 
 
 def _told(count: int) -> bool:

@@ -22,6 +22,9 @@ from lostmotion.online.trend import Trend
 KIND = "lostmotion online monitor 1"
 TREND_REPORTS = 10  # reports to a point of the trend
 UNTOLD = (Status.CANNOT_TELL, Status.INTEGRATING, Status.NOT_CONVERGED, Status.WRONG_GAIN)
+# One in so many samples of a report has come, the others are gaps: else whoever sets a clock has as many reports as he
+# likes. A record with fewer samples identifies nothing.
+SPARSE = 10
 OUTLIER = 4.0  # standard deviations of the prediction error: what counts as one in the reports
 
 
@@ -35,7 +38,7 @@ class OnlineMonitor:
     dt : float
         Sampling time in seconds.
     report_every : int
-        Samples from report to report.
+        Samples from report to report; one in ten of them must have come, the rest may be gaps.
     trend_every : int, optional
         Samples to one point of the trend of the width; ten reports by default.
     op_limits, frozen : optional
@@ -84,6 +87,7 @@ class OnlineMonitor:
         self._failure = ""  # why the last report had no estimate
         self._told = 0  # sample of the last event told
         self._period_from: float | None = None  # running time at which the period of the next trend point began
+        self._came = 0  # samples since the last report for which a row has come
         self._sigma = float("nan")  # of the prediction error, at the last report
 
     @property
@@ -111,7 +115,11 @@ class OnlineMonitor:
             self._learn(rows.part(first, stop))
             found += self._events()
             if self.samples % self.report_every == 0:
-                found += self._report()
+                report, *events = self._report()
+                if SPARSE * self._came >= self.report_every:
+                    self._came = 0
+                    found.append(report)
+                found += events
             first = stop
         return found
 
@@ -124,6 +132,7 @@ class OnlineMonitor:
             self._period_from = float(rows.time[0]) - self.dt
         self.timeline.take(self.samples, rows)
         use = self.masks.use(rows)
+        self._came += rows.came
         errors = self.estimator.run(rows.op, rows.pv, every=len(rows), use=use).errors
         self.counts["missing"] += int(np.isnan(rows.op + rows.pv).sum())
         self.counts["outliers"] += int((np.abs(errors) > OUTLIER * self._sigma).sum())
@@ -195,6 +204,7 @@ class OnlineMonitor:
             "limit_told": self._limit_told,
             "failure": self._failure,
             "told": self._told,
+            "came": self._came,
             "sigma": None if np.isnan(self._sigma) else self._sigma,
         }
         return pack(KIND, header, self.estimator.to_bytes())
@@ -235,6 +245,7 @@ class OnlineMonitor:
         new.trend = Trend.from_dict(header["trend"])
         new._period_from = header["period_from"]
         new._failure = header["failure"]
+        new._came = header.get("came", new.samples % new.report_every)  # earlier versions: as if there were no gaps
         new._limit_told, new._told = header["limit_told"], header["told"]
         new._sigma = float("nan") if header["sigma"] is None else header["sigma"]
         return new

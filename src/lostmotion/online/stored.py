@@ -45,6 +45,7 @@ POSITION = either(
     group(**HEAD, lines=count, end=one_of("", "\n", "\r"), layout=LAYOUT, grid=GRID),
 )
 MONITOR = group(
+    {"came": count},
     settings=group(
         dt=positive, report_every=whole(1), trend_every=whole(1), op_limits=or_null(row(number(), number())),
         frozen=or_null(whole(2)), width_limit=or_null(number(SMALL)), calendar=calendar,

@@ -9,7 +9,9 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.errors import DataError, ParameterError, Status
-from lostmotion.files.grid import Rows
+from lostmotion.files.cells import read_cells
+from lostmotion.files.grid import Grid, Rows
+from lostmotion.files.layout import Layout
 from lostmotion.identify.recursive.recursive_estimate import ChangeEvent, RecursiveEstimate, Trajectory
 from lostmotion.models import DeadZone, Hammerstein, LinearModel, NoiseModel
 from lostmotion.online import OnlineMonitor
@@ -93,6 +95,41 @@ def test_reports_come_at_whole_intervals():
     assert found[2]["width"]["value"] == pytest.approx(2.06)
     assert found[2]["width"]["low"] == pytest.approx(2.06 - 0.0196, abs=1e-5)
     assert watched.to_report == 15
+
+
+JUMPS = {  # seconds from stamp to stamp
+    "400 days ahead": lambda n: 400 * 86400.0 * np.arange(n),
+    "999 samples ahead": lambda n: 999.0 * np.arange(n),
+    "ahead and back": lambda n: 3e7 * (np.arange(n) % 2),
+    "a day back": lambda n: 1e9 - 86400.0 * np.arange(n),
+}
+
+
+@pytest.mark.parametrize("jump", list(JUMPS))
+@pytest.mark.parametrize("pieces", [1, 7])
+def test_who_sets_a_clock_has_no_more_reports(jump, pieces):
+    """Samples of gaps are no samples that came: at most ten times the reports of a clock that runs."""
+    n = 2000
+    layout = Layout("t,OP,PV", ("t", "OP", "PV"), ",", "OP", "PV", "t", None, ".", dt=1.0)
+    lines = [b"%r,1.0,%d" % (float(t), k % 7) for k, t in enumerate(JUMPS[jump](n))]
+    grid, watch, found = Grid(1.0), OnlineMonitor(Fake(), dt=1.0, report_every=1000), []
+    for part in np.array_split(np.arange(n), pieces):
+        cells, _ = read_cells([lines[k] for k in part], layout)
+        found += watch.take(grid.place(cells, part + 1))
+        fake = watch.estimator
+        watch = OnlineMonitor.from_bytes(watch.to_bytes(), lambda _, fake=fake: fake)
+    assert len(reports(found)) <= 10 * n // 1000
+    assert watch.samples > 100 * n
+
+
+def test_gaps_that_are_usual_change_no_report():
+    """A sample in ten is enough; only the report that is nearly all of a long gap is left out."""
+    layout = Layout("t,OP,PV", ("t", "OP", "PV"), ",", "OP", "PV", "t", None, ".", dt=1.0)
+    times = np.concatenate([10.0 * np.arange(500), 10_000.0 + np.arange(2000)])
+    cells, _ = read_cells([b"%r,1.0,2.0" % float(t) for t in times], layout)
+    watch = OnlineMonitor(Fake(), dt=1.0, report_every=1000)
+    found = reports(watch.take(Grid(1.0).place(cells, np.arange(2500) + 1)))
+    assert [one["sample"] for one in found] == [1000, 2000, 3000, 4000, 5000, 7000]
 
 
 def test_rows_after_the_last_report_are_told_at_the_end_and_the_monitor_stays():
