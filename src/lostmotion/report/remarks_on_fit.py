@@ -163,7 +163,8 @@ def about_pv_step(fit: HammersteinFit) -> str:
         )
     if reach > LEAST_REACH * span:
         size += f", which is what OP moves by {reach:.2g} at rest"
-    share = min(100.0 * step**2 / 12.0 / fit.noise.variance, 100.0)
+    rounding = step**2 / 12.0
+    share = 100.0 * rounding / max(fit.noise.variance, rounding)  # 100 of an exact fit
     if ratio < COARSE_STEP:
         return f"{size}. Rounding makes {share:.0f} % of the variance of the noise; the intervals contain it."
     much = f"{ratio:.1f} times the deviation of the noise" if np.isfinite(ratio) else "all of the noise"

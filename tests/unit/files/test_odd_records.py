@@ -1,5 +1,8 @@
 """Records without noise, with a pole outside the circle, or of strange size: a result or one line, and no warning."""
 
+import io
+import warnings
+
 import numpy as np
 import pytest
 
@@ -53,3 +56,19 @@ def test_sizes_that_no_arithmetic_holds(scale, said):
     if scale > 1:
         with pytest.raises(DataError, match=said):
             lm.LoopRecord(op=u, pv=y, dt=1.0)
+
+
+@pytest.mark.parametrize("sp", [False, True])
+@pytest.mark.parametrize(("delay", "digits"), [(0, 1), (0, 2), (1, 1), (2, 1)])
+def test_a_sine_without_noise_has_a_verdict_and_a_figure(sp, delay, digits):
+    """A period of six samples, rounded: PV is fitted exactly, so that no variance is left to divide by."""
+    k = np.arange(600)
+    op, pv = (np.round(mean + size * np.sin(2 * np.pi * (k - late) / 6), digits)
+              for mean, size, late in ((50, 5, 0), (20, 2, delay)))  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = lm.diagnose(lm.LoopRecord(op, pv, np.full(600, 20.0) if sp else None, dt=1.0, op_span=(0.0, 100.0)))
+    assert found.verdict == "cannot tell"
+    assert found.summary()
+    found.plot().savefig(io.BytesIO(), format="svg")
+    found.fit.plot().savefig(io.BytesIO(), format="svg")

@@ -16,7 +16,7 @@ import numpy as np
 
 from lostmotion.arrays import FloatArray, IntArray
 from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, kind_of
-from lostmotion.identify.likelihood.criterion import FLOOR, cost_of_parameters
+from lostmotion.identify.likelihood.criterion import cost_of_parameters, log_densities
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.problem import Problem, Structure
 from lostmotion.identify.likelihood.refinement import refine, with_states
@@ -152,11 +152,11 @@ def total_and_firm(gained: FloatArray) -> tuple[float, float]:
 
 def _log_densities(fitted: Fitted) -> FloatArray:
     """Of every row, up to a constant; NaN where a segment begins."""
-    problem, variance = fitted.problem, max(fitted.variance, FLOOR)
+    problem = fitted.problem
     found = np.full(problem.u.size, np.nan)
     parts = problem.predict(fitted.fit.theta)[1]
     for (start, stop), errors in zip(problem.segments.tolist(), parts, strict=True):
-        found[start + problem.structure.start : stop] = -0.5 * (np.log(variance) + errors**2 / variance)
+        found[start + problem.structure.start : stop] = log_densities(errors, fitted.variance)
     return found
 
 
@@ -188,7 +188,7 @@ def _left_out(data: ScaledData, fitted: Fitted, start: int) -> FloatArray:
             continue
         theta, variance = refitted(fitted, structure, pieces[~mine])
         errors = predicted(fitted, structure, pieces[mine], theta)
-        found.append(-0.5 * (np.log(variance) + errors**2 / variance))
+        found.append(log_densities(errors, variance))
     if not found:
         return np.zeros(1)
     densities = np.concatenate(found)

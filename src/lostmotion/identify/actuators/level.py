@@ -28,6 +28,7 @@ from lostmotion.identify.actuators.kind import NEEDED, NO_FAULT, Kind, faults
 from lostmotion.identify.actuators.no_fault import NONE
 from lostmotion.identify.evidence import NEARLY_EXACT
 from lostmotion.identify.likelihood.asked import Asked
+from lostmotion.identify.likelihood.criterion import log_densities
 from lostmotion.identify.likelihood.drifting_load import LevelFit, LevelLikelihood
 from lostmotion.identify.likelihood.family import Family
 from lostmotion.identify.likelihood.feedback import feedback
@@ -163,8 +164,7 @@ class _Search:
     def _densities(self, place: Place) -> FloatArray:
         """Log density of every block, up to a constant."""
         errors = self.likelihood.errors(_course(place, self.data.u), place.fit)
-        variance = float(errors @ errors) / errors.size
-        return np.asarray(-0.5 * (np.log(variance) + errors**2 / variance))
+        return log_densities(errors, float(errors @ errors) / errors.size)
 
     def fitted(self, place: Place) -> Fitted:
         """The same as a fit of the likelihood, row by row."""

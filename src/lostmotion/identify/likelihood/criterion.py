@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from lostmotion.arrays import FloatArray
 from lostmotion.identify.likelihood.fitted import Fitted
 from lostmotion.identify.likelihood.noise_order import PENALTY
 from lostmotion.identify.likelihood.remembered import remembered
 
 FLOOR = 1e-26  # variance of scaled residuals that is rounding
 SMALLEST = 1e-300  # keeps the logarithm of a perfect fit finite
+
+
+def log_densities(errors: FloatArray, variance: float) -> FloatArray:
+    """Of scaled errors, up to a constant; finite where a record without noise is fitted exactly."""
+    known = max(variance, FLOOR)
+    return np.asarray(-0.5 * (np.log(known) + errors**2 / known))
 
 
 def cost_of_parameters(fitted: Fitted, rows: int) -> float:

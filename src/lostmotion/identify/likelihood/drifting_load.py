@@ -25,6 +25,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from lostmotion.arrays import FloatArray
+from lostmotion.identify.likelihood.criterion import FLOOR
 from lostmotion.identify.scaled import ScaledData
 
 FASTEST, SLOWEST = 0.1, 1e-6  # rates 1 - p
@@ -128,6 +129,11 @@ class LevelLikelihood:
         self.y = np.concatenate([part.reshape(-1, every).mean(axis=1) - part[:every].mean() for part in parts])
         self._seen: tuple[DriftingLoad, FloatArray, FloatArray] | None = None
 
+    @property
+    def _rounding(self) -> float:
+        """Sum of squares that is rounding."""
+        return self.rows * FLOOR
+
     def still(self) -> LevelFit:
         """Best fit of a valve that never moves."""
         return self.best(np.zeros(self.data.u.size), None)
@@ -148,7 +154,7 @@ class LevelLikelihood:
 
     def gain_of(self, better: LevelFit, worse: LevelFit) -> float:
         """Twice the gain in log-likelihood."""
-        return self.rows * float(np.log(worse.cost / better.cost))
+        return self.rows * float(np.log(max(worse.cost, self._rounding) / max(better.cost, self._rounding)))
 
     def errors(self, x: FloatArray, fit: LevelFit) -> FloatArray:
         """Prediction errors of the blocks."""
@@ -160,6 +166,8 @@ class LevelLikelihood:
         best, damping = replace(near, gain=gain, cost=float(errors @ errors)), FIRST_DAMPING
         slopes = None
         for _ in range(steps):
+            if best.cost <= self._rounding:
+                break  # an exact fit has no slopes
             if slopes is None:
                 beside = [self._errors(one, course, near.delay)[0] for one in _beside(best.noise)]
                 slopes = (np.array(beside) - errors) / STEP
@@ -174,7 +182,7 @@ class LevelLikelihood:
                 if damping > LARGEST_DAMPING:
                     break
                 continue
-            gained = self.rows * float(np.log(best.cost / cost))
+            gained = self.rows * float(np.log(best.cost / max(cost, self._rounding)))
             best, errors, slopes, damping = LevelFit(noise, near.delay, gain, cost), trial, None, damping / SHRINK
             if gained < ENOUGH:
                 break
