@@ -17,6 +17,7 @@ from lostmotion.addresses import is_url, password_of, without_password
 from lostmotion.errors import DataError, FileAccessError
 from lostmotion.extras import extra
 from lostmotion.files.paths import is_file
+from lostmotion.files.postgres import limit_answers
 from lostmotion.files.table import Table
 
 SQLITE = b"SQLite format 3\0"
@@ -90,6 +91,7 @@ def _connected(source: str) -> Iterator[Any]:
             f"{error.name or error}: not installed",
             "install it with pip",
         ) from None
+    limit_answers(engine)
     with closing(engine.connect()) as connection:
         yield connection
     engine.dispose()

@@ -18,6 +18,7 @@ from lostmotion.errors import ParameterError
 from lostmotion.extras import extra
 from lostmotion.files.folders import make, nearest
 from lostmotion.files.paths import is_file, is_folder
+from lostmotion.files.postgres import limit_answers
 from lostmotion.store.said import damaged, explained, store_error, told
 from lostmotion.store.schema import VERSION, metadata, schema_version
 
@@ -109,9 +110,10 @@ def _engine(url: URL, name: str, *, write: bool, patience: float) -> Engine:
         settings: dict[str, Any] = {"connect_args": {"timeout": patience, "isolation_level": None}}
         url = url if write or "uri" in url.query else _reading(url)
     else:
-        settings = {"pool_pre_ping": True, "connect_args": {"connect_timeout": 10}}
+        settings = {"pool_pre_ping": True}
     with extra("postgres"):
         engine = sa.create_engine(url, **settings)
+    limit_answers(engine)
     if engine.dialect.name == "sqlite":
         sa.event.listen(engine, "connect", _pragmas if write else _reading_pragmas)
         sa.event.listen(engine, "begin", _begin)
