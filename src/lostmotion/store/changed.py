@@ -31,6 +31,11 @@ class New:
     severity_before: str
     severity_after: str
 
+    def __post_init__(self) -> None:
+        """Raise ValueError where it is none of ours: a row of a damaged store."""
+        if self.what not in ORDER or not all(isinstance(text, str) for text in (self.tag, self.before, self.after)):
+            raise ValueError(f"{self.what!r} as what has changed")
+
 
 def changed(before: AssessmentRow | None, now: AssessmentRow | None) -> str:
     """What has changed, of ORDER; empty: nothing that matters. Of a size only what the intervals show.

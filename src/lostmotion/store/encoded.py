@@ -90,19 +90,34 @@ def encoded(row: Any, *apart: str) -> dict[str, Any]:
 
 
 def decoded(row: type[Row], values: Mapping[Any, Any], **given: Any) -> Row:
-    """Row from values by column; `given` are fields that stand elsewhere."""
+    """Row from values by column; `given` are fields that stand elsewhere.
+
+    Raises
+    ------
+    ValueError
+        A value of another type: SQLite keeps any, and a damaged file holds any.
+    """
     read = dict(given)
     if row not in _DECODERS:
-        _DECODERS[row] = tuple((one.name, one.column, one.of or _OUT.get(one.kind)) for one in coded(row))
-    for name, column, convert in _DECODERS[row]:
+        _DECODERS[row] = tuple(
+            (one.name, one.column, one.of or _OUT.get(one.kind), (*_TYPES[one.kind], *[type(None)][: one.optional]))
+            for one in coded(row)
+        )
+    for name, column, convert, types in _DECODERS[row]:
         if name not in given:
             value = values[column]
+            if not isinstance(value, types):
+                raise ValueError(f"{type(value).__name__} as {column}")
             read[name] = value if value is None or convert is None else convert(value)
     return row(**read)
 
 
-# name, column and conversion of each field; None: the driver has what is wanted
-_DECODERS: dict[type[Any], tuple[tuple[str, str, Callable[[Any], Any] | None], ...]] = {}
+# name, column, conversion and types of each field; None: the driver has what is wanted
+_DECODERS: dict[type[Any], tuple[tuple[str, str, Callable[[Any], Any] | None, tuple[type, ...]], ...]] = {}
+_TYPES: dict[Kind, tuple[type, ...]] = {
+    "text": (str,), "float": (float, int), "int": (int,), "bool": (int,), "moment": (datetime,), "bytes": (bytes,),
+    "json": (str,),
+}  # fmt: skip
 
 
 def _into(one: Coded, value: Any) -> Any:

@@ -25,6 +25,7 @@ from lostmotion.store.overview import OF_LOOP, OF_ROW
 from lostmotion.store.queries import Line
 from lostmotion.store.rows import DENIED, FINDINGS, GroupRow, Stage
 from lostmotion.store.run_rows import ReviewState, RunRow, UnreadRow
+from lostmotion.store.said import damaged
 from lostmotion.store.store import Store
 from lostmotion.web.plant.query import NO_AREA, NO_LABEL, SORTS, Query
 
@@ -68,9 +69,12 @@ class Overview:
     def frame(self) -> pl.DataFrame:
         """One line a loop, in the order of the ranking; made when the table is first asked for."""
         rows, loops = self.store.leading(self.run.number)
-        made = pl.DataFrame(rows, schema={"loop_id": pl.Int64, "window_start": None, **TYPES})
-        named = pl.DataFrame(loops, schema={"loop_id": pl.Int64, **dict.fromkeys(OF_LOOP, pl.String)})
-        return _ranked(made.join(named, on="loop_id", how="left"))
+        try:
+            made = pl.DataFrame(rows, schema={"loop_id": pl.Int64, "window_start": None, **TYPES})
+            named = pl.DataFrame(loops, schema={"loop_id": pl.Int64, **dict.fromkeys(OF_LOOP, pl.String)})
+            return _ranked(made.join(named, on="loop_id", how="left"))
+        except (TypeError, ValueError, OverflowError, pl.exceptions.PolarsError) as error:  # values of another type
+            raise damaged(self.store.name) from error
 
     @cached_property
     def before(self) -> RunRow | None:
