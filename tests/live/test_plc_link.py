@@ -117,6 +117,19 @@ def test_the_id_is_written_alone_after_the_others(server):
         link.read(["heartbeat"])
 
 
+@pytest.mark.parametrize("refused", [*ASKED, "all of them"])
+def test_a_server_that_lets_nobody_write_gets_no_request(server, refused):
+    """Without the permission, for one variable or all: one line, and the block is asked nothing."""
+    server.do(server.nodes["CHECKSUM"].set_writable())
+    for name in ASKED if refused == "all of them" else [refused]:
+        server.do(server.nodes[name.upper()].set_writable(False))
+    with linked(server) as link:
+        with pytest.raises(LinkError) as said:
+            link.write(ASKED)
+        assert "\n" not in str(said.value)
+        assert link.read(["request_id"]) == {"request_id": 0.0}
+
+
 def test_a_write_that_is_refused_in_part_is_never_a_request(server):
     with linked(server) as link:
         with pytest.raises(LinkError, match="checksum"):
