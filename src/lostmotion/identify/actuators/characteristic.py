@@ -26,6 +26,7 @@ WORTH = 20.0  # of it with everything refined: less is what a process that is no
 LEAST_SLOPE = 0.01  # of the mean one: a valve that closes where OP rises is none
 OUTER = 0.01  # of the rows, at either end of the range, in which a cubic is not held to that
 TURNED = 0.2  # of its range, by which the slope may turn back
+DIFFER = 2.0  # of BIC by which two slopes are ahead of equal ones, before a curve is tried in their place
 TURNS = 2  # of position and characteristic by turns
 
 
@@ -49,7 +50,7 @@ def bent(fitted: Fitted) -> Fitted:
 def _in_place_of_slopes(fitted: Fitted) -> Iterator[Fitted]:
     """A curve with equal slopes, where a dead zone has two: both say that the gain differs over the range."""
     equal = equal_slopes(fitted)
-    if equal is None or criterion(equal) < criterion(fitted) + 2.0 * PROMISING:
+    if equal is None or criterion(equal) < criterion(fitted) + 2.0 * DIFFER:
         return
     for names in (("square",), ("square", "cube")):
         added = _bend(equal, *names)
