@@ -24,3 +24,12 @@ def test_the_lock_is_that_of_the_packages_asked_for():
 def test_every_package_of_python_has_one_version():
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if not re.fullmatch(r"#.*|[\w.-]+==[\w.]+", line)] == []
+
+
+def test_every_package_of_python_has_the_digests_of_its_version():
+    pins = [line for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines() if line[0] != "#"]
+    locked = [line.split() for line in (ROOT / "locked.txt").read_text(encoding="utf-8").splitlines() if line[0] != "#"]
+    assert [pin for pin, *_ in locked] == pins
+    assert all(re.fullmatch(r"--hash=sha256:[0-9a-f]{64}", one) for _, *digests in locked for one in digests)
+    assert all(digests for _, *digests in locked)
+    assert "://" not in (ROOT / "locked.txt").read_text(encoding="utf-8")
