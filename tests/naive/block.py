@@ -10,14 +10,18 @@ def clamp(value, low, high):
     return low if value < low else high if value > high else value
 
 
+def sized(values, most=1e9):
+    return all(v == 0 or 2**-40 <= abs(v) <= most for v in values)  # NaN is neither
+
+
 def usable_limits(p):
     values = [p["low"], p["high"], p["safe"], p["ramp_step"]]
-    return math.isfinite(sum(abs(v) for v in values)) and p["low"] <= p["high"] and p["ramp_step"] >= 0
+    return sized(values) and p["low"] <= p["high"] and p["ramp_step"] >= 0
 
 
 def usable_common(p):
     values = [p[name] for name in ("factor", "band", "quiet", "rate", "cap", "count_limit")]
-    return math.isfinite(sum(abs(v) for v in values)) and min(values) >= 0 and p["count_limit"] >= 1
+    return sized(values) and sized(values[:1], 2) and min(values) >= 0 and p["count_limit"] >= 1
 
 
 class DeadZone:
@@ -30,7 +34,7 @@ class DeadZone:
 
     def usable(self, p):
         return (
-            math.isfinite(sum(abs(p[name]) for name in self.own))
+            sized(p[name] for name in self.own)
             and p["left_break"] <= p["centre"] <= p["right_break"]
             and min(p["left_slope"], p["right_slope"]) > 0
             and min(p["zone"], p["hunt_scans"], p["back_off"]) >= 0
@@ -101,7 +105,7 @@ class Backlash:
 
     def usable(self, p):
         values = [p[name] for name in self.own]
-        return math.isfinite(sum(abs(v) for v in values)) and min(values) >= 0
+        return sized(values) and min(values) >= 0
 
     def lead(self, p):
         return {1.0: p["lead_up"], -1.0: -p["lead_down"], 0.0: 0.0}[self.pushed] * p["factor"]
@@ -132,8 +136,7 @@ class Knocker:
 
     def usable(self, p):
         values = [p[name] for name in self.own]
-        finite = math.isfinite(sum(abs(v) for v in values))
-        return finite and p["amplitude"] >= 0 and 1 <= p["pulse_scans"] <= p["period_scans"]
+        return sized(values) and p["amplitude"] >= 0 and 1 <= p["pulse_scans"] <= p["period_scans"]
 
     def wanted(self, b, p):
         if not (b.active and b.was_active) or b.frozen:
@@ -161,8 +164,8 @@ class TwoMoves:
         self.aim = self.way = self.clock = self.hold_in = 0.0
 
     def usable(self, p):
-        finite = math.isfinite(sum(abs(p[name]) for name in self.own))
-        return finite and min(p["overshoot"], p["release"]) >= 0 and p["move_scans"] >= 1 and 0 <= p["share"] <= 1
+        fine = sized(p[name] for name in self.own)
+        return fine and min(p["overshoot"], p["release"]) >= 0 and p["move_scans"] >= 1 and 0 <= p["share"] <= 1
 
     def advance(self, b, p):
         if self.phase == "watch":
@@ -302,7 +305,7 @@ class NaiveBlock:
 
     def move(self, p, mode, op_in, enable, good, track_value):
         if self.limits is None:
-            self.command = p["safe"] if math.isfinite(p["safe"]) else 0.0
+            self.command = p["safe"] if abs(p["safe"]) <= 1e9 else 0.0
             return False, False, False, False
         low, high, safe, ramp = self.limits
         if mode != "auto":

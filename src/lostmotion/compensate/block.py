@@ -19,8 +19,8 @@ from lostmotion.compensate.specification import SPECIFICATIONS, Specification, p
 from lostmotion.errors import DataError, ParameterError
 from lostmotion.kernels.blocks import core as kernel
 
-MOST_FACTOR = 2.0  # twice the lost motion: more than studies of wrong estimates ask for
-LEAST_SETTING, MOST_SETTING = 1e-12, 1e9  # 32 bits have room for their products; counts of scans go to 3e8
+MOST_FACTOR = kernel.MOST_FACTOR  # twice the lost motion: more than studies of wrong estimates ask for
+LEAST_SETTING, MOST_SETTING = 1e-12, kernel.MOST_SETTING  # 32 bits have room for their products; scans go to 3e8
 FACTOR_NOTE = re.compile(r"factor (\d+(?:\.\d+)?):")
 NOTED = 1e-3  # of the factor: notes have three digits
 REFUSED = {
@@ -113,7 +113,7 @@ class CompensatorBlock(Brief):
         if len(self.values) != len(named):
             raise ParameterError.expected(f"{len(named)} values", len(self.values), "use CompensatorBlock.of()")
         for variable, value in zip(named, self.values, strict=True):
-            _refuse_setting(variable.name.lower(), value)
+            refuse_setting(variable.name.lower(), value)
         object.__setattr__(self, "values", tuple(float(value) for value in self.values))
         object.__setattr__(self, "notes", _true_notes(self.notes, self.settings["factor"]))
         self.reset()
@@ -281,7 +281,7 @@ class CompensatorBlock(Brief):
         return type(self), (self.kind, self.scan_time, self.values, self.notes, self.accepted)
 
 
-def _refuse_setting(name: str, value: float) -> None:
+def refuse_setting(name: str, value: float) -> None:
     """Raise the ParameterError of a setting that no block has; what belongs together the kernel checks itself."""
     most = MOST_FACTOR if name == "factor" else MOST_SETTING
     if not math.isfinite(value):

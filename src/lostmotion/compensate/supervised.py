@@ -14,7 +14,7 @@ import numpy.typing as npt
 from lostmotion.arguments import positive
 from lostmotion.arrays import Reals
 from lostmotion.compensate import variables as listed
-from lostmotion.compensate.block import CompensatorBlock
+from lostmotion.compensate.block import CompensatorBlock, refuse_setting
 from lostmotion.compensate.saved_block import REMEDY, block_of
 from lostmotion.compensate.specification import SPECIFICATIONS, Specification
 from lostmotion.compensate.supervision_variables import supervision
@@ -102,6 +102,7 @@ class SupervisedBlock:
             whole = variable.kind != "int" or value == math.floor(value)
             if not (math.isfinite(value) and value >= least and whole):
                 raise ParameterError.expected(f"{variable.name.lower()} of {least:g} or more", value, "give another")
+            refuse_setting(variable.name.lower(), value)
         positive("resolution", self.settings["resolution"])
         key = self.settings["block_key"]
         if key >= KEY_MODULUS:

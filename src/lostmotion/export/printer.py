@@ -69,7 +69,8 @@ class Printer:
             return self.syntax.true if number.value else self.syntax.false
         if number.kind == "int":
             return str(int(number.value))
-        text = f"{number.value:.1f}{self.syntax.number_suffix}"
+        digits = f"{number.value:.1f}" if number.value == int(number.value) else repr(number.value).upper()
+        text = digits + self.syntax.number_suffix
         return self.syntax.numbers.format(text) if typed and number.value >= 0 else text
 
     def expression(self, tree: Expression, typed: bool = False) -> str:

@@ -22,7 +22,8 @@ ODD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 1e308, -1e308, 1e-310, -0.0)
 ODD_SHARE = 0.02
 COLD_SHARE = 0.05
 COUNTS = (0.0, 0.0, 1.0, 1.0, 2.0, 3.0, 7.0)
-BAD_COUNTS = (-3.0, -1.0, 0.0, 16777216.0)
+BAD_COUNTS = (-3.0, -1.0, 0.0, 16777216.0, 2e9)
+SIZES = (5e-13, 1e-12, 1e9, 2e9)  # of settings: about their bounds, inside and outside
 FACTORS = (0.0, 0.3, 0.5, 0.9, 1.0, 1.1, 2.0)
 LENGTHS = (4, 16, 64)  # scans of a stretch at most: many changes of settings and modes in few scans
 IN_SERVICE = {"ENABLE": 1.0, "GOOD": 1.0, "TRACK": 0.0, "AUTO_MODE": 1.0, "CASCADE": 1.0}
@@ -142,7 +143,7 @@ def _settings(
     elif kind == "int":
         used[k] = _pick(random, BAD_COUNTS if bad else COUNTS)
     elif bad:
-        used[k] = _pick(random, (*ODD, -used[k], -grid))
+        used[k] = _pick(random, (*ODD, *SIZES, -used[k], -grid))
     elif random.random() < 0.3:
         used[k] = _pick(random, used[reals])
     else:

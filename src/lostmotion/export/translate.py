@@ -2,7 +2,7 @@
 
 The subset: assignments to ``s[NAME]``, ``o[NAME]`` and local scalars, if / elif / else, calls of functions of the same
 form (inlined); + - * / unary minus, comparisons of two operands, and / or / not in conditions, min, max, abs, % of
-whole numbers that are not negative.
+whole numbers that are not negative; float constants of the module, where REAL holds them exactly.
 
 A kernel in front of another hands it ``q = p.copy()`` with ``q[NAME] = s[OTHER]``: the PLC copies nothing, the inner
 kernel reads OTHER where it says NAME.
@@ -16,6 +16,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from lostmotion.errors import ParameterError
 from lostmotion.export import types as kinds
@@ -260,7 +262,7 @@ class _Function:
         match node:
             case ast.Constant(value=float() | int() as value) if not isinstance(value, bool):
                 if value != int(value) or abs(value) > LARGEST_LITERAL:
-                    self.refuse(node, "a whole number (everything else is a parameter)")
+                    self.refuse(node, "a whole number (everything else is a parameter or a named constant)")
                 return Number(float(value))
             case ast.Name():
                 return self.local(node)
@@ -291,6 +293,11 @@ class _Function:
 
     def local(self, node: ast.Name) -> Expression:
         key = self.table.local(node.id, self.name)
+        constant = self.known.get(node.id)
+        if key not in self.table.local_kinds and isinstance(constant, float):
+            if float(np.float32(constant)) != constant:
+                self.refuse(node, "a constant that REAL holds exactly")
+            return Number(constant)
         if key not in self.table.local_kinds:
             self.refuse(node, "a local variable that has been assigned before")
         return Name("local", key, self.table.local_kinds[key])

@@ -11,7 +11,7 @@ OUTPUTS = (
     "op_out", "offset", "back", "direction", "reversals", "state", "limited_low", "limited_high", "offset_capped",
     "ramping", "error",
 )  # fmt: skip
-BAD = [NAN, INF, -INF, 1e308, -1e308, 0.0, 100.0, 1e-300]
+BAD = [NAN, INF, -INF, 1e308, -1e308, 0.0, 100.0, 1e-30, 2e-13, -1e-12, 1e-12, 1e9, 2e9, -2e9, 2.0, 2.125]
 eighth = 0.125
 
 

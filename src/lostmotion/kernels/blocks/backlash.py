@@ -16,6 +16,8 @@ from lostmotion.kernels.blocks.core import (
     FAULT,
     FROZEN,
     INVERTING,
+    LEAST_SETTING,
+    MOST_SETTING,
     PARAMETERS,
     QUIETED,
     RETURNED,
@@ -40,12 +42,18 @@ SIZE = STATES + 7
 
 @njit()
 def check_backlash(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """FAULT 3 where a lead or the pulse is negative or not finite."""
+    """FAULT 3 where a lead or the pulse is negative, not finite or out of bounds."""
     s[TOTAL] = abs(p[LEAD_UP]) + abs(p[LEAD_DOWN]) + abs(p[PULSE]) + abs(p[PULSE_SCANS])
     if s[FAULT] == 0.0:
         if s[TOTAL] - s[TOTAL] != 0.0 or p[LEAD_UP] < 0.0 or p[LEAD_DOWN] < 0.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[PULSE] < 0.0 or p[PULSE_SCANS] < 0.0:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[LEAD_UP] > MOST_SETTING or p[LEAD_DOWN] > MOST_SETTING or p[PULSE] > MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[PULSE_SCANS] > MOST_SETTING or (p[LEAD_UP] > 0.0 and p[LEAD_UP] < LEAST_SETTING):
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif (p[LEAD_DOWN] > 0.0 and p[LEAD_DOWN] < LEAST_SETTING) or (p[PULSE] > 0.0 and p[PULSE] < LEAST_SETTING):
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 

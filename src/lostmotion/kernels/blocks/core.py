@@ -5,7 +5,7 @@ indexed by the constants below (and those of its kind). It is also the text from
 narrow language: assignments to elements, if / elif / else, calls with the same four arguments, ``+ - * /``, ``min``,
 ``max``, ``abs``, comparisons, and no literal but 0.0 and 1.0. Flags are 0.0 / 1.0, counts whole numbers.
 ``x - x == 0.0`` is true for finite x only. Every number is stored before the next operation where a literal is
-involved, so float32 never widens.
+involved, so float32 never widens. Named constants are numbers that float32 and float64 both hold exactly.
 
 A scan: :func:`check` and a check of the kind (are the settings usable?), :func:`take` (a usable set replaces the last
 one as a whole; an unusable one changes nothing and sets ERROR), :func:`prepare` (mode, direction), the correction of
@@ -43,6 +43,9 @@ BASE, QUIETED, SENSED, EXTREME, SIDE, TURNED, TURN_POINT, TURNS = range(30, 38)
 WANTED, CAPPED, ALLOWED, DISTANCE, APPLIED, HELD, COMBINED, CUT, COMMAND, RETURNED, CUT_LOW, CUT_HIGH = range(38, 50)
 STATES = 50  # those of the kind follow
 
+# Sizes of settings, those of `compensate.block`; the smallest is 1e-12 down to a power of two: REAL rounds 1e-12 down
+MOST_FACTOR, MOST_SETTING, LEAST_SETTING = 2.0, 1e9, 2.0**-40
+
 
 @njit()
 def check(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
@@ -57,8 +60,32 @@ def check(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[FAULT] = 1.0 + 1.0
     elif p[RATE] < 0.0 or p[CAP] < 0.0 or p[COUNT_LIMIT] < 1.0:
         s[FAULT] = 1.0 + 1.0
+    elif p[FACTOR] > MOST_FACTOR or p[BAND] > MOST_SETTING or p[QUIET] > MOST_SETTING or p[RATE] > MOST_SETTING:
+        s[FAULT] = 1.0 + 1.0
+    elif p[CAP] > MOST_SETTING or p[COUNT_LIMIT] > MOST_SETTING or (p[FACTOR] > 0.0 and p[FACTOR] < LEAST_SETTING):
+        s[FAULT] = 1.0 + 1.0
+    elif (p[BAND] > 0.0 and p[BAND] < LEAST_SETTING) or (p[QUIET] > 0.0 and p[QUIET] < LEAST_SETTING):
+        s[FAULT] = 1.0 + 1.0
+    elif (p[RATE] > 0.0 and p[RATE] < LEAST_SETTING) or (p[CAP] > 0.0 and p[CAP] < LEAST_SETTING):
+        s[FAULT] = 1.0 + 1.0
+    check_limits(p, s, i, o)
+
+
+@njit()
+def check_limits(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
+    """FAULT 1 where clamps, ramp or safe output are not usable; taken where they are."""
     s[TOTAL] = abs(p[LOW]) + abs(p[HIGH]) + abs(p[SAFE]) + abs(p[RAMP_STEP])
     if s[TOTAL] - s[TOTAL] != 0.0 or p[LOW] > p[HIGH] or p[RAMP_STEP] < 0.0:
+        s[FAULT] = 1.0
+    elif p[LOW] < -MOST_SETTING or p[HIGH] > MOST_SETTING or p[SAFE] > MOST_SETTING or p[SAFE] < -MOST_SETTING:
+        s[FAULT] = 1.0
+    elif p[LOW] != 0.0 and p[LOW] < LEAST_SETTING and p[LOW] > -LEAST_SETTING:
+        s[FAULT] = 1.0
+    elif p[HIGH] != 0.0 and p[HIGH] < LEAST_SETTING and p[HIGH] > -LEAST_SETTING:
+        s[FAULT] = 1.0
+    elif p[RAMP_STEP] > MOST_SETTING or (p[RAMP_STEP] > 0.0 and p[RAMP_STEP] < LEAST_SETTING):
+        s[FAULT] = 1.0
+    elif p[SAFE] != 0.0 and p[SAFE] < LEAST_SETTING and p[SAFE] > -LEAST_SETTING:
         s[FAULT] = 1.0
     else:
         s[USED_LOW] = p[LOW]
@@ -178,7 +205,7 @@ def drive(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
     s[CAPPED] = 0.0
     if s[HAS_LIMITS] == 0.0:
         s[COMMAND] = 0.0
-        if p[SAFE] - p[SAFE] == 0.0:
+        if p[SAFE] - p[SAFE] == 0.0 and p[SAFE] <= MOST_SETTING and p[SAFE] >= -MOST_SETTING:
             s[COMMAND] = p[SAFE]
     elif s[TRACKING] != 0.0 or s[HOLDING] != 0.0:
         impose(p, s, i, o)

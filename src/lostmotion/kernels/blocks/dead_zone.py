@@ -31,6 +31,8 @@ from lostmotion.kernels.blocks.core import (
     FROZEN,
     HAS_SETTINGS,
     INVERTING,
+    LEAST_SETTING,
+    MOST_SETTING,
     PARAMETERS,
     QUIETED,
     RETURNED,
@@ -59,7 +61,7 @@ SIZE = STATES + 19
 
 @njit()
 def check_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """FAULT 3 where left <= centre <= right, slopes > 0, zone >= 0 does not hold."""
+    """FAULT 3 where left <= centre <= right, slopes > 0, zone >= 0 does not hold, or a size is out of bounds."""
     s[TOTAL] = abs(p[LEFT_BREAK]) + abs(p[RIGHT_BREAK]) + abs(p[CENTRE])
     s[TOTAL] = s[TOTAL] + abs(p[LEFT_SLOPE]) + abs(p[RIGHT_SLOPE]) + abs(p[SHAPE]) + abs(p[ZONE])
     s[TOTAL] = s[TOTAL] + abs(p[HUNT_SCANS]) + abs(p[HUNT_LIMIT]) + abs(p[BACK_OFF])
@@ -69,6 +71,22 @@ def check_dead_zone(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         elif p[LEFT_SLOPE] <= 0.0 or p[RIGHT_SLOPE] <= 0.0 or p[ZONE] < 0.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[HUNT_SCANS] < 0.0 or p[HUNT_LIMIT] < 1.0 or p[BACK_OFF] < 0.0 or p[BACK_OFF] > 1.0:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[LEFT_BREAK] < -MOST_SETTING or p[RIGHT_BREAK] > MOST_SETTING or p[ZONE] > MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[LEFT_SLOPE] > MOST_SETTING or p[RIGHT_SLOPE] > MOST_SETTING or p[HUNT_SCANS] > MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[HUNT_LIMIT] > MOST_SETTING or p[LEFT_SLOPE] < LEAST_SETTING or p[RIGHT_SLOPE] < LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[CENTRE] != 0.0 and p[CENTRE] < LEAST_SETTING and p[CENTRE] > -LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[LEFT_BREAK] != 0.0 and p[LEFT_BREAK] < LEAST_SETTING and p[LEFT_BREAK] > -LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[RIGHT_BREAK] != 0.0 and p[RIGHT_BREAK] < LEAST_SETTING and p[RIGHT_BREAK] > -LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif (p[ZONE] > 0.0 and p[ZONE] < LEAST_SETTING) or (p[BACK_OFF] > 0.0 and p[BACK_OFF] < LEAST_SETTING):
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[SHAPE] > MOST_SETTING or p[SHAPE] < -MOST_SETTING:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 

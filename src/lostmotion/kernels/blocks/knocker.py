@@ -19,6 +19,8 @@ from lostmotion.kernels.blocks.core import (
     CHANGED,
     FAULT,
     FROZEN,
+    LEAST_SETTING,
+    MOST_SETTING,
     PARAMETERS,
     QUIETED,
     STATES,
@@ -43,12 +45,16 @@ SIZE = STATES + 6
 
 @njit()
 def check_knocker(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """FAULT 3 where 0 <= amplitude, 1 <= pulse <= period does not hold."""
+    """FAULT 3 where 0 <= amplitude, 1 <= pulse <= period does not hold, or a size is out of bounds."""
     s[TOTAL] = abs(p[AMPLITUDE]) + abs(p[PULSE_SCANS]) + abs(p[PERIOD_SCANS])
     if s[FAULT] == 0.0:
         if s[TOTAL] - s[TOTAL] != 0.0 or p[AMPLITUDE] < 0.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[PULSE_SCANS] < 1.0 or p[PULSE_SCANS] > p[PERIOD_SCANS]:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[AMPLITUDE] > MOST_SETTING or p[PERIOD_SCANS] > MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[AMPLITUDE] > 0.0 and p[AMPLITUDE] < LEAST_SETTING:
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 

@@ -25,6 +25,8 @@ from lostmotion.kernels.blocks.core import (
     CHANGED,
     FAULT,
     FROZEN,
+    LEAST_SETTING,
+    MOST_SETTING,
     PARAMETERS,
     QUIETED,
     SIDE,
@@ -51,12 +53,22 @@ SIZE = STATES + 14
 
 @njit()
 def check_two_moves(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
-    """FAULT 3 where overshoot, release >= 0, scans >= 1, 0 <= share <= 1 does not hold."""
+    """FAULT 3 where overshoot, release >= 0, scans >= 1, 0 <= share <= 1 does not hold, or a size is out of bounds."""
     s[TOTAL] = abs(p[OVERSHOOT]) + abs(p[STAND]) + abs(p[MOVE_SCANS]) + abs(p[SHARE]) + abs(p[RELEASE])
     if s[FAULT] == 0.0:
         if s[TOTAL] - s[TOTAL] != 0.0 or p[OVERSHOOT] < 0.0 or p[RELEASE] < 0.0:
             s[FAULT] = 1.0 + 1.0 + 1.0
         elif p[MOVE_SCANS] < 1.0 or p[SHARE] < 0.0 or p[SHARE] > 1.0:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[OVERSHOOT] > MOST_SETTING or p[STAND] > MOST_SETTING or p[STAND] < -MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[RELEASE] > MOST_SETTING or p[MOVE_SCANS] > MOST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[OVERSHOOT] > 0.0 and p[OVERSHOOT] < LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif p[STAND] != 0.0 and p[STAND] < LEAST_SETTING and p[STAND] > -LEAST_SETTING:
+            s[FAULT] = 1.0 + 1.0 + 1.0
+        elif (p[SHARE] > 0.0 and p[SHARE] < LEAST_SETTING) or (p[RELEASE] > 0.0 and p[RELEASE] < LEAST_SETTING):
             s[FAULT] = 1.0 + 1.0 + 1.0
 
 

@@ -18,7 +18,20 @@ Settings and memory are counted from the end of their arrays: those of the kind 
 from __future__ import annotations
 
 from lostmotion.arrays import Reals
-from lostmotion.kernels.blocks.core import ENABLE, FACTOR, FAULT, GOOD, HOLD_ON_DISABLE, INPUTS, OP_IN, OUTPUTS, TRACK
+from lostmotion.kernels.blocks.core import (
+    ENABLE,
+    FACTOR,
+    FAULT,
+    GOOD,
+    HOLD_ON_DISABLE,
+    INPUTS,
+    LEAST_SETTING,
+    MOST_FACTOR,
+    MOST_SETTING,
+    OP_IN,
+    OUTPUTS,
+    TRACK,
+)
 from lostmotion.kernels.numba_cache import njit
 
 # Parameters
@@ -78,7 +91,11 @@ def judge(p: Reals, s: Reals, i: Reals, o: Reals) -> None:
         s[FAILING] = 5.0
     elif i[CASCADE] == 0.0:
         s[FAILING] = 6.0
-    elif s[SPAN] - s[SPAN] != 0.0 or p[RESOLUTION] <= 0.0:
+    elif s[SPAN] - s[SPAN] != 0.0 or p[RESOLUTION] < LEAST_SETTING or p[RESOLUTION] > MOST_SETTING:
+        s[FAILING] = 7.0
+    elif p[FACTOR] > MOST_FACTOR or p[FIRST_RANGE] > MOST_SETTING or p[SECOND_RANGE] > MOST_SETTING:
+        s[FAILING] = 7.0
+    elif p[MOST_CHANGE] > MOST_SETTING:
         s[FAILING] = 7.0
     elif s[FAULT] != 0.0:
         s[FAILING] = 8.0
