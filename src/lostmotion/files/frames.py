@@ -32,6 +32,7 @@ SEVERAL = "the table of one loop"
 _PARQUET = b"PAR1"
 _ARROW = b"ARROW1"  # Feather
 PEEKED = 1 << 16  # bytes of text that show its columns
+FEWEST_LINES, WIDEST = 4, 1 << 26  # header, units and rows; bytes in which they must stand
 
 
 def load(source: Any) -> Table:
@@ -151,16 +152,25 @@ def peeked(path: Path, most: int = PEEKED) -> Table:
         return load(path)  # says what is wrong
     try:
         with path.open("rb") as stream:
-            start = stream.read(most)
+            start, whole = _beginning(stream, most)
     except OSError:
         return load(path)  # says what is wrong
     if start.startswith(GZIP):
         with suppress(OSError, EOFError, zlib.error), gzip.open(path) as stream:
-            start = stream.read(most)
+            start, whole = _beginning(stream, most)
     binary = start.startswith((MAT, MAT_HDF5, _PARQUET, _ARROW, GZIP, ZIP)) or b"\0" in start
-    if binary or len(start) < most:
+    if binary or whole:
         return load(path)
     return parse_text(start[: start.rfind(b"\n") + 1] or start, path.name)
+
+
+def _beginning(stream: Any, most: int) -> tuple[bytes, bool]:
+    """First bytes of a file, more where they hold few lines of a wide table; and whether that is all of it."""
+    start: bytes = stream.read(most)
+    while len(start) == most < WIDEST and b"\0" not in start and len(start.splitlines()) <= FEWEST_LINES:
+        start += stream.read(3 * most)
+        most *= 4
+    return start, len(start) < most
 
 
 def _columns(raw: bytes, name: str, kind: str, read: Callable[[bytes], pl.DataFrame]) -> Table:

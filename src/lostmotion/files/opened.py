@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import narwhals.stable.v2 as nw
 
 from lostmotion.addresses import is_url
 from lostmotion.errors import ColumnError, DataError
@@ -18,6 +21,7 @@ from lostmotion.files.gathered import gathered
 from lostmotion.files.joined import joined, path_stem
 from lostmotion.files.long import called, with_columns_of_tags
 from lostmotion.files.moments import with_moments
+from lostmotion.files.narrowed import columns_to_read
 from lostmotion.files.one_tag import one_tag
 from lostmotion.files.paths import is_folder, is_path
 from lostmotion.files.quality import ALL, Trust
@@ -46,8 +50,23 @@ class Opened:
     name: str = ""
     by_tags: bool = False
 
-    def table(self, loop: str | None = None) -> tuple[Table, str | None, str]:
+    @cached_property
+    def _needed(self) -> dict[str, list[str]]:
+        """Columns that a loop of one wide table needs, by its tag: read one by one, each looks at these alone."""
+        return columns_to_read(self.tables[""].names) if list(self.tables) == [""] else {}
+
+    def _part(self, loop: str, asked: Collection[str]) -> Table:
+        """The one table, without columns of other loops where all that is asked for is there by its exact name."""
+        table, needed = self.tables[""], self._needed.get(loop, [])
+        if not needed or len(needed) == len(table.names) or not set(asked) <= set(needed):
+            return table
+        columns = nw.from_dict({name: table.column(name) for name in needed})  # `select` would look at all columns
+        return replace(table, frame=columns)
+
+    def table(self, loop: str | None = None, asked: Collection[str] = ()) -> tuple[Table, str | None, str]:
         """Table of a loop, the tag that is still to be looked for in its columns, and the name of the table.
+
+        Columns of `asked` are in it.
 
         Raises
         ------
@@ -56,7 +75,7 @@ class Opened:
         """
         names = list(self.tables)
         if names == [""]:
-            return self.tables[""], loop, ""
+            return self._part(loop, asked) if loop else self.tables[""], loop, ""
         if loop is None and len(names) > 1:
             raise several_loops(names, SEVERAL)
         fits = [name for name in names if loop in (None, name)] or _called_so(names, str(loop))

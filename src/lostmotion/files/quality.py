@@ -188,20 +188,30 @@ def quality_column(table: Table, column: str) -> str | None:
     >>> quality_column(named("t", "F1.PV", "Quality (1)", "F1.OP", "Quality (2)"), "F1.OP")
     'Quality (2)'
     """
-    bare = key(column)
-    bases = {bare, *(bare.removesuffix(end) for end in VALUE_ENDS)}
-    wanted = {f"{base} {word}" for base in bases for word in BESIDE}
-    wanted |= {f"{word} {base}" for base in bases for word in LONG["quality"]}
+    wanted = names_of_quality(column)
     by_name = [name for name in table.names if name != column and key(name) in wanted]
     if by_name:
         return by_name[0] if len(by_name) == 1 else None
-    plain = [name for name in table.names if key(name) in LONG["quality"]]
+    plain = without_name(table.names)
     if len(plain) > 1:
         place = table.names.index(column) + 1
         return table.names[place] if place < len(table.names) and table.names[place] in plain else None
     if len(plain) == 1 and (key(plain[0]) != "status" or _has_words(table, plain[0])):
         return plain[0]
     return None
+
+
+def names_of_quality(column: str) -> set[str]:
+    """Keys of the columns that hold the quality of another by their names."""
+    bare = key(column)
+    bases = {bare, *(bare.removesuffix(end) for end in VALUE_ENDS)}
+    wanted = {f"{base} {word}" for base in bases for word in BESIDE}
+    return wanted | {f"{word} {base}" for base in bases for word in LONG["quality"]}
+
+
+def without_name(names: Sequence[str]) -> list[str]:
+    """Columns of quality that name no other: Quality, Quality (1)."""
+    return [name for name in names if key(name) in LONG["quality"]]
 
 
 def _has_words(table: Table, name: str) -> bool:

@@ -37,6 +37,9 @@ class Plant(TypedDict, total=False):
     manual: str | Sequence[str] | None
 
 
+USUAL = ("OP", "PV", "SP")  # names of columns that were not asked for
+
+
 def read_loop(
     source: Any,
     op: str = "OP",
@@ -129,7 +132,8 @@ def read_loop(
     asked = [name for name in (op, pv, sp, position, mode) if isinstance(name, str)]
     trust = trust_of(plant)
     content = opened(source, asked, plant.get("query"), trust)
-    table, loop, part = content.table(plant.get("loop"))
+    named = [name for name in (*asked, time) if isinstance(name, str) and name not in USUAL]
+    table, loop, part = content.table(plant.get("loop"), named)
     meaning = interpret(table, op, pv, sp, position, time, mode, dt, loop=loop, trust=trust)
     if missing == "error":
         _refuse_missing(meaning)
