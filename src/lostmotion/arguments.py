@@ -12,6 +12,8 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
 LARGEST = 1e100  # of a number that is handed in: its square, and that of its reciprocal, are numbers
+SMALLEST = 1e-300  # but 0: below it digits get lost, and a quotient is no number
+MOST_WHOLE = 2**53  # every whole number up to it is a float, and fits into a database
 SHORTEST, LONGEST = 1e-12, 1e12  # s, of a sampling time or a scan
 
 
@@ -25,6 +27,8 @@ def finite(name: str, value: float) -> float:
         raise ParameterError.expected(f"finite {name}", value, "give a number")
     if abs(number) > LARGEST:
         raise ParameterError.expected(f"{name} within +-{LARGEST:g}", value, "give a number that a plant can have")
+    if 0.0 < abs(number) < SMALLEST:
+        raise ParameterError.expected(f"{name} as 0, or from {SMALLEST:g} in size", value, "give a number of a plant")
     return number
 
 
@@ -65,6 +69,8 @@ def whole(name: str, value: object, least: int) -> int:
         number, exact = least, False
     if not exact or number < least:
         raise ParameterError.expected(f"{name} as a whole number >= {least}", repr(value), "give samples")
+    if number > MOST_WHOLE:
+        raise ParameterError.expected(f"{name} of at most 2^53", f"{number:.3g}", "give a smaller number")
     return int(number)
 
 

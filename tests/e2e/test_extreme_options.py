@@ -8,6 +8,7 @@ import pytest
 
 import lostmotion as lm
 from lostmotion.compensate import block_from_model
+from tests.support import extreme_options
 from tests.support.command import run
 
 MODEL = [
@@ -112,3 +113,55 @@ def test_a_model_of_no_order(here, capsys):
 @pytest.mark.parametrize("address", ["postgresql://u:p@[::1/db", "postgresql://h:x/db", "sqlite://", "x://"])
 def test_addresses(here, capsys, address):
     assert told(capsys, "audit", "a.csv", "--dt", "1", "--store", address)[0] in (1, 2)
+
+
+SLOW = ("paper", "audit", "solve", "design")  # seconds each: in the long form
+
+
+def tried(chosen):
+    """Outcomes in capitals of cases."""
+    bad = {}
+    with extreme_options.small_folder() as folder:
+        for name, words in chosen:
+            found = extreme_options.outcome(name, words)
+            extreme_options.tidy(folder)
+            if found[:3].isupper():
+                bad[name, *words] = found
+    return bad
+
+
+def test_some_of_all_options(capfd):
+    every = [case for case in extreme_options.cases() if case[0] not in SLOW]
+    assert len(every) > 5000
+    with capfd.disabled():
+        assert tried(every[k] for k in np.random.default_rng(3).permutation(len(every))[:120]) == {}
+
+
+@pytest.mark.long
+def test_more_of_all_options(capfd):
+    every = list(extreme_options.cases())
+    with capfd.disabled():
+        assert tried(every[k] for k in np.random.default_rng(4).permutation(len(every))[:1500]) == {}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [*MODEL, "--samples", "200", "--runs", "1", "--seed=-1"],
+        [*MODEL, "--samples", "200", "--runs", "1", "--dead-time", "9" * 20],
+        [*MODEL, "--samples", "200", "--runs", "1", "--gain", "1e-320"],
+    ],
+)
+def test_a_model_out_of_bounds(here, capsys, words):
+    code, lines = told(capsys, "simulate", *words)
+    assert (code, len(lines)) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["paper", "--out="], ["audit", "a.csv", "--dt", "1", "--workers", "9" * 20],
+     ["demo-plant", "p", "--dt", "1e9", "--days", "0.01"], ["demo-plant", "p", "--days", str(2**63)]],
+)  # fmt: skip
+def test_refused_before_anything_is_done(here, capsys, words):
+    code, lines = told(capsys, *words)
+    assert (code, len(lines)) == (2, 1)

@@ -11,13 +11,14 @@ import typer
 from lostmotion.cli.closed_output import say
 from lostmotion.cli.options import number
 from lostmotion.cli.output import OutputOptions
+from lostmotion.errors import ParameterError
 
 METHODS = ("riv", "rls", "els", "voros", "ml")  # those of lostmotion.paper, which is loaded when it is asked to work
 
 Seeds = Annotated[int, typer.Option("--seeds", min=1, help="Runs of each estimation method.")]
 Samples = Annotated[int, typer.Option("--samples", min=1000, help="Samples of each run; the paper has 200000.")]
 Method = Annotated[list[str] | None, number("--method", f"One of {', '.join(METHODS)}; may be repeated. Default: all.")]
-ControlSeeds = Annotated[int, typer.Option("--control-seeds", min=1, help="Noise sequences for table 2.")]
+ControlSeeds = Annotated[int, typer.Option("--control-seeds", min=2, help="Noise sequences for table 2.")]
 Out = Annotated[Path, typer.Option("--out", help="HTML page to write; the JSON goes beside it.")]
 
 
@@ -36,6 +37,8 @@ def paper(
     """
     from lostmotion.paper import study_control, study_estimation, to_dict, write_page
 
+    if not out.name:
+        raise ParameterError.expected("--out with the name of a file", repr(str(out)), "give one")
     beside = out.with_suffix(".json")
     output.refuse(out, beside)
     estimation = study_estimation(seeds, samples, tuple(method) if method else METHODS)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import lostmotion as lm
+from lostmotion.arguments import finite, seconds
 from lostmotion.cli.options import number
 from lostmotion.errors import DataError, FileAccessError, ParameterError
 from lostmotion.files.schema import parsed, toml_of
@@ -123,10 +124,10 @@ class RoughModel:
             raise ParameterError.expected("--time-constant > 0", constants, "give seconds")
         den = np.array([1.0])
         for constant in constants:
-            den = np.polymul(den, [constant, 1.0])
+            den = np.polymul(den, [seconds("--time-constant", constant), 1.0])
         if self.integrating:
             den = np.append(den, 0.0)
-        process = lm.LinearModel.from_continuous([self.gain], den, self.dead_time, self.dt)
+        process = lm.LinearModel.from_continuous([finite("gain", self.gain)], den, self.dead_time, self.dt)
         if not self.integrating:
             return process
         poles = process.poles

@@ -19,6 +19,7 @@ from lostmotion.simulate import PI
 
 FEWEST_SAMPLES, FEWEST_HOLDS = 60, 12  # below this identify has nothing to work on
 MOST_SAMPLES = 100_000  # a day at one a second: longer than any test that an operator allows
+LONGEST_TEST = 10_000_000  # samples that may be asked for
 TARGETS = {"width": ("width",), "break points": ("left", "right")}
 DEFAULT_HOLD = 1.0 / 3.0  # of delay and dominant time constant
 LONGEST_CONSTANTS, LONGEST_HOLDS = 5.0, 3  # a hold ends when the process has settled: drifts are not waited for
@@ -206,6 +207,8 @@ def _length(
             f"{most * dt:g} s",
             "give more time or allow shorter holds",
         )
+    if most > LONGEST_TEST:
+        raise ParameterError.expected(f"a duration of at most {LONGEST_TEST * dt:g} s", f"{most * dt:g} s", "give less")
     return (most if wanted is None else None), fewest, most
 
 

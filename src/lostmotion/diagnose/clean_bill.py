@@ -178,7 +178,7 @@ def how_to_tell(size: float, limit: float, reason: str = UNTOLD) -> tuple[str, .
         f"Move SP up and down, or OP in manual up, back, down and back, several times, so that OP moves by clearly "
         f"more than {limit:.2g}, the size to be excluded: {reason}. Do not wait for a level to settle."
     ]
-    more = (size / max(limit, 1e-300)) ** 2
-    if np.isfinite(more) and 1.0 < more <= MOST_RECORDS:
+    more = min(size / max(limit, 1e-300), MOST_RECORDS) ** 2
+    if 1.0 < more <= MOST_RECORDS:
         advice.append(f"Or give about {np.ceil(more):.0f} times as much of the same operation.")
     return tuple(advice)

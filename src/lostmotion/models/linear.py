@@ -17,6 +17,7 @@ from lostmotion.extras import extra
 from lostmotion.kernels import linear as kernel
 from lostmotion.working_folder import MATPLOTLIB_FILE, without_settings
 
+MOST_DELAY = 1e6  # samples: a dead time of more is a mistake in a unit, and an array of its own
 AT_ONE = 1e-6  # distance of a pole from 1: roots of A are true to 1e-8 only where two of them meet
 SETTLING = 1.0 - 1e-9  # modulus: a slower pole needs 1e9 samples, longer than any record, and counts as an integrator
 
@@ -103,6 +104,9 @@ class LinearModel:
         dt = positive("dt", dt)
         if not (np.isfinite(dead_time) and dead_time >= 0):
             raise ParameterError.expected("dead_time >= 0", dead_time, "give seconds")
+        if dead_time / dt > MOST_DELAY:
+            got = f"{dead_time / dt:.3g}"
+            raise ParameterError.expected(f"a dead_time of at most {MOST_DELAY:g} samples", got, "give it in seconds")
         whole, fraction = divmod(dead_time / dt, 1.0)
         if min(fraction, 1.0 - fraction) < 1e-9:
             whole, fraction = round(dead_time / dt), 0.0
@@ -224,12 +228,13 @@ def _held_states(num: FloatArray, den: FloatArray, dt: float) -> tuple[FloatArra
     """Transition, input, output matrices and feedthrough of the held state-space model."""
     from scipy import linalg, signal  # noqa: PLC0415  seconds of import that only this conversion needs
 
-    states, inputs, outputs, through = signal.tf2ss(num, den)
+    scale = 2.0 ** float(np.frexp(np.abs(num).max())[1])  # SciPy drops coefficients below 1e-14, small gains as well
+    states, inputs, outputs, through = signal.tf2ss(num / scale, den)
     n = len(den) - 1
     block = np.zeros((n + 1, n + 1))
     block[:n, :n], block[:n, n:] = states[:n, :n], inputs[:n]
     power = linalg.expm(block * dt)
-    return power[:n, :n], power[:n, n], np.ravel(outputs)[:n], float(np.ravel(through)[0])
+    return power[:n, :n], power[:n, n], scale * np.ravel(outputs)[:n], scale * float(np.ravel(through)[0])
 
 
 def _numerator(

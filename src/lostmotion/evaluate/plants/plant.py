@@ -26,6 +26,7 @@ from lostmotion.records import LoopRecord
 
 BEGAN = datetime(2026, 3, 2, tzinfo=UTC)  # a Monday
 DAY = 86_400.0
+MOST_DAYS = 3660.0  # ten years of a plant
 OUTSIDE = "outside"
 SWING_SIZE = (1.0, 5.0)  # % of OP
 SWING_PERIOD = (120.0, 2400.0)  # seconds
@@ -185,6 +186,10 @@ def random_plant(
     """
     seed, loops = whole("seed", seed, 0), whole("loops", loops, 2)
     seconds, dt = DAY * positive("days", days), positive("dt", dt)
+    if seconds > MOST_DAYS * DAY:
+        raise ParameterError.expected(f"at most {MOST_DAYS:g} days", days, "give less")
+    if dt > seconds:
+        raise ParameterError.expected(f"dt of at most {seconds:g} s, the days recorded", dt, "give more days")
     kinds = wanted(faults)
     moves = None if moves is None else not_negative("moves", moves)
     made, wires = network(np.random.default_rng([seed, 1]), loops)

@@ -126,7 +126,7 @@ def compensation_study(
     >>> study.cases["with"].ratio < 0.5, len(study.mistakes)
     (True, 2)
     """
-    found = known(model, noise, diagnosis, accept)
+    found, seed = known(model, noise, diagnosis, accept), whole("seed", seed, 0)
     if block is None and isinstance(model, RecursiveEstimate):
         raise ParameterError.expected("a block beside an estimate in service", "none", "give the block in the PLC")
     record = None if record is None else as_record(record)

@@ -13,6 +13,7 @@ from lostmotion.extras import extra
 from lostmotion.workers import usable_processors
 
 NAMES = "processes, inline, dask, tcp://HOST:PORT or tls://HOST:PORT"
+MOST_WORKERS = 1024  # processes: more than any one machine has processors for
 
 
 def open_engine(
@@ -42,6 +43,8 @@ def open_engine(
     """
     if workers is not None and workers < 1:
         raise ParameterError.expected("at least 1 worker", workers, "give the number of processes")
+    if workers is not None and workers > MOST_WORKERS:
+        raise ParameterError.expected(f"at most {MOST_WORKERS} workers", workers, "give the number of processes")
     if name == "inline":
         return Inline()
     if name == "processes":
