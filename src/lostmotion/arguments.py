@@ -13,7 +13,6 @@ from lostmotion.errors import DataError, ParameterError
 
 LARGEST = 1e100  # of a number that is handed in: its square, and that of its reciprocal, are numbers
 SMALLEST = 1e-300  # but 0: below it digits get lost, and a quotient is no number
-MOST_WHOLE = 2**53  # every whole number up to it is a float, and fits into a database
 SHORTEST, LONGEST = 1e-12, 1e12  # s, of a sampling time or a scan
 
 
@@ -69,8 +68,6 @@ def whole(name: str, value: object, least: int) -> int:
         number, exact = least, False
     if not exact or number < least:
         raise ParameterError.expected(f"{name} as a whole number >= {least}", repr(value), "give samples")
-    if number > MOST_WHOLE:
-        raise ParameterError.expected(f"{name} of at most 2^53", f"{number:.3g}", "give a smaller number")
     return int(number)
 
 

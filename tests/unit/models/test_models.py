@@ -245,3 +245,10 @@ def test_noise_model():
 @pytest.mark.parametrize("settings", [{"d": [NAN]}, {"d": [[1.0]]}, {"variance": NAN}, {"variance": -1.0}])
 def test_noise_model_refuses(settings):
     assert next(iter(settings)) in refusal(ParameterError, NoiseModel, **settings)
+
+
+def test_a_small_gain_per_time_constant_is_not_lost():
+    """SciPy drops leading coefficients below 1e-14: such a gain was a model of nothing, with a warning."""
+    usual = LinearModel.from_continuous([1.0], [30.0, 1.0], 0.0, 1.0)
+    small = LinearModel.from_continuous([1e-20], [30.0, 1.0], 0.0, 1.0)
+    assert np.allclose(small.b, np.array(usual.b) * 1e-20, rtol=1e-12, atol=0.0)
