@@ -45,6 +45,7 @@ SOUND = {  # what a command needs besides the option that is tried
     "request": ["plant.toml", "FIC101", "b.json"],
     "solve": ["a.csv", "--dt", "1"],
     "audit": ["a.csv", "--dt", "1", "--workers", "1"],
+    "demo": ["shown"],
     "demo-plant": ["plant", "--loops", "8", "--days", "0.02"],
     "demo-live": ["--seconds", "0.1", "--port", "0"],
     "serve": ["a.csv"],

@@ -115,7 +115,7 @@ GROUPS: dict[str, str] = {
         significand assert complex imaginary eof errno main null offsetof setjmp stdin stdout stderr unix linux p s i
         o lesser greater
     """,
-    "device of Windows, which no file can be called after": " ".join(DEVICES),
+    "device of Windows, which no file can be called after": " ".join(name for name in DEVICES if name.isalnum()),
 }
 WORDS: dict[str, str] = {word: group for group, words in reversed(GROUPS.items()) for word in words.split()}
 
