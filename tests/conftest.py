@@ -15,7 +15,10 @@ from hypothesis import settings
 
 from tests.support import stores
 
-collect_ignore = ["plc/build.py", "plc/parse.py", "plc/trees.py"]  # run by the Python of .venv-plc
+collect_ignore = [
+    *("plc/build.py", "plc/parse.py", "plc/trees.py"),  # run by the Python of .venv-plc
+    "support/windows_like",  # changes the process that imports it
+]
 
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.register_profile("desk", deadline=None)
