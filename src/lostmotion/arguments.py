@@ -12,7 +12,6 @@ from lostmotion.arrays import FloatArray
 from lostmotion.errors import DataError, ParameterError
 
 LARGEST = 1e100  # of a number that is handed in: its square, and that of its reciprocal, are numbers
-SMALLEST = 1e-300  # but 0: below it digits get lost, and a quotient is no number
 SHORTEST, LONGEST = 1e-12, 1e12  # s, of a sampling time or a scan
 
 
@@ -26,8 +25,6 @@ def finite(name: str, value: float) -> float:
         raise ParameterError.expected(f"finite {name}", value, "give a number")
     if abs(number) > LARGEST:
         raise ParameterError.expected(f"{name} within +-{LARGEST:g}", value, "give a number that a plant can have")
-    if 0.0 < abs(number) < SMALLEST:
-        raise ParameterError.expected(f"{name} as 0, or from {SMALLEST:g} in size", value, "give a number of a plant")
     return number
 
 

@@ -290,10 +290,7 @@ class _Errors:
         columns = [self._column(course) for course in courses]
         gram = np.array([[one @ other for other in columns] for one in columns])
         sizes = _solved(gram, np.array([column @ self.errors for column in columns]), 1e-12)
-        left = self.errors.copy()
-        for size, column in zip(sizes.tolist(), columns, strict=True):
-            left -= size * column
-        return sizes, left
+        return sizes, self.errors - sum(size * column for size, column in zip(sizes, columns, strict=True))
 
     def _options(self, left: FloatArray, response: FloatArray, start: int, first: int, stop: int) -> Iterator[_Option]:
         """Best step and best swing of a segment."""
