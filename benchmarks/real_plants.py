@@ -15,13 +15,14 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from benchmarks.off_model.__main__ import SEEDS, SUITES, compile_kernels, run  # noqa: E402
+
 from pages import publish  # noqa: E402
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "off-model.md"
 SHOWN = ("wheels", "held_out", "asymmetric", "off_model", "thinning", "levels", "servos")
 HEAD = """# Real actuators, and plants that are not quite of the model's shape
 
-Made by `.venv/bin/python benchmarks/real_plants.py`. Motors and servos are real records with a truth that is seen in the
+Made by `.venv/bin/python benchmarks/real_plants.py`. Motors and servos are real records whose truth is seen in the
 data (../shared/actuators); the plants are simulated by `benchmarks/off_model/plant.py`, which shares nothing with the
 package. "OK and wrong": status OK with another kind, or an interval that does not hold the truth.
 
