@@ -44,7 +44,7 @@ WRONG = {
         ("s->combined > s->used_high", "s->combined < s->used_high"),
         ("-s->allowed", "s->allowed"),
         ("lesser(greater(", "lesser(lesser("),
-        ("s->used_shape == 1", "s->used_shape != 1"),
+        ("(s->used_shape == 1) && (s->knee > 0.0)", "(s->used_shape != 1) && (s->knee > 0.0)"),
     ],
     "scl": [("-#allowed", "#allowed"), ("MIN(IN1", "MAX(IN1"), ("#combined < #used_low", "#combined > #used_low")],
     "l5x": [

@@ -29,6 +29,8 @@ LINES = (1.0, 0.9, 0.8, 0.7, 0.6)  # widths between the lines that are tried, ov
 BREAKS = (1.0, 1.08, 1.16, 1.25, 1.35, 1.5, 1.7)  # and between the break points
 ASIDE = (0.3, 0.2, 0.1, 0.05)  # of each break point's distance from the middle, by which it is then moved alone
 FINER = (1.0, 1.0, 0.2)  # shares of these, by turns with the rest of the model
+# of the width between the break points that the lines leave: at rest friction is at most some twice that in motion
+LEAST_SHARE = 0.4
 FARTHEST, PLACES = 2.0, 25  # of a line's distance from the middle, where a break point may be, and places to there
 LEVEL = 0.95  # of its interval
 
@@ -47,7 +49,14 @@ def broken_away(fitted: Fitted) -> Fitted:
     best = _best(fitted, _trials(left, right, ratio)) if family.still is None else fitted
     for share in FINER:
         best = min((best, _best(best, _either_side(best, share))), key=criterion)
-    return best if criterion(best) < criterion(plain) - 2.0 * WORTH else plain
+    pays = criterion(best) < criterion(plain) - 2.0 * WORTH
+    return best if pays and _is_one(best) else plain
+
+
+def _is_one(fitted: Fitted) -> bool:
+    """Whether the lines reach zero apart from each other: else it is no gap that is left with a jump."""
+    (low, high), (left, right) = break_points(fitted) or (0.0, 0.0), fitted.actuator[:2]
+    return bool(right - left > LEAST_SHARE * (high - low))
 
 
 def break_points(fitted: Fitted) -> Breaks | None:
