@@ -61,7 +61,6 @@ PAGES = (
     Page("export", "benchmarks/export.py", 15, needs="make plc", shares=True),
     Page("family", "benchmarks/family.py", 10),
     Page("ingredients", "benchmarks/ingredients.py", 15),
-    Page("off-model", "benchmarks/real_plants.py", 30, needs="the real records in ../shared/actuators"),
     Page("online", "benchmarks/online.py", 10),
     Page("paper", "benchmarks/paper_tables.py", 2),
     Page("published-loops", "benchmarks/published.py", 15),
