@@ -15,10 +15,10 @@ from lostmotion.errors import ParameterError
 
 METHODS = ("riv", "rls", "els", "voros", "ml")  # those of lostmotion.paper, which is loaded when it is asked to work
 
-Seeds = Annotated[int, typer.Option("--seeds", min=1, help="Runs of each estimation method.")]
-Samples = Annotated[int, typer.Option("--samples", min=1000, help="Samples of each run; the paper has 200000.")]
+Seeds = Annotated[int, typer.Option("--seeds", min=1, max=100_000, help="Runs of each estimation method.")]
+Samples = Annotated[int, typer.Option("--samples", min=1000, max=10**8, help="Samples of a run; the paper has 200000.")]
 Method = Annotated[list[str] | None, number("--method", f"One of {', '.join(METHODS)}; may be repeated. Default: all.")]
-ControlSeeds = Annotated[int, typer.Option("--control-seeds", min=2, help="Noise sequences for table 2.")]
+ControlSeeds = Annotated[int, typer.Option("--control-seeds", min=2, max=100_000, help="Noise sequences for table 2.")]
 Out = Annotated[Path, typer.Option("--out", help="HTML page to write; the JSON goes beside it.")]
 
 
