@@ -29,7 +29,7 @@ class Chosen:
         0, and slower the other way; the mean is that of the model. None: it is the same in all directions.
     break_away : tuple of float, optional
         OP between which a dead zone with a jump does not move; its `left` and `right` are where the lines beyond reach
-        zero. None: it begins to move there.
+        zero. `fit.simulate` has the jump, `fit.model` has not. None: it begins to move there.
     break_away_intervals : tuple of (float, float), optional
         95 % interval of either.
     noise_zero : float

@@ -105,7 +105,7 @@ def about_break_away(fit: HammersteinFit) -> str:
     low, high = (f"{at:.4g}{f' ({ci[0]:.4g} to {ci[1]:.4g})' if ci else ''}" for at, ci in ends)
     return (
         f"The valve begins to move at OP {low} and {high}, and then with a jump: left and right are where the "
-        "lines beyond reach zero. The inverse uses these lines; what is smaller than the jump it cannot reach."
+        "lines beyond reach zero. The inverse uses these lines; the valve cannot make moves smaller than the jump."
     )
 
 

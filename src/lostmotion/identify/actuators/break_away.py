@@ -29,8 +29,7 @@ LINES = (1.0, 0.9, 0.8, 0.7, 0.6)  # widths between the lines that are tried, ov
 BREAKS = (1.0, 1.08, 1.16, 1.25, 1.35, 1.5, 1.7)  # and between the break points
 ASIDE = (0.3, 0.2, 0.1, 0.05)  # of each break point's distance from the middle, by which it is then moved alone
 FINER = (1.0, 1.0, 0.2)  # shares of these, by turns with the rest of the model
-# of the width between the break points that the lines leave: at rest friction is at most some twice that in motion
-LEAST_SHARE = 0.4
+LEAST_SHARE = 0.4  # of the lines' width in that between the break points: less is one line with jumps, no gap
 FARTHEST, PLACES = 2.0, 25  # of a line's distance from the middle, where a break point may be, and places to there
 LEVEL = 0.95  # of its interval
 
