@@ -25,11 +25,11 @@ else:
         fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-PATIENCE = 5.0  # s for others to give their names, which takes microseconds, or to close a file (a search for viruses)
+TIMEOUT = 5.0  # s for others to give their names, which takes microseconds, or to close a file (a search for viruses)
 Result = TypeVar("Result")
 
 
-def patiently(work: Callable[[], Result], patience: float = PATIENCE) -> Result:
+def retried(work: Callable[[], Result], timeout: float = TIMEOUT) -> Result:
     """Result of `work`, which is tried again while others are in its way.
 
     Raises
@@ -37,7 +37,7 @@ def patiently(work: Callable[[], Result], patience: float = PATIENCE) -> Result:
     BlockingIOError, PermissionError
         They still are: of locks on POSIX, of locks and of open files on Windows.
     """
-    until = time.monotonic() + patience
+    until = time.monotonic() + timeout
     while True:
         try:
             return work()
@@ -47,10 +47,10 @@ def patiently(work: Callable[[], Result], patience: float = PATIENCE) -> Result:
             time.sleep(0.001)
 
 
-def locked(number: int, patience: float = 0.0) -> bool:
+def locked(number: int, timeout: float = 0.0) -> bool:
     """Lock an open file or folder until it is closed; False where somebody else keeps it, or the drive has no locks."""
     try:
-        patiently(lambda: _lock(number), patience)
+        retried(lambda: _lock(number), timeout)
     except OSError:
         return False
     return True
@@ -63,7 +63,7 @@ def alone(folder: Path) -> Iterator[bool]:
     with suppress(OSError):  # a folder that we may write and not read
         number = _opened(folder)
     try:
-        yield number >= 0 and locked(number, PATIENCE)
+        yield number >= 0 and locked(number, TIMEOUT)
     finally:
         if number >= 0:
             os.close(number)
@@ -75,7 +75,7 @@ def alone(folder: Path) -> Iterator[bool]:
 def _opened(folder: Path) -> int:
     """Number of the folder; Windows opens none, and locks a file in it."""
     if sys.platform == "win32":
-        return patiently(lambda: os.open(_beside(folder), os.O_RDWR | os.O_CREAT))
+        return retried(lambda: os.open(_beside(folder), os.O_RDWR | os.O_CREAT))
     return os.open(folder, os.O_RDONLY)
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from lostmotion.errors import FileAccessError
-from lostmotion.files.alone import alone, locked, patiently
+from lostmotion.files.alone import alone, locked, retried
 from lostmotion.files.folders import MOST_NEW, depth, made, make, nearest
 from lostmotion.files.write_errors import write_errors
 
@@ -236,7 +236,7 @@ def _replace(beside: Path, target: Path) -> None:
         beside.replace(target)
         return
     try:
-        patiently(lambda: beside.replace(target))
+        retried(lambda: beside.replace(target))
     except PermissionError as error:
         raise FileAccessError(
             f"expected {str(target)!r} closed, got it open in another program, or read-only; close it and try again"

@@ -65,7 +65,7 @@ def writes():
     held = path.open("rb")
     threading.Thread(target=lambda: (time.sleep(0.3), held.close())).start()
     assert writer.write_bytes(path, b"new", force=True).read_bytes() == b"new"  # who reads it is waited for
-    alone.patiently.__defaults__ = (0.1,)
+    alone.retried.__defaults__ = (0.1,)
     with path.open("rb"), pytest.raises(FileAccessError, match="open in another program"):
         writer.write_bytes(path, b"newer", force=True)
     assert path.read_bytes() == b"new"
